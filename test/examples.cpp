@@ -39,9 +39,8 @@ Example make_example(const std::vector<size_t>& train_frames, size_t query_frame
 SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences) {
   SequenceDatabase database;
   for (const std::vector<LdbCode>& codes : sequences) {
-    TrainSequence& sequence = database.sequences.emplace_back();
-    sequence.name = std::string(1, static_cast<char>('a' + database.sequences.size() - 1));
-    sequence.frame_names = numbers(codes.size());
+    const std::string name(1, static_cast<char>('a' + database.sequences.size()));
+    database.sequences.push_back({{name, codes.size(), numbers(codes.size())}});
     database.descriptors.append(codes);
   }
   return database;
@@ -49,7 +48,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 
 DescriptorSet make_query(const std::vector<LdbCode>& codes) {
   DescriptorSet query = ldb_set(codes, {});
-  query.frames.names = numbers(codes.size());
+  query.sequence.frame_names = numbers(codes.size());
   return query;
 }
 
@@ -69,10 +68,9 @@ FabmapDatabase make_fabmap(const SequenceDatabase& database) {
   fabmap.vocabulary = cv::Mat::zeros(40, 64, CV_32F);
   for (const WordSet& words : all) fabmap.pretrain.add(words);
   size_t first = 0;
-  for (const TrainSequence& sequence : database.sequences) {
-    add_group(fabmap, {sequence.name, false, sequence.frame_names, sequence.unreadable},
-              std::span(all).subspan(first, sequence.frame_count()));
-    first += sequence.frame_count();
+  for (const TrainSequence& train : database.sequences) {
+    add_group(fabmap, {train.sequence}, std::span(all).subspan(first, train.sequence.frames));
+    first += train.sequence.frames;
   }
   index_views(fabmap);
   return fabmap;

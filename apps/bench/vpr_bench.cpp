@@ -13,7 +13,7 @@
 #include "describe/frame_descriptors.h"
 #include "run/score_basis.h"
 #include "run/train.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -150,7 +150,7 @@ void add_describe(Program& program, Bench<DescribeBenchSettings>& bench, std::st
       add_bench(program, bench, "describe", "Decoding, LDB and every local feature, per frame.",
                 "  vpr-bench describe --images walk -o describe.json",
                 [&images](Session& session, const DescribeBenchSettings& settings) {
-                  std::optional<Sequence> sequence;
+                  std::optional<SequenceSource> sequence;
                   if (!images.empty()) sequence = open_sequence(parse_sequence_argument(images));
                   return bench_describe(settings, sequence, session.options.seed, session.monitor);
                 });
@@ -185,7 +185,7 @@ struct RealtimeInputs {
 
 BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
                          const RealtimeBenchSettings& settings) {
-  const Sequence query = open_sequence(parse_sequence_argument(inputs.query));
+  const SequenceSource query = open_sequence(parse_sequence_argument(inputs.query));
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,

@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "present/result_file.h"
 #include "progress.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "store/archive.h"
 #include "truth/dataset.h"
 

@@ -12,8 +12,7 @@
 #include "evaluate/score_sources.h"
 #include "present/evaluation_report.h"
 #include "present/result_file.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -118,7 +117,7 @@ void add_recorded_names(JudgedBy& by, const StoredResult& stored) {
   for (size_t s = 0; s < stored.result.targets.size(); ++s)
     by.train_names.emplace_back([database, trained, s] {
       if (trained->empty()) *trained = read_sequence_database(database).sequences;
-      return trained->at(s).frame_names;
+      return trained->at(s).sequence.frame_names;
     });
 }
 
@@ -126,7 +125,7 @@ void evaluate_stored(Session& session, const EvalInputs& inputs, OpenedScores op
                      Evaluated& evaluated) {
   StoredResult& stored = *opened.stored;
   evaluated.by =
-      judged_by(session, inputs, stored.result.query_name,
+      judged_by(session, inputs, stored.result.query.name,
                 stored.result.places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
   if (!stored.result.places) add_recorded_names(evaluated.by, stored);
   evaluated.evaluation = evaluate_result(std::move(stored.result), std::move(opened.matrix),
@@ -139,7 +138,8 @@ ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
   const std::string name =
       inputs.name.empty() ? std::filesystem::path(inputs.source()).stem().string() : inputs.name;
   ScoreSettings settings{name, inputs.matrix.format(), inputs.window_length, inputs.threshold};
-  if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
+  if (!inputs.warp.empty())
+    settings.query.selection = warped(inputs.warp, *inputs.query_frames, seed);
   return settings;
 }
 
@@ -181,9 +181,10 @@ void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& eval
   check_rows(inputs.scores, opened.matrix->queries(),
              inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
   ScoreSettings settings = settings_of(inputs.scores, session.options.seed);
+  settings.query.name = query_name(inputs);
   settings.format.is_similarity = opened.matrix->kind() == ScoreOrder::similarity;
-  evaluated.evaluation = evaluate_scores(std::move(*opened.matrix), settings, query_name(inputs),
-                                         evaluated.by, session.monitor);
+  evaluated.evaluation =
+      evaluate_scores(std::move(*opened.matrix), settings, evaluated.by, session.monitor);
   warn_reversed(session.monitor, inputs.scores, evaluated.evaluation.judgement);
   warn_negative(session.monitor, inputs.scores, evaluated.evaluation.judgement);
 }

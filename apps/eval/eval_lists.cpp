@@ -9,7 +9,7 @@
 #include "evaluate/matrix_scan.h"
 #include "evaluate/score_sources.h"
 #include "present/result_file.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -80,7 +80,7 @@ std::string pair_lines(const std::vector<BestPair>& pairs, const EvalInputs& inp
 std::optional<size_t> query_frames(const EvalInputs& inputs) {
   const auto query = query_argument(inputs, inputs.pictures.query);
   if (!query) return std::nullopt;
-  const Sequence sequence = open_sequence(*query);
+  const SequenceSource sequence = open_sequence(*query);
   return sequence.kind == SequenceKind::images ? std::optional(sequence.files.size())
                                                : std::nullopt;
 }

@@ -52,16 +52,16 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
     }
     return train.poses;
   };
-  for (const auto& sequence : evaluation.judgement.layout.scope.sequences) {
+  for (const auto& [sequence, searched, names] : evaluation.judgement.layout.scope.sequences) {
     Poses& poses = positions.emplace_back();
     const auto train = std::ranges::find(dataset.train, sequence.name, &NamedSequence::name);
     if (train != dataset.train.end() && !train->poses.empty())
       poses = read(train->poses, {});
-    else if (!options.reference.empty() && sequence.searched)
+    else if (!options.reference.empty() && searched)
       poses = read(options.reference, options);
-    if (!sequence.kept || poses.empty()) continue;
-    poses.resize(sequence.kept->recorded_frames);
-    poses = replayed(poses, *sequence.kept);
+    if (sequence.selection.is_all() || poses.empty()) continue;
+    poses.resize(sequence.recorded_frames());
+    poses = selected(std::move(poses), sequence.selection);
   }
   return positions;
 }
@@ -69,9 +69,9 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
 FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& options,
                     std::optional<double> frames_per_second, const Monitor& monitor) {
   FrameClock clock{{}, frames_per_second};
-  const auto& replay = evaluation.judgement.layout.scope.replay;
-  if (replay && !replay->warp.empty()) return clock;  // whose frames have no times
-  if (replay) clock.sources = replay->sources;
+  const Selection& selection = evaluation.query().selection;
+  if (!selection.warp.empty()) return clock;  // whose frames have no times
+  clock.sources = selection.sources;
   if (!options.query_times.empty()) clock.times_ns = read_frame_times(options.query_times, monitor);
   return clock;
 }
@@ -100,7 +100,7 @@ void claim_csv_outputs(const Session& session, const CsvInputs& inputs, bool has
 void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluation,
               const std::string& name) {
   if (!inputs.outcomes.empty())
-    rows.outcomes += outcomes_csv(evaluation.judgement, name, evaluation.query_name);
+    rows.outcomes += outcomes_csv(evaluation.judgement, name, evaluation.query().name);
   if (!inputs.recognitions.empty() && evaluation.result)
     rows.recognitions += recognitions_csv(*evaluation.result, name);
 }

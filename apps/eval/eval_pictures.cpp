@@ -9,13 +9,13 @@
 #include "present/evaluation_tables.h"
 #include "present/html_report.h"
 #include "present/route_map.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
 namespace {
 
-void require_frames(const Sequence& sequence, size_t expected, const std::string& what) {
+void require_frames(const SequenceSource& sequence, size_t expected, const std::string& what) {
   if (sequence.kind == SequenceKind::descriptors)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: holds descriptors; pictures need the images that "
@@ -36,9 +36,9 @@ std::vector<NamedSequence> find_train(const PictureInputs& inputs,
   return train;
 }
 
-std::vector<std::optional<Sequence>> open_references(const std::vector<NamedSequence>& train,
-                                                     const GroundTruthScope& scope) {
-  std::vector<std::optional<Sequence>> references(scope.sequences.size());
+std::vector<std::optional<SequenceSource>> open_references(const std::vector<NamedSequence>& train,
+                                                           const GroundTruthScope& scope) {
+  std::vector<std::optional<SequenceSource>> references(scope.sequences.size());
   if (train.empty()) return references;
   if (train.size() < scope.sequences.size())
     throw Error(ErrorKind::usage, fmt::format("{} training sequences are given for pictures, and "
@@ -46,12 +46,11 @@ std::vector<std::optional<Sequence>> open_references(const std::vector<NamedSequ
                                               train.size(), scope.sequences.size()));
   for (size_t s = 0; s < references.size(); ++s) {
     const auto named = std::find_if(train.begin(), train.end(), [&](const NamedSequence& t) {
-      return !t.name.empty() && t.name == scope.sequences[s].name;
+      return !t.name.empty() && t.name == scope.sequences[s].sequence.name;
     });
     references[s] = open_sequence((named == train.end() ? train[s] : *named).sequence);
-    const GroundTruthScope::TrainSequence& known = scope.sequences[s];
-    require_frames(*references[s], known.kept ? known.kept->recorded_frames : known.frames,
-                   known.name);
+    const Sequence& known = scope.sequences[s].sequence;
+    require_frames(*references[s], known.recorded_frames(), known.name);
   }
   return references;
 }
@@ -63,7 +62,7 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
   std::optional<Dataset> dataset;
   if (!dataset_path.empty()) dataset = read_dataset(dataset_path);
   if (dataset) {
-    const std::string& name = evaluation.query_name;
+    const std::string& name = evaluation.query().name;
     const bool is_named =
         std::any_of(dataset->queries.begin(), dataset->queries.end(),
                     [&](const DatasetQuery& query) { return query.sequence.name == name; });
@@ -72,9 +71,7 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
   } else if (inputs.query) {
     sources.query = open_sequence(parse_sequence_argument(*inputs.query));
   }
-  if (sources.query)
-    require_frames(*sources.query,
-                   scope.replay ? scope.replay->recorded_frames : scope.query_frames, "the query");
+  if (sources.query) require_frames(*sources.query, scope.query.recorded_frames(), "the query");
   // References of FAB-MAP are places: the data set's training sequences are not.
   if (evaluation.result && evaluation.result->result.places) dataset.reset();
   sources.references = open_references(find_train(inputs, dataset), scope);
@@ -89,7 +86,7 @@ MapPanel panel_of(const Evaluated& evaluated) {
 }
 
 RouteMap read_map(const Dataset& dataset, const std::string& where, const Evaluation& evaluation) {
-  const std::string& name = evaluation.query_name;
+  const std::string& name = evaluation.query().name;
   const NamedSequence& query = select_query(dataset, name).sequence;
   if (query.poses.empty())
     throw Error(ErrorKind::usage, fmt::format("{}: the query {} names no \"poses\", which --map "
@@ -108,15 +105,14 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
   map.query = std::move(found.routes.front());
   map.train.assign(std::make_move_iterator(found.routes.begin() + 1),
                    std::make_move_iterator(found.routes.end()));
-  const auto& replay = evaluation.judgement.layout.scope.replay;
-  const size_t frames = replay ? replay->recorded_frames : evaluation.judgement.fixes.size();
+  const size_t frames = evaluation.query().recorded_frames();
   if (map.query.empty())
     throw Error(ErrorKind::data, fmt::format("{}: has no poses", query.poses.string()));
   if (map.query.size() > frames)
     throw Error(ErrorKind::data, fmt::format("{}: has poses of {} frames, and the query has {}",
                                              query.poses.string(), map.query.size(), frames));
   map.query.resize(frames);
-  if (replay) map.query = replayed(map.query, *replay);
+  map.query = selected(std::move(map.query), evaluation.query().selection);
   if (!dataset.plan.empty()) map.walls = read_walls(dataset.plan);
   if (!dataset.place_poses.empty()) map.places = read_place_positions(dataset.place_poses);
   return map;
@@ -205,8 +201,8 @@ void write_map(Session& session, const EvalInputs& inputs, const Evaluated& eval
   std::vector<MapPanel> panels = {panel_of(evaluated)};
   if (second) {
     panels.push_back(panel_of(*second));
-    const std::string& query = evaluated.evaluation.query_name;
-    const std::string& other = second->evaluation.query_name;
+    const std::string& query = evaluated.evaluation.query().name;
+    const std::string& other = second->evaluation.query().name;
     if (other != query || panels[0].meanings.size() != panels[1].meanings.size())
       throw Error(ErrorKind::usage,
                   fmt::format("{}: is of the query {}, the first result of {}; give two results "

@@ -4,9 +4,10 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "common/rate_flags.h"
+#include "common/selection_flags.h"
 #include "eval_inputs.h"
 #include "evaluate/metrics.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {

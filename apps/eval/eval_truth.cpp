@@ -10,8 +10,7 @@
 #include "present/ground_truth_report.h"
 #include "present/result_file.h"
 #include "sequence/frames.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "truth/check.h"
 #include "truth/formats.h"
 
@@ -20,12 +19,12 @@ namespace vpr {
 namespace {
 
 size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
-  const Sequence sequence = open_sequence(argument);
+  const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::descriptors) return ArrayRows(sequence).count();
   if (sequence.kind == SequenceKind::images) return sequence.files.size();
   return for_each_frame(sequence, PixelFormat::grey, Unreadable::skip, monitor,
                         [](size_t, const cv::Mat&) {})
-      .count();
+      .frames;
 }
 
 GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& monitor) {
@@ -34,10 +33,10 @@ GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& mo
   const std::vector<std::string> names = sequence_names(arguments);
   GroundTruthScope scope;
   const SequenceArgument query = parse_sequence_argument(inputs.query);
-  scope.query_frames = count_frames(query, monitor);
+  scope.query.frames = count_frames(query, monitor);
   scope.query_names = [query] { return frame_names(query); };
   for (size_t s = 0; s < arguments.size(); ++s) {
-    scope.sequences.push_back({names[s], count_frames(arguments[s], monitor)});
+    scope.sequences.push_back({{names[s], count_frames(arguments[s], monitor)}});
     scope.sequences.back().names = [train = arguments[s]] { return frame_names(train); };
   }
   return scope;
@@ -73,12 +72,12 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
       throw Error(ErrorKind::usage, "give both --query and --train");
     return scope_of_sequences(inputs, monitor);
   }
-  if (!has_numbers) return {kUnknownFrames, {{"", kUnknownFrames}}};
+  if (!has_numbers) return {{"", kUnknownFrames}, {{{"", kUnknownFrames}}}};
   if (!inputs.query_frames || !inputs.train_frames)
     throw Error(ErrorKind::usage, "give both --query-frames and --train-frames");
   if (*inputs.query_frames > kMaxGrownFrames || *inputs.train_frames > kMaxGrownFrames)
     throw Error(ErrorKind::usage, fmt::format("numbers of frames go up to {}", kMaxGrownFrames));
-  return {*inputs.query_frames, {{"", *inputs.train_frames}}};
+  return {{"", *inputs.query_frames}, {{{"", *inputs.train_frames}}}};
 }
 
 void run(Session& session, const CheckInputs& inputs) {

@@ -89,9 +89,8 @@ RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run
 
 // Of a thinned query, that of the frames that are kept.
 std::optional<double> rate_of_frames(const Evaluation& evaluation, const EvalInputs& inputs) {
-  const auto& replay = evaluation.judgement.layout.scope.replay;
-  const bool is_thinned = replay && replay->fps > 0 && evaluation.result;
-  return is_thinned ? evaluation.result->result.query_fps : frames_per_second(inputs);
+  const bool is_thinned = evaluation.query().selection.thinned_fps > 0;
+  return is_thinned ? evaluation.query().fps : frames_per_second(inputs);
 }
 
 void claim_outputs(const Session& session, const EvalInputs& inputs) {

@@ -8,8 +8,7 @@
 #include "present/explanation_report.h"
 #include "present/raster.h"
 #include "present/result_file.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -30,7 +29,7 @@ std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
         equals == std::string::npos ? sequence_names({argument}).front() : text.substr(0, equals);
     size_t group = 0;
     while (group < database.groups.size() &&
-           (database.groups[group].name != name || images.contains(group)))
+           (database.groups[group].sequence.name != name || images.contains(group)))
       ++group;
     if (group == database.groups.size())
       throw Error(ErrorKind::usage,

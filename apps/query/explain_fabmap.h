@@ -8,7 +8,7 @@
 #include "common/command.h"
 #include "query_inputs.h"
 #include "run/fabmap_explain.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 

@@ -17,8 +17,7 @@
 #include "query_inputs.h"
 #include "query_loop.h"
 #include "run/fabmap_query.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -32,29 +31,26 @@ struct WordQuery {
   SequenceWords words;
 };
 
-WordQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& database,
-                         bool skip_unreadable, const Session& session) {
+WordQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
+                     bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!inputs.query_bow.empty()) {
     const SequenceArgument argument = parse_sequence_argument(inputs.query_bow);
     query.name = sequence_names({argument}).front();
     query.path = argument.path.string();
-    query.words.frames = read_openfabmap_frames(argument, database.tree.words());
+    SequenceWords rows{{}, read_openfabmap_frames(argument, database.tree.words())};
+    rows.sequence.frames = rows.words.size();
+    const Selection shown =
+        warped(inputs.selection.warp, rows.sequence.frames, session.options.seed);
+    query.words = selected(std::move(rows), shown);
     return query;
   }
-  const QuerySource source = find_query(inputs, session.monitor);
+  const QuerySource source = find_query(inputs, session);
   query.name = source.sequence.name;
   query.path = source.sequence.sequence.path.string();
   query.images = {source.sequence.sequence.path, source.sequence.sequence.range};
   query.words = describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
                                session.monitor);
-  return query;
-}
-
-WordQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
-                     bool skip_unreadable, const Session& session) {
-  WordQuery query = read_recording(inputs, database, skip_unreadable, session);
-  query.words = replayed(std::move(query.words), inputs.warp, session.options.seed);
   return query;
 }
 
@@ -81,7 +77,7 @@ std::string summary(const Result& result) {
   Table table;
   table.title =
       fmt::format("{}: {}, {} of {} of {}", query_title(result),
-                  counted(result.query_frames, "frame"), counted(result.hits.size(), "recognition"),
+                  counted(result.query.frames, "frame"), counted(result.hits.size(), "recognition"),
                   recognised.size(), counted(places.names.size(), "place"));
   if (places.featureless > 0)
     table.title += fmt::format("; {} without features", counted(places.featureless, "frame"));
@@ -117,7 +113,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const WordQuery query = read_query(inputs, database, settings.skip_unreadable, session);
   const double describe_s = watch.elapsed_s();
-  const size_t frames = query.words.frames.size();
+  const size_t frames = query.words.sequence.frames;
   images_by_group(inputs, database);  // a wrong name should not cost the whole query
   const auto explained = inputs.explained_frame;
   if (explained && *explained >= frames)
@@ -143,13 +139,14 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   if (explained) {
     const FabmapDatabase searched =
         settings.loop ? with_query(database, query.words, query.name) : database;
-    const Explanation explanation = explain_frame(searched, query.words.frames[*explained],
+    const Explanation explanation = explain_frame(searched, query.words.words[*explained],
                                                   *explained, explained_posterior, settings);
     context.explanation = explanation_json(explanation);
     text += "\n" + explanation_text(explanation);
     if (query.images && !options.output.empty() && !explanation.places.empty()) {
-      const FrameOfQuery frame = {
-          *query.images, query.words.replay ? query.words.replay->sources[*explained] : *explained};
+      const Selection& selection = query.words.sequence.selection;
+      const FrameOfQuery frame = {*query.images,
+                                  selection.is_all() ? *explained : selection.sources[*explained]};
       write_explanation_picture(explanation, inputs, frame, searched, settings.loop, session);
       text += fmt::format("Drawn in {}\n", explanation_picture_path(options.output).string());
     }

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/rate_flags.h"
+#include "common/selection_flags.h"
 #include "evaluate/loops.h"
 #include "fabmap/model.h"
 #include "truth/times.h"
@@ -57,8 +57,8 @@ void add_inputs(const Command& app, QueryInputs& inputs) {
       "descriptors: n x d numbers, or a folder with a .npy file a frame, with an optional "
       "range");
   app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
-  add_warp_flag(app, inputs.warp);
-  add_rate_flags(app, inputs.rate, "the query");
+  add_warp_flag(app, inputs.selection.warp);
+  add_rate_flags(app, inputs.selection, "the query");
   add_matrix_flags(app, inputs.scores);
 }
 

@@ -5,8 +5,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "sequence/selection.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -33,7 +32,7 @@ NamedSequence sequence_of_flags(const QueryInputs& inputs) {
 
 }  // namespace
 
-QuerySource find_query(const QueryInputs& inputs, const Monitor& monitor) {
+QuerySource find_query(const QueryInputs& inputs, const Session& session) {
   QuerySource source;
   if (!inputs.ground_truth.empty())
     source.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
@@ -49,15 +48,15 @@ QuerySource find_query(const QueryInputs& inputs, const Monitor& monitor) {
   }
   SequenceArgument& sequence = source.sequence.sequence;
   if (!inputs.follow || std::filesystem::is_regular_file(sequence.path))
-    sequence = rated(sequence, inputs.rate, inputs.flags.options.query_times,
-                     dataset ? &*dataset : nullptr, monitor);
-  if (source.ground_truth) leave_times_to_rate(*source.ground_truth, inputs.rate);
+    sequence = selected(sequence, inputs.selection, inputs.flags.options.query_times,
+                        dataset ? &*dataset : nullptr, session);
+  if (source.ground_truth) leave_times_to_rate(*source.ground_truth, inputs.selection);
   return source;
 }
 
 bool asks_for_truth(const QueryInputs& inputs) {
   GroundTruthFlags flags = inputs.flags;
-  if (inputs.rate.fps) flags.options.query_times.clear();
+  if (inputs.selection.fps) flags.options.query_times.clear();
   return !inputs.ground_truth.empty() || any_given(flags);
 }
 
@@ -85,7 +84,8 @@ Json keep_result(const Session& session, const Result& result, const ResultConte
 }
 
 std::string query_title(const Result& result) {
-  return result.query_name + (result.replay ? ", " + replay_text(*result.replay) : "");
+  const std::string selection = selection_text(result.query.selection);
+  return result.query.name + (selection.empty() ? "" : ", " + selection);
 }
 
 }  // namespace vpr

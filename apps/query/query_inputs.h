@@ -7,8 +7,8 @@
 
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
-#include "common/rate_flags.h"
 #include "common/score_flags.h"
+#include "common/selection_flags.h"
 #include "decide/choices.h"
 #include "present/result_file.h"
 #include "run/train.h"
@@ -36,8 +36,7 @@ struct QueryInputs {
   QueryScores scores;
   QueryLoop loop;
   std::string dataset;
-  std::string warp;  ///< how the query is replayed; empty: as it is
-  RateFlags rate;
+  SelectionFlags selection;
   std::string ground_truth;
   GroundTruthFlags flags;  ///< of the ground truth
   std::string matrix;
@@ -58,7 +57,7 @@ struct QuerySource {
 /// The query of --query or --dataset, with its rate, and thinned to --fps; not so a folder or
 /// camera that is followed, whose frames are not known. Throws Error(usage) if there is none, and
 /// what `rated` throws.
-QuerySource find_query(const QueryInputs& inputs, const Monitor& monitor);
+QuerySource find_query(const QueryInputs& inputs, const Session& session);
 
 /// Whether any flag of the ground truth is given, but for --query-times where --fps needs it.
 bool asks_for_truth(const QueryInputs& inputs);

@@ -22,7 +22,7 @@ namespace {
 
 // As the flags or the data set say it.
 std::optional<double> recorded_fps(const QueryInputs& inputs) {
-  if (inputs.rate.recorded_fps || inputs.dataset.empty()) return inputs.rate.recorded_fps;
+  if (inputs.selection.recorded_fps || inputs.dataset.empty()) return inputs.selection.recorded_fps;
   const double fps = read_dataset(inputs.dataset).frames_per_second;
   return fps > 0 ? std::optional(fps) : std::nullopt;
 }
@@ -36,20 +36,20 @@ struct NamedSource {
 // Of what grows, frames are thinned as they come; of what has an end, they are chosen already.
 std::unique_ptr<LiveSource> thinned_source(std::unique_ptr<LiveSource> source,
                                            const QueryInputs& inputs) {
-  check_rates(inputs.rate);
-  if (!inputs.rate.fps) return source;
-  return open_thinned_source(std::move(source), *inputs.rate.fps, recorded_fps(inputs));
+  check_rates(inputs.selection);
+  if (!inputs.selection.fps) return source;
+  return open_thinned_source(std::move(source), *inputs.selection.fps, recorded_fps(inputs));
 }
 
-NamedSource open_source(const QueryInputs& inputs, Unreadable unreadable, const Monitor& monitor) {
+NamedSource open_source(const QueryInputs& inputs, Unreadable unreadable, const Session& session) {
   if (inputs.dataset.empty() && inputs.query == "-")
-    return {"standard input", inputs.rate.fps,
+    return {"standard input", inputs.selection.fps,
             thinned_source(open_live_pipe(STDIN_FILENO), inputs)};
-  const NamedSequence query = find_query(inputs, monitor).sequence;
+  const NamedSequence query = find_query(inputs, session).sequence;
   auto source = open_live_source(query.sequence, unreadable);
   if (std::filesystem::is_regular_file(query.sequence.path))
-    return {query.name, query.sequence.fps, std::move(source)};
-  const auto fps = inputs.rate.fps ? inputs.rate.fps : recorded_fps(inputs);
+    return {query.name, query.sequence.sequence.fps, std::move(source)};
+  const auto fps = inputs.selection.fps ? inputs.selection.fps : recorded_fps(inputs);
   return {query.name, fps, thinned_source(std::move(source), inputs)};
 }
 
@@ -124,7 +124,7 @@ void follow_query(Session& session, const QueryInputs& inputs, const ResolvedSet
   const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
   const SequenceDatabase database =
       open_database(inputs.database, settings, inputs.fuse, session.monitor);
-  const NamedSource query = open_source(inputs, unreadable, session.monitor);
+  const NamedSource query = open_source(inputs, unreadable, session);
   warn_of_rates(database, query.fps, *settings, session.monitor);
   Monitor silent = session.monitor;
   silent.progress = nullptr;

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "evaluate/loops.h"
 #include "run/loop_query.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "truth/times.h"
 
 namespace vpr {

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "query_inputs.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 QuerySource find_scored_query(const QueryInputs& inputs) {

@@ -23,7 +23,7 @@
 #include "run/score_basis.h"
 #include "run/train.h"
 #include "saved_matrix.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -59,7 +59,7 @@ Table places_table(const Result& result) {
     if (table.rows.size() == kTableRows) break;
     const std::string value =
         fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits);
-    table.rows.push_back({result.targets[cluster.target].name,
+    table.rows.push_back({result.targets[cluster.target].sequence.name,
                           anchors_text(cluster.query_first, cluster.query_last, length),
                           anchors_text(cluster.train_first, cluster.train_last, length),
                           std::to_string(cluster.hits), result.path ? rate_text(cluster) : value});
@@ -105,10 +105,10 @@ std::string advice_text(Sides& sides, const Result& result, const QueryResources
 
 void describe_own(Sides& sides, const Session& session, const QueryInputs& inputs,
                   const SequenceQuerySettings& settings) {
-  sides.source = find_query(inputs, session.monitor);
+  sides.source = find_query(inputs, session);
   LoopWalk walk = describe_loop(sides.source.sequence.sequence, inputs, settings, session);
   sides.database = std::move(walk.database);
-  sides.database.sequences.front().name = sides.source.sequence.name;
+  sides.database.sequences.front().sequence.name = sides.source.sequence.name;
   sides.query = std::move(walk.query);
   sides.times_ns = std::move(walk.times_ns);
   sides.context.database_fingerprint = sides.context.query_fingerprint =
@@ -117,10 +117,10 @@ void describe_own(Sides& sides, const Session& session, const QueryInputs& input
 
 void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
               const ResolvedSettings& settings) {
-  sides.source = find_query(inputs, session.monitor);
+  sides.source = find_query(inputs, session);
   sides.database = open_database(inputs.database, settings, inputs.fuse, session.monitor);
-  sides.query = describe_query(sides.source.sequence.sequence, sides.database, settings,
-                               inputs.warp, session.options.seed, session.monitor);
+  sides.query =
+      describe_query(sides.source.sequence.sequence, sides.database, settings, session.monitor);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
   if (const FusedViews* fused = fused_views(sides.database))
@@ -133,7 +133,8 @@ void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs
                                                     inputs.scores.matrix.format(), session.monitor);
   GivenQuery made = given_query(given, scored_sequences(inputs.scores));
   sides.database = std::move(made.database);
-  sides.query = replayed(std::move(made.query), inputs.warp, session.options.seed);
+  sides.query = selected(std::move(made.query),
+                         warped(inputs.selection.warp, given.queries(), session.options.seed));
   const GivenUnits& units = given.units();
   sides.context.scores = {{"kind", enum_name(inputs.scores.matrix.order())},
                           {"best", units.best},
@@ -188,9 +189,9 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
     const Result shape = make_result(planned);  // without matches
     if (source.ground_truth && inputs.matrix.ends_with(".png")) {
       GroundTruthScope scope = scope_of(shape);
-      scope.query_names = [&] { return query.frames.names; };
+      scope.query_names = [&] { return query.sequence.frame_names; };
       for (size_t s = 0; s < scope.sequences.size(); ++s)
-        scope.sequences[s].names = [&, s] { return database.sequences[s].frame_names; };
+        scope.sequences[s].names = [&, s] { return database.sequences[s].sequence.frame_names; };
       truth = read_ground_truth(*source.ground_truth, scope, session.monitor);
     }
     const Sinks observers{start_matrix(matrix, inputs.matrix, planned, shape, session)};

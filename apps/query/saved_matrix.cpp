@@ -14,7 +14,7 @@ namespace {
 constexpr size_t kMatrixPictureSide = 2000;  // pixels
 
 bool has_gaps(const QueryPlan& plan) {
-  return !plan.query_unreadable.empty() || !plan.past.empty() ||
+  return !plan.query_sequence.unreadable.empty() || !plan.past.empty() ||
          std::any_of(plan.train.begin(), plan.train.end(),
                      [](const DescriptorSpan& sequence) { return !sequence.unreadable.empty(); });
 }

@@ -176,7 +176,7 @@ DatabaseFamily family_of(const std::string& method) {
 void run(Session& session, const QueryInputs& inputs, const GivenSettings& given,
          const Command& app) {
   GivenSettings settings = given;
-  if (!inputs.warp.empty()) check_warp(inputs.warp);
+  if (!inputs.selection.warp.empty()) check_warp(inputs.selection.warp);
   const DatabaseFamily family = family_of(inputs, settings.fabmap.loop);
   const std::string_view kind = enum_name(family);
   const std::string method = settings.method.empty() ? std::string(kind) : settings.method;

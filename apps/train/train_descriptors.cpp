@@ -7,8 +7,7 @@
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "describe/imported.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "train_inputs.h"
 
 namespace vpr {
@@ -84,7 +83,7 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
                                              counted(rows, "row")));
   for (size_t s = 0; s < sequences.size(); ++s) {
     const FrameRange& range = sequences[s].sequence.range;
-    std::vector<std::string>& own = database.sequences[s].frame_names;
+    std::vector<std::string>& own = database.sequences[s].sequence.frame_names;
     for (size_t i = 0; i < own.size(); ++i) own[i] = names[range.first + i * range.step];
   }
 }

@@ -6,7 +6,7 @@
 #include "fabmap/openfabmap.h"
 #include "fabmap/train.h"
 #include "present/database_report.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "train_inputs.h"
 #include "truth/dataset.h"
 

@@ -3,8 +3,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "present/database_report.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "store/archive.h"
 #include "truth/dataset.h"
 
@@ -39,14 +38,14 @@ std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
   return named;
 }
 
-std::vector<NamedArgument> rated_arguments(const TrainInputs& inputs, const Monitor& monitor,
+std::vector<NamedArgument> rated_arguments(const TrainInputs& inputs, const Session& session,
                                            const std::vector<std::string>& taken) {
   std::optional<Dataset> dataset;
   if (!inputs.dataset.empty()) dataset = read_dataset(inputs.dataset);
   std::vector<NamedArgument> named = named_arguments(inputs, taken);
   for (NamedArgument& argument : named)
     argument.sequence =
-        rated(argument.sequence, inputs.rate, {}, dataset ? &*dataset : nullptr, monitor);
+        selected(argument.sequence, inputs.selection, {}, dataset ? &*dataset : nullptr, session);
   return named;
 }
 

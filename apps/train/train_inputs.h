@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/command.h"
-#include "common/rate_flags.h"
+#include "common/selection_flags.h"
 #include "describe/imported.h"
 #include "fabmap/database.h"
 #include "fabmap/train.h"
@@ -17,7 +17,7 @@ struct TrainInputs {
   std::vector<std::string> sequences;
   std::string folders;
   std::string dataset;
-  RateFlags rate;  ///< of fastable, and of add to such a database
+  SelectionFlags selection;  ///< of fastable, and of add to such a database
 };
 
 /// --train and --train-folders.
@@ -29,7 +29,7 @@ std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
                                            const std::vector<std::string>& taken = {});
 
 /// The same with their rates, thinned to --fps. Throws what `rated` throws, too.
-std::vector<NamedArgument> rated_arguments(const TrainInputs& inputs, const Monitor& monitor,
+std::vector<NamedArgument> rated_arguments(const TrainInputs& inputs, const Session& session,
                                            const std::vector<std::string>& taken = {});
 
 /// Claims the database of --output. Throws Error(usage) if none is named.

@@ -24,21 +24,20 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
                 fmt::format("{}: is a database for fastable, which has no --place", path));
   const SequenceDatabase database = read_sequence_database(path);
   std::vector<std::string> taken;
-  for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
-  store_sequences(session,
-                  add_sequences(database, rated_arguments(inputs.train, session.monitor, taken),
-                                inputs.skip_unreadable, session.kernels, session.monitor));
+  for (const TrainSequence& train : database.sequences) taken.push_back(train.sequence.name);
+  store_sequences(session, add_sequences(database, rated_arguments(inputs.train, session, taken),
+                                         inputs.skip_unreadable, session.kernels, session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
-  if (inputs.train.rate.fps || inputs.train.rate.recorded_fps)
+  if (inputs.train.selection.fps || inputs.train.selection.recorded_fps)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: is a database for fabmap, whose views are not thinned by --fps; "
                             "give a range with a step, as in PATH@::6",
                             path));
   FabmapDatabase database = read_fabmap_database(path);
   std::vector<std::string> taken;
-  for (const ViewGroup& group : database.groups) taken.push_back(group.name);
+  for (const ViewGroup& group : database.groups) taken.push_back(group.sequence.name);
   add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
             session.monitor);
   store_fabmap(session, database);
@@ -72,12 +71,12 @@ void add_fastable_command(Program& program, FastableCommand& given) {
       "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
       [&](Session& session) {
         claim_database(session);
-        store_sequences(session, train_sequences(rated_arguments(given.inputs, session.monitor),
+        store_sequences(session, train_sequences(rated_arguments(given.inputs, session),
                                                  given.settings, session.kernels, session.monitor));
       });
   program.add_config(fastable, given.settings);
   add_inputs(fastable, given.inputs);
-  add_rate_flags(fastable, given.inputs.rate, "training sequences");
+  add_rate_flags(fastable, given.inputs.selection, "training sequences");
   fastable.add_option("--dataset", given.inputs.dataset,
                       "data set description, instead of sequences");
   add_setting(fastable, "--descriptor", given.settings.descriptor_kind,
@@ -138,7 +137,7 @@ void add_add_command(Program& program, DatabaseCommands& given) {
   add.add_option("DB", given.path, "database to start from").required();
   add_inputs(add, given.added.train);
   add_place_option(add, given.added.places);
-  add_rate_flags(add, given.added.train.rate, "training sequences");
+  add_rate_flags(add, given.added.train.selection, "training sequences");
   add.add_flag("--skip-unreadable", given.added.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
 }

@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "common/rate_flags.h"
+#include "common/selection_flags.h"
 #include "present/calibration_report.h"
 #include "run/calibrate.h"
 #include "run/train.h"
@@ -18,8 +18,7 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
   const ResolvedSettings settings(command.settings, {kDatabaseChoice, kCalibrateChoice});
   const SequenceDatabase database = open_database(command.inputs.database, settings, "", monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
-  const DescriptorSet query = describe_query(source.sequence.sequence, database, settings,
-                                             command.inputs.warp, session.options.seed, monitor);
+  const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
   return calibrate_walk(database, query, source.sequence.name, settings,
                         calibrated_lengths(command.windows, database, query), precision,
                         reader_of(source, &database, monitor), resources, monitor);
@@ -27,19 +26,20 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
 
 void tune_calibrate(Session& session, const CalibrateTune& command) {
   TuneInputs inputs = command.inputs;
-  inputs.rate.otherwise = inputs.rate.fps;  // a walk that does not say its rate has this one
+  inputs.selection.otherwise =
+      inputs.selection.fps;  // a walk that does not say its rate has this one
   session.claim_output();
-  const Sources sources = find_sources(inputs, DatabaseFamily::sequences, session.monitor);
+  const Sources sources = find_sources(inputs, DatabaseFamily::sequences, session);
   if (sources.queries.size() > 1)
     throw Error(ErrorKind::usage, "a calibration is of one walk; give one --dataset");
   const CalibrationRequest request{command.precision.value_or(1),
-                                   sources.queries.front().sequence.sequence.fps};
+                                   sources.queries.front().sequence.sequence.sequence.fps};
   const Stopwatch watch;
   const CalibratedWalk walk =
       calibrate(session, command, sources.queries.front(), request.precision);
   if (!walk.chosen)
     throw Error(ErrorKind::expectation,
-                fmt::format("{}: no margin: {}", walk.query_name, calibration_failure(walk)));
+                fmt::format("{}: no margin: {}", walk.query.name, calibration_failure(walk)));
   session.run.simd_target = session.kernels.target;
   session.run.memory_limit = command.memory_limit;
   session.run.paths = {{"database", command.inputs.database}};
@@ -56,8 +56,8 @@ void add_walk(const Command& command, TuneInputs& inputs) {
   command.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   command.add_list("--dataset", inputs.datasets,
                    "data set description with the walk and its ground truth");
-  add_warp_flag(command, inputs.warp);
-  add_rate_flags(command, inputs.rate,
+  add_warp_flag(command, inputs.selection.warp);
+  add_rate_flags(command, inputs.selection,
                  "a walk whose rate is known (any other has it: false recognitions are given for "
                  "an hour, and not for 1000 windows)");
   add_ground_truth_flags(command, inputs.flags);

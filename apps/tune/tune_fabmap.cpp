@@ -1,6 +1,6 @@
 // vpr-tune fabmap: c_w and t_p.
 #include "base/stopwatch.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "tune_inputs.h"
 
 namespace vpr {
@@ -10,14 +10,12 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
   const TuneInputs& inputs = command.inputs;
   const Monitor& monitor = session.monitor;
   claim_outputs(inputs, session);
-  const Sources sources = find_sources(inputs, DatabaseFamily::fabmap, monitor);
+  const Sources sources = find_sources(inputs, DatabaseFamily::fabmap, session);
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
-    const SequenceWords query =
-        replayed(describe_words(open_sequence(source.sequence.sequence), database,
-                                command.settings.skip_unreadable, monitor),
-                 inputs.warp, session.options.seed);
+    const SequenceWords query = describe_words(open_sequence(source.sequence.sequence), database,
+                                               command.settings.skip_unreadable, monitor);
     return sweep_fabmap(database, query, source.sequence.name, command.settings,
                         grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,
                         session.options.seed, monitor);

@@ -17,14 +17,14 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const ResolvedSettings settings(command.settings, run);
   const Monitor& monitor = session.monitor;
   claim_outputs(inputs, session);
-  const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
+  const Sources sources = find_sources(inputs, DatabaseFamily::sequences, session);
   SequenceDatabase database = open_database(inputs.database, settings, inputs.fuse, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
-    const DescriptorSet query = describe_query(source.sequence.sequence, database, settings,
-                                               inputs.warp, session.options.seed, monitor);
+    const DescriptorSet query =
+        describe_query(source.sequence.sequence, database, settings, monitor);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, *settings, database, query), reader,

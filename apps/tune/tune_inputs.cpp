@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "common/rate_flags.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "common/selection_flags.h"
+#include "sequence/sequence_source.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -17,7 +16,7 @@ namespace {
 
 // A query of a data set, with the flags' changes to its ground truth.
 Source find_in_dataset(const TuneInputs& inputs, const std::string& path, const std::string& name,
-                       DatabaseFamily family, const Monitor& monitor) {
+                       DatabaseFamily family, const Session& session) {
   const Dataset dataset = read_dataset(path);
   const DatasetQuery& query =
       select_query(dataset, name.empty() ? std::nullopt : std::optional(name));
@@ -27,20 +26,20 @@ Source find_in_dataset(const TuneInputs& inputs, const std::string& path, const 
                 fmt::format("{}: the query {} has no ground truth", path, query.sequence.name));
   NamedSequence sequence = query.sequence;
   sequence.sequence =
-      rated(sequence.sequence, inputs.rate, truth->options.query_times, &dataset, monitor);
-  leave_times_to_rate(*truth, inputs.rate);
+      selected(sequence.sequence, inputs.selection, truth->options.query_times, &dataset, session);
+  leave_times_to_rate(*truth, inputs.selection);
   return {sequence, *truth};
 }
 
 // A sequence and a ground truth as the command line names them.
 Source parse_source(const TuneInputs& inputs, const std::string& sequence,
-                    const std::string& ground_truth, const Monitor& monitor) {
+                    const std::string& ground_truth, const Session& session) {
   const SequenceArgument argument = parse_sequence_argument(sequence);
   GroundTruthArgument truth = ground_truth_argument(ground_truth, inputs.flags);
   const NamedSequence named = {
       sequence_names({argument}).front(),
-      rated(argument, inputs.rate, truth.options.query_times, nullptr, monitor)};
-  leave_times_to_rate(truth, inputs.rate);
+      selected(argument, inputs.selection, truth.options.query_times, nullptr, session)};
+  leave_times_to_rate(truth, inputs.selection);
   return {named, truth};
 }
 
@@ -51,19 +50,19 @@ bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
 }
 
 std::vector<Source> find_queries(const TuneInputs& inputs, DatabaseFamily family,
-                                 const Monitor& monitor) {
+                                 const Session& session) {
   std::vector<Source> queries;
   for (const std::string& path : inputs.datasets)
-    queries.push_back(find_in_dataset(inputs, path, inputs.query, family, monitor));
+    queries.push_back(find_in_dataset(inputs, path, inputs.query, family, session));
   if (!queries.empty()) return queries;
   if (inputs.query.empty() || inputs.ground_truth.empty())
     throw Error(ErrorKind::usage,
                 "give --query and --ground-truth, or data sets that have both (--dataset)");
-  return {parse_source(inputs, inputs.query, inputs.ground_truth, monitor)};
+  return {parse_source(inputs, inputs.query, inputs.ground_truth, session)};
 }
 
 std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily family,
-                                      const Monitor& monitor) {
+                                      const Session& session) {
   const bool in_dataset = inputs.validate_ground_truth.empty() && inputs.datasets.size() == 1;
   if (inputs.validate.empty() != inputs.validate_ground_truth.empty() && !in_dataset)
     throw Error(ErrorKind::usage,
@@ -71,8 +70,8 @@ std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily f
                 "of another of its queries as --validate");
   if (inputs.validate.empty()) return std::nullopt;
   return in_dataset
-             ? find_in_dataset(inputs, inputs.datasets.front(), inputs.validate, family, monitor)
-             : parse_source(inputs, inputs.validate, inputs.validate_ground_truth, monitor);
+             ? find_in_dataset(inputs, inputs.datasets.front(), inputs.validate, family, session)
+             : parse_source(inputs, inputs.validate, inputs.validate_ground_truth, session);
 }
 
 }  // namespace
@@ -83,21 +82,24 @@ TruthReader reader_of(const Source& source, const SequenceDatabase* database,
     scope.query_names = [&] { return frame_names(source.sequence.sequence); };
     if (database != nullptr)
       for (size_t s = 0; s < scope.sequences.size(); ++s)
-        scope.sequences[s].names = [database, s] { return database->sequences[s].frame_names; };
+        scope.sequences[s].names = [database, s] {
+          return database->sequences[s].sequence.frame_names;
+        };
     return read_ground_truth(source.ground_truth, scope, monitor);
   };
 }
 
-Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor) {
-  if (!inputs.warp.empty()) check_warp(inputs.warp);
-  Sources sources{find_queries(inputs, family, monitor), find_validation(inputs, family, monitor)};
+Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Session& session) {
+  if (!inputs.selection.warp.empty()) check_warp(inputs.selection.warp);
+  Sources sources{find_queries(inputs, family, session), find_validation(inputs, family, session)};
   if (!sources.validation) return sources;
   const SequenceArgument& validation = sources.validation->sequence.sequence;
   for (const Source& query : sources.queries)
     if (share_frames(query.sequence.sequence, validation))
-      warn(monitor, fmt::format("{}: is also what the setting is chosen on; a validation needs "
-                                "frames that were not seen",
-                                validation.path.string()));
+      warn(session.monitor,
+           fmt::format("{}: is also what the setting is chosen on; a validation needs "
+                       "frames that were not seen",
+                       validation.path.string()));
   return sources;
 }
 
@@ -133,8 +135,8 @@ void add_tune_inputs(const Command& command, TuneInputs& inputs) {
                      "--dataset, the name of another of its queries");
   command.add_option("--validate-ground-truth", inputs.validate_ground_truth,
                      "its ground truth, read like the other");
-  add_warp_flag(command, inputs.warp);
-  add_rate_flags(command, inputs.rate, "queries");
+  add_warp_flag(command, inputs.selection.warp);
+  add_rate_flags(command, inputs.selection, "queries");
   add_ground_truth_flags(command, inputs.flags);
   command.add_option("--heat-map", inputs.heat_map,
                      "picture (PNG) of correct and incorrect hits over the grid");

@@ -8,7 +8,7 @@
 
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
-#include "common/rate_flags.h"
+#include "common/selection_flags.h"
 #include "present/table.h"
 #include "run/sweep.h"
 #include "truth/dataset.h"
@@ -21,8 +21,7 @@ struct TuneInputs {
   std::string query;
   std::string ground_truth;
   std::string fuse;  ///< FAB-MAP's database of the same training sequences, for fastable
-  std::string warp;  ///< how every query is replayed; empty: as it is
-  RateFlags rate;
+  SelectionFlags selection;
   GroundTruthFlags flags;
   std::vector<std::string> datasets;
   GridFlags grid;
@@ -51,7 +50,7 @@ struct Sources {
 
 /// By paths or, of a data set, by names; warns if a setting is chosen on the validation. Throws
 /// Error(usage) if there is no query, or no ground truth.
-Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor);
+Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Session& session);
 
 /// Claims the outputs. Throws Error(usage) if --save-config has several data sets.
 void claim_outputs(const TuneInputs& inputs, const Session& session);

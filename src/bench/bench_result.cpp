@@ -10,9 +10,9 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
-#include "present/json_fields.h"
 
 namespace vpr {
 namespace {

@@ -31,7 +31,7 @@ std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-Frames load_frames(const std::optional<Sequence>& images, uint64_t count, uint64_t seed) {
+Frames load_frames(const std::optional<SequenceSource>& images, uint64_t count, uint64_t seed) {
   Frames frames;
   if (images && images->files.empty())
     throw Error(ErrorKind::usage, fmt::format("{}: is a video; use a folder or list of images",
@@ -39,7 +39,7 @@ Frames load_frames(const std::optional<Sequence>& images, uint64_t count, uint64
   for (uint64_t i = 0; i < count; ++i) {
     if (images) {
       if (i == images->files.size()) break;
-      frames.gray.push_back(decode_image(images->files[i], PixelFormat::grey));
+      frames.gray.push_back(decode_image(images->files[i], PixelFormat::gray));
       frames.files.push_back(read_bytes(images->files[i]));
     } else {
       cv::imencode(".jpg", generate_frame(seed + i), frames.files.emplace_back());
@@ -50,7 +50,7 @@ Frames load_frames(const std::optional<Sequence>& images, uint64_t count, uint64
 }
 
 // Times training with all threads: decoding alone, and decoding with describing.
-void add_whole_sequence(BenchResult& result, const Sequence& images,
+void add_whole_sequence(BenchResult& result, const SequenceSource& images,
                         const DescribeBenchSettings& settings, const Monitor& monitor) {
   const auto add = [&](const std::string& work, const std::function<void()>& run) {
     BenchRow row{work, {{"files", static_cast<double>(images.files.size())}}, "frame", {}, {}, ""};
@@ -60,7 +60,7 @@ void add_whole_sequence(BenchResult& result, const Sequence& images,
     result.rows.push_back(std::move(row));
   };
   add("decode all", [&] {
-    for_each_frame(images, PixelFormat::grey, Unreadable::fail, {}, [](size_t, const cv::Mat&) {});
+    for_each_frame(images, PixelFormat::gray, Unreadable::fail, {}, [](size_t, const cv::Mat&) {});
   });
   add("decode and describe all",
       [&] { descriptor_kinds().front().describe(images, {}, Unreadable::fail, {}); });
@@ -69,7 +69,7 @@ void add_whole_sequence(BenchResult& result, const Sequence& images,
 }  // namespace
 
 BenchResult bench_describe(const DescribeBenchSettings& settings,
-                           const std::optional<Sequence>& images, uint64_t seed,
+                           const std::optional<SequenceSource>& images, uint64_t seed,
                            const Monitor& monitor) {
   if (settings.frames < 1 || settings.frames > 10'000)
     throw Error(ErrorKind::usage,

@@ -3,7 +3,7 @@
 
 #include "bench/bench_result.h"
 #include "fabmap/local_features.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -25,7 +25,7 @@ void visit_fields(DescribeBenchSettings& settings, Visitor&& visit) {
 
 /// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory.
 BenchResult bench_describe(const DescribeBenchSettings& settings,
-                           const std::optional<Sequence>& images, uint64_t seed,
+                           const std::optional<SequenceSource>& images, uint64_t seed,
                            const Monitor& monitor);
 
 }  // namespace vpr

@@ -35,7 +35,7 @@ ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   return {live, {kDatabaseChoice, kFollowChoice}};
 }
 
-BenchResult bench_realtime(const SequenceDatabase& database, const Sequence& query,
+BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,
                            const RealtimeBenchSettings& settings, const QueryResources& resources,
                            const Monitor& monitor) {
   if (!(settings.rate_hz > 0 && settings.rate_hz <= 10'000))
@@ -57,7 +57,7 @@ BenchResult bench_realtime(const SequenceDatabase& database, const Sequence& que
     const auto due = start + std::chrono::duration_cast<Clock::duration>(
                                  Milliseconds(static_cast<double>(f) * period_ms));
     std::this_thread::sleep_until(due);
-    const Sequence frame{{query.files[f], {}}, query.kind, {query.files[f]}};
+    const SequenceSource frame{{query.files[f], {}}, query.kind, {query.files[f]}};
     const DescriptorSet described = describe_frames(frame, database, false, {});
     live.take({described.rows()[0]});
     latencies_ms.push_back(Milliseconds(Clock::now() - due).count());

@@ -5,7 +5,7 @@
 
 #include "bench/bench_result.h"
 #include "run/live_query.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -35,7 +35,7 @@ ResolvedSettings live_settings(const RealtimeBenchSettings& settings);
 /// (50, 95, 99, 100), missed deadlines (latency above one period) and the share of a core. Throws
 /// Error(usage) for a query that is not a folder or list of images and for settings out of range;
 /// also throws as describe_frames and LiveQuery do.
-BenchResult bench_realtime(const SequenceDatabase& database, const Sequence& query,
+BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,
                            const RealtimeBenchSettings& settings, const QueryResources& resources,
                            const Monitor& monitor);
 

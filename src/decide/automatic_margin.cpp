@@ -98,7 +98,7 @@ uint32_t largest_likely(std::span<const uint32_t> false_margins, uint64_t mean) 
 
 constexpr size_t kNamedPairs = 3;
 
-std::string window_text(const TrainSequence& sequence, size_t window, size_t length) {
+std::string window_text(const Sequence& sequence, size_t window, size_t length) {
   const size_t last = window + length - 1;
   return fmt::format("frames {} to {} ({} to {})", window, last, sequence.frame_names[window],
                      sequence.frame_names[last]);
@@ -115,8 +115,8 @@ struct Overlap {
 std::string pair_text(const ThresholdTable& table, std::span<const TrainSequence> sequences,
                       const Overlap& overlap, std::string_view seem) {
   const ClosestWindows& closest = *table.closest[overlap.own];
-  const TrainSequence& a = sequences[overlap.own];
-  const TrainSequence& b = sequences[closest.other_sequence];
+  const Sequence& a = sequences[overlap.own].sequence;
+  const Sequence& b = sequences[closest.other_sequence].sequence;
   return fmt::format(
       "{0} and {1}{2}: {0} {3} and {1} {4} differ by {5:.1f} {7}, frames of the "
       "two by {6:.0f} on average",

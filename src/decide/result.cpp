@@ -36,11 +36,7 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found,
   };
   Result result;
   result.settings = plan.settings;
-  result.query_name = plan.query_name;
-  result.query_frames = plan.query_frames;
-  result.query_unreadable = plan.query_unreadable;
-  result.replay = plan.replay;
-  result.query_fps = plan.query_fps;
+  result.query = plan.query_sequence;
   result.query_windows = plan.query_windows;
   result.targets = plan.sequences;
   result.statistics = plan.statistics;

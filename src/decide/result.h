@@ -9,15 +9,14 @@
 #include "decide/margin_scan.h"
 #include "decide/query_settings.h"
 #include "decide/row_scan.h"
-#include "sequence/selection.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 
 /// What a query is compared with: a training sequence of the database, and the threshold used for
 /// it; or, of FAB-MAP, all its places, which have indices as frames have.
 struct Target {
-  std::string name;
-  size_t frames = 0;                ///< or places
+  Sequence sequence;                ///< its frames may be places
   size_t windows = 0;               ///< without an unreadable frame
   bool searched = true;             ///< false: left out by only_sequences
   std::optional<double> threshold;  ///< t_r on its scale; none: no automatic one exists, or t_p
@@ -25,8 +24,6 @@ struct Target {
   uint32_t distance_limit = 0;           ///< a hit has D (a biased sum of scores) below
   std::optional<uint32_t> max_distance;  ///< max(D), where the scale is relative
   std::optional<double> margin = {};     ///< X, where the decision is by margin
-  std::optional<double> fps = {};        ///< frames per second, where known
-  std::optional<Replay> kept = {};       ///< where they are kept ones of a recording
 };
 
 /// The training statistics that standardized scores started from.
@@ -69,12 +66,7 @@ struct ResultPath {
 /// What a query gave, whatever its method.
 struct Result {
   QuerySettings settings;
-  std::string query_name;
-  size_t query_frames = 0;
-  std::vector<size_t> query_unreadable;
-  /// Of what its frames are, where a recording is replayed or thinned.
-  std::optional<Replay> replay = {};
-  std::optional<double> query_fps = {};  ///< frames a second, where known
+  Sequence query;
   size_t query_windows = 0;     ///< frames - window_length() + 1; those with an unreadable frame
                                 ///< included
   std::vector<Target> targets;  ///< training sequences, or one: places
@@ -106,11 +98,7 @@ struct QueryPlan {
   DescriptorSpan query;
   std::vector<DescriptorSpan> train;         ///< all sequences, those not searched included
   const TrainStatistics* learned = nullptr;  ///< from the training frames; null: not known
-  std::string query_name;
-  size_t query_frames = 0;
-  std::vector<size_t> query_unreadable;
-  std::optional<Replay> replay;
-  std::optional<double> query_fps;
+  Sequence query_sequence;
   size_t query_windows = 0;
   std::vector<Target> sequences;
   std::optional<UsedStatistics> statistics;

@@ -20,7 +20,7 @@ namespace {
 
 // Writes one descriptor per frame, computed from the gray image, to an array of row_bytes() bytes.
 template <auto describe_gray>
-DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
+DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
                           const FrameVisitor& visit, const Monitor& monitor) {
   const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::grey;
@@ -30,7 +30,7 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
   set.descriptors.kind = &kind;
   std::vector<uint8_t>& rows = set.descriptors.owned;
   rows.resize(sequence.files.size() * row_bytes);
-  set.frames = for_each_frame(
+  set.sequence = for_each_frame(
       sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& image) {
         const auto row =
             describe_gray(settings.illumination_invariant ? illumination_invariant(image) : image);
@@ -40,27 +40,14 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
         if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
         std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
       });
-  rows.resize(set.frames.count() * row_bytes);  // the last frame of a video may have no image
+  rows.resize(set.sequence.frames * row_bytes);  // the last frame of a video may have no image
   return set;
 }
 
-DescriptorSet import_kind(const DescriptorKind& kind, const Sequence& sequence,
+DescriptorSet import_kind(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
                           const FrameVisitor&, const Monitor& monitor) {
   return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
-}
-
-// The frames of a set that `replay` selects.
-DescriptorSet shown(const DescriptorSet& set, Replay replay) {
-  DescriptorSet result;
-  result.descriptors.kind = set.descriptors.kind;
-  result.descriptors.unit = set.descriptors.unit;
-  result.given = set.given;
-  const DescriptorRows rows = set.rows();
-  for (const uint32_t source : replay.sources) result.descriptors.append(rows.subspan(source, 1));
-  if (!set.words.empty()) result.words = replayed(set.words, replay);
-  result.frames = replayed(set.frames, std::move(replay));
-  return result;
 }
 
 constexpr std::array<DescriptorKind, 10> kKinds = {{
@@ -106,14 +93,10 @@ constexpr std::array<DescriptorKind, 10> kKinds = {{
 
 }  // namespace
 
-DescriptorSet DescriptorKind::describe(const Sequence& sequence, const DescriptorSettings& settings,
-                                       Unreadable unreadable, const Monitor& monitor,
-                                       const FrameVisitor& visit) const {
-  DescriptorSet set = describe_with(*this, sequence, settings, unreadable, visit, monitor);
-  const SequenceArgument& argument = sequence.argument;
-  if (argument.kept && sequence.is_one_array()) set = shown(set, *argument.kept);
-  note_kept(set.frames, argument);
-  return set;
+DescriptorSet DescriptorKind::describe(const SequenceSource& sequence,
+                                       const DescriptorSettings& settings, Unreadable unreadable,
+                                       const Monitor& monitor, const FrameVisitor& visit) const {
+  return describe_with(*this, sequence, settings, unreadable, visit, monitor);
 }
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
@@ -157,16 +140,26 @@ void DescriptorStore::append(const DescriptorRows& more) {
   owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
 }
 
-DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed) {
-  if (warp.empty()) return set;
-  return shown(set, replay(warp, set.frames.count(), seed));
+DescriptorSet selected(DescriptorSet set, const Selection& selection) {
+  if (selection.is_all()) return set;
+  DescriptorSet result;
+  result.descriptors.kind = set.descriptors.kind;
+  result.descriptors.unit = set.descriptors.unit;
+  result.given = set.given;
+  const DescriptorRows rows = set.rows();
+  for (const uint32_t source : selection.sources)
+    result.descriptors.append(rows.subspan(source, 1));
+  if (!set.words.empty()) result.words = selected(std::move(set.words), selection);
+  result.sequence = selected(std::move(set.sequence), selection);
+  return result;
 }
 
-DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames) {
+DescriptorSet ldb_set(std::span<const LdbCode> codes, Sequence sequence) {
   DescriptorSet set;
   set.descriptors.kind = find_descriptor_kind("ldb");
   set.descriptors.append(codes);
-  set.frames = std::move(frames);
+  set.sequence = std::move(sequence);
+  set.sequence.frames = codes.size();
   return set;
 }
 

@@ -10,7 +10,7 @@
 #include "base/npy.h"
 #include "describe/descriptor_rows.h"
 #include "sequence/frames.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -35,7 +35,7 @@ struct DescriptorKind {
   std::string_view name;  ///< in flags and manifests
   std::string_view summary;
   DescriptorShape shape;  ///< length 0 if each set has its own length
-  DescriptorSet (*describe_with)(const DescriptorKind& kind, const Sequence& sequence,
+  DescriptorSet (*describe_with)(const DescriptorKind& kind, const SequenceSource& sequence,
                                  const DescriptorSettings& settings, Unreadable unreadable,
                                  const FrameVisitor& visit, const Monitor& monitor);
   bool is_imported = false;  ///< its sequences are arrays of descriptors instead of frames
@@ -45,7 +45,7 @@ struct DescriptorKind {
   /// receives each readable frame as decoded: gray, or BGR if descriptors are illumination
   /// invariant; it is not called for imported descriptors. Throws as for_each_frame or
   /// import_descriptors does.
-  DescriptorSet describe(const Sequence& sequence, const DescriptorSettings& settings,
+  DescriptorSet describe(const SequenceSource& sequence, const DescriptorSettings& settings,
                          Unreadable unreadable, const Monitor& monitor,
                          const FrameVisitor& visit = nullptr) const;
 };
@@ -80,19 +80,18 @@ struct DescriptorStore {
 
 struct DescriptorSet {
   DescriptorStore descriptors;
-  FrameList frames;
+  Sequence sequence;
   const GivenDistances* given = nullptr;  ///< set if the distances of these frames are precomputed
   std::vector<WordSet> words = {};        ///< of each frame; only for fusion with FAB-MAP
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescriptorSpan span() const { return {rows(), frames.unreadable, given, words}; }
+  DescriptorSpan span() const { return {rows(), sequence.unreadable, given, words}; }
 };
 
-/// The set resampled by `warp` (sequence/selection.h), or unchanged if `warp` is empty. Repeats or
-/// omits rows without describing frames again. Throws as replay does.
-DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed);
+/// The set with the selected frames: repeats or omits rows without describing frames again.
+DescriptorSet selected(DescriptorSet set, const Selection& selection);
 
-DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames);
+DescriptorSet ldb_set(std::span<const LdbCode> codes, Sequence sequence);
 /// The codes of a set, which must hold LDB codes.
 std::vector<LdbCode> ldb_codes(const DescriptorSet& set);
 

@@ -80,8 +80,8 @@ void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uin
 }
 
 // The maximum length of a point before its coordinates are rounded.
-double longest_point(size_t coordinates) {
-  return kLongestPoint - std::sqrt(static_cast<double>(coordinates)) / 2;
+double longest_point(size_t points16) {
+  return kLongestPoint - std::sqrt(static_cast<double>(points16)) / 2;
 }
 
 double length_of(std::span<const double> vector) {
@@ -186,8 +186,7 @@ std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
     if (import.is_vector && is_missing_vector(row)) {
       if (unreadable == Unreadable::fail)
         throw Error(ErrorKind::data,
-                    fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore "
-                                "it",
+                    fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore it",
                                 rows.where(first + i)));
       missing.push_back(first + i);
       continue;
@@ -205,16 +204,17 @@ struct BlockRows {
 };
 
 // Reports the first invalid row, for any order of threads.
-void keep_unreadable(FrameList& frames, const std::vector<BlockRows>& blocks) {
+void keep_unreadable(Sequence& sequence, const std::vector<BlockRows>& blocks) {
   for (const BlockRows& block : blocks) {
     if (block.error) throw Error(*block.error);
-    frames.unreadable.insert(frames.unreadable.end(), block.missing.begin(), block.missing.end());
+    sequence.unreadable.insert(sequence.unreadable.end(), block.missing.begin(),
+                               block.missing.end());
   }
 }
 
 }  // namespace
 
-ArrayRows::ArrayRows(const Sequence& sequence) : sequence_(sequence) {
+ArrayRows::ArrayRows(const SequenceSource& sequence) : sequence_(sequence) {
   assert(sequence.kind == SequenceKind::descriptors);
   const std::string path = sequence.files.front().string();
   array_ = NpyArray(sequence.files.front());
@@ -315,11 +315,11 @@ void quantize_numbers(std::span<const double> vector, std::span<int16_t> out) {
     out[i] = static_cast<int16_t>(std::nearbyint(vector[i] / largest * scale));
 }
 
-double coordinate_unit(std::string_view kind, std::span<const Sequence> sequences,
+double coordinate_unit(std::string_view kind, std::span<const SequenceSource> sequences,
                        const Monitor& monitor) {
   if (kind == kDirectionKind) return 1 / longest_point(ArrayRows(sequences.front()).length());
   double unit = 0;
-  for (const Sequence& sequence : sequences) {
+  for (const SequenceSource& sequence : sequences) {
     const ArrayRows rows(sequence);
     import_of(kind, rows, 0);
     check_length(rows, ElementType::points16, 1);
@@ -340,9 +340,9 @@ double coordinate_unit(std::string_view kind, std::span<const Sequence> sequence
   return unit > 0 ? unit : 1;
 }
 
-DescriptorSet import_descriptors(const Sequence& sequence, std::string_view kind,
+DescriptorSet import_descriptors(const SequenceSource& source, std::string_view kind,
                                  Unreadable unreadable, const Monitor& monitor, double unit) {
-  const ArrayRows rows(sequence);
+  const ArrayRows rows(source);
   const RowImport import = import_of(kind, rows, unit);
   const DescriptorKind* described = find_descriptor_kind(kind);
   const ElementType element = described->shape.element;
@@ -370,13 +370,18 @@ DescriptorSet import_descriptors(const Sequence& sequence, std::string_view kind
     }
     counter.add(count);
   });
-  keep_unreadable(set.frames, found);
-  for (size_t row = 0; row < rows.count(); ++row) set.frames.names.push_back(rows.name(row));
-  if (set.frames.unreadable.size() == set.frames.count())
+  set.sequence = source.argument.sequence;
+  set.sequence.frames = rows.count();
+  keep_unreadable(set.sequence, found);
+  for (size_t row = 0; row < rows.count(); ++row)
+    set.sequence.frame_names.push_back(rows.name(row));
+  if (set.sequence.unreadable.size() == rows.count())
     throw Error(ErrorKind::data,
-                fmt::format("{}: none of its {} can be read", sequence.argument.path.string(),
-                            counted(set.frames.count(), "row")));
-  return set;
+                fmt::format("{}: none of its {} can be read", source.argument.path.string(),
+                            counted(rows.count(), "row")));
+  if (!source.is_one_array()) return set;
+  const Selection selection = std::exchange(set.sequence.selection, {});  // of rows, all read above
+  return selected(std::move(set), selection);
 }
 
 }  // namespace vpr

@@ -13,7 +13,7 @@
 #include "base/npy.h"
 #include "describe/descriptor_rows.h"
 #include "sequence/frames.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -24,7 +24,7 @@ class ArrayRows {
   /// Throws Error(input) for a file that cannot be read; Error(data) for a file that is not an
   /// array of n x d values (d or 1 x d with one file per frame), has an unknown type, or is empty;
   /// Error(usage) for a range that exceeds the array.
-  explicit ArrayRows(const Sequence& sequence);
+  explicit ArrayRows(const SequenceSource& sequence);
 
   size_t count() const { return count_; }
   /// Values per row.
@@ -43,7 +43,7 @@ class ArrayRows {
  private:
   size_t recorded(size_t row) const;
 
-  Sequence sequence_;
+  SequenceSource sequence_;
   NpyArray array_;  ///< if there is a single file
   size_t count_ = 0;
   size_t length_ = 0;
@@ -93,7 +93,7 @@ void quantize_numbers(std::span<const double> vector, std::span<int16_t> out);
 /// as the longest one in the sequences are stored with a length of at most kLongestPoint; 1 if all
 /// are zero. This reads all rows and throws as import_descriptors does. For directions, a length of
 /// 1 is stored with a length of at most kLongestPoint. The kind is one of these two.
-double coordinate_unit(std::string_view kind, std::span<const Sequence> sequences,
+double coordinate_unit(std::string_view kind, std::span<const SequenceSource> sequences,
                        const Monitor& monitor);
 
 /// The rows of a sequence as descriptors of one of the kinds above. Vectors are float16, float32 or
@@ -104,7 +104,7 @@ double coordinate_unit(std::string_view kind, std::span<const Sequence> sequence
 /// as ArrayRows does, and Error(data) with the first such row for values that are not finite,
 /// vectors of zeros without a direction, points longer than kLongestPoint, rows that are too long,
 /// and arrays of another type.
-DescriptorSet import_descriptors(const Sequence& sequence, std::string_view kind,
+DescriptorSet import_descriptors(const SequenceSource& source, std::string_view kind,
                                  Unreadable unreadable, const Monitor& monitor, double unit = 0);
 
 }  // namespace vpr

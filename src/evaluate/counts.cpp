@@ -138,7 +138,7 @@ PlaceLabel label_of(const GroundTruth& truth, const Cluster& cluster, size_t win
 }
 
 bool shows_unreadable(const Result& result, size_t window) {
-  const auto& frames = result.query_unreadable;
+  const auto& frames = result.query.unreadable;
   const auto found = std::lower_bound(frames.begin(), frames.end(), window);
   return found != frames.end() && *found <= anchor_of(window, result.window_length());
 }
@@ -150,10 +150,9 @@ std::optional<double> BestMatchCounts::rate() const {
 
 GroundTruthScope scope_of(const Result& result) {
   GroundTruthScope scope;
-  scope.query_frames = result.query_frames;
+  scope.query = result.query;
   for (const Target& target : result.targets)
-    scope.sequences.push_back({target.name, target.frames, target.searched, target.kept});
-  scope.replay = result.replay;
+    scope.sequences.push_back({target.sequence, target.searched});
   return scope;
 }
 

@@ -127,7 +127,7 @@ Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTru
 
 std::vector<const Match*> fixing_hits(const Result& result) {
   const ScoreOrder order = result.score().order;
-  std::vector<const Match*> hits(result.query_frames, nullptr);
+  std::vector<const Match*> hits(result.query.frames, nullptr);
   for (const Match& hit : result.hits) {
     const Match*& best = hits[anchor_of(hit.query, result.window_length())];
     if (best == nullptr || is_better(hit.score, best->score, order)) best = &hit;

@@ -230,7 +230,7 @@ bool is_decided(const Result& result) {
 
 // FAB-MAP's places are the query's own frames, behind those of a database, if it has any.
 size_t first_own_place(const Result& result) {
-  return result.places ? result.targets.front().frames - result.query_frames : 0;
+  return result.places ? result.targets.front().sequence.frames - result.query.frames : 0;
 }
 
 }  // namespace
@@ -398,10 +398,10 @@ LoopList loop_list_of(const Result& result, const std::string& name, const Traje
                 fmt::format("{}: is not of a walk against its own past, and has no loops; make one "
                             "with vpr-query --loop --query FOLDER",
                             name));
-  if (result.query_frames != trajectory.poses.size())
+  if (result.query.frames != trajectory.poses.size())
     throw Error(ErrorKind::data,
                 fmt::format("{}: is of {}, and {} has {}; give the poses of these frames", name,
-                            counted(result.query_frames, "frame"), trajectory.name,
+                            counted(result.query.frames, "frame"), trajectory.name,
                             counted(trajectory.poses.size(), "pose")));
   LoopList list{name, loops_of(result), false, true};
   for (const ListedLoop& loop : list.loops)

@@ -237,7 +237,7 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor) {
   MatrixScan scan;
   Outcomes& outcomes = scan.outcomes;
-  outcomes = {matrix.kind(), layout.scope.query_frames, layout.window_length, true, {}};
+  outcomes = {matrix.kind(), layout.scope.query.frames, layout.window_length, true, {}};
   outcomes.queries.resize(matrix.queries());
   std::vector<ScanPart> shares(thread_count());
   matrix.for_each_row(shares.size(), monitor, "reading scores",

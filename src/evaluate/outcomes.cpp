@@ -54,7 +54,7 @@ void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLay
 Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
   const ScoreLayout layout = layout_of(result);
   const size_t length = result.window_length();
-  Outcomes outcomes{result.score().order, result.query_frames, length, false, {}};
+  Outcomes outcomes{result.score().order, result.query.frames, length, false, {}};
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = outcomes.queries.emplace_back();
     query.frame = anchor_of(window, length);

@@ -70,7 +70,7 @@ const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
 }
 
 size_t row_count(const ScoreLayout& layout) {
-  const size_t frames = layout.scope.query_frames;
+  const size_t frames = layout.scope.query.frames;
   return frames < layout.window_length ? 0 : frames - layout.window_length + 1;
 }
 
@@ -82,8 +82,8 @@ ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length) {
   assert(window_length >= 1);
   ScoreLayout layout;
   layout.window_length = window_length;
-  layout.scope.query_frames = matrix.queries() + window_length - 1;
-  layout.scope.sequences = {{"references", matrix.references() + window_length - 1, true}};
+  layout.scope.query.frames = matrix.queries() + window_length - 1;
+  layout.scope.sequences = {{{"references", matrix.references() + window_length - 1}}};
   layout.columns = {{0, 0, matrix.references()}};
   return layout;
 }
@@ -93,10 +93,10 @@ ScoreLayout layout_of(const Result& result) {
   layout.window_length = result.window_length();
   layout.scope = scope_of(result);
   for (size_t t = 0; t < result.targets.size(); ++t) {
-    const Target& target = result.targets[t];
-    if (!target.searched || target.frames < layout.window_length) continue;
+    const size_t frames = result.targets[t].sequence.frames;
+    if (!result.targets[t].searched || frames < layout.window_length) continue;
     layout.columns.push_back(
-        {static_cast<uint32_t>(t), column_count(layout), target.frames - layout.window_length + 1});
+        {static_cast<uint32_t>(t), column_count(layout), frames - layout.window_length + 1});
   }
   return layout;
 }

@@ -27,7 +27,7 @@ constexpr size_t kBlockNumbers = 1 << 20;      // of query vectors that are kept
 constexpr size_t kReferenceNumbers = 1 << 15;  // of reference vectors: the second-level cache
 constexpr size_t kLanes = 8;                   // sums of a product that are added last
 
-void require_descriptors(const Sequence& sequence) {
+void require_descriptors(const SequenceSource& sequence) {
   if (sequence.kind != SequenceKind::descriptors)
     throw Error(ErrorKind::data, fmt::format("{}: is no .npy file of descriptors, nor a folder of "
                                              "them",
@@ -115,10 +115,10 @@ void compute_distances(const VectorMetric& metric, const ArrayRows& query,
 bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
 
 // The checksum of the checksums of all files.
-std::string fingerprint_of(const Sequence& query, const Sequence& reference,
+std::string fingerprint_of(const SequenceSource& query, const SequenceSource& reference,
                            const Monitor& monitor) {
   std::string text;
-  for (const Sequence* sequence : {&query, &reference})
+  for (const SequenceSource* sequence : {&query, &reference})
     for (const auto& file : sequence->files) {
       check_stop(monitor);
       text += checksum(NpyArray(file).file_bytes());
@@ -127,7 +127,7 @@ std::string fingerprint_of(const Sequence& query, const Sequence& reference,
 }
 
 // Of a d x n array, the lengths are numbers of frames.
-[[noreturn]] void refuse_lengths(const Sequence& query, const Sequence& reference) {
+[[noreturn]] void refuse_lengths(const SequenceSource& query, const SequenceSource& reference) {
   const ArrayRows a(query);
   const ArrayRows b(reference);
   const bool is_transposed =
@@ -140,8 +140,8 @@ std::string fingerprint_of(const Sequence& query, const Sequence& reference,
                           is_transposed ? "; is an array transposed?" : ""));
 }
 
-ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
-  const auto import = [](const Sequence& sequence) {
+ComputedScores bit_scores(const SequenceSource& query, const SequenceSource& reference) {
+  const auto import = [](const SequenceSource& sequence) {
     return std::make_shared<const DescriptorSet>(
         import_descriptors(sequence, kBitKind, Unreadable::fail, {}));
   };
@@ -341,7 +341,7 @@ void write_rows(const Lists& lists, ScoreOrder kind, size_t first, size_t count,
 
 }  // namespace
 
-ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference,
+ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
                               DescriptorMetric metric) {
   require_descriptors(query);
   require_descriptors(reference);

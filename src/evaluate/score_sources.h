@@ -7,7 +7,7 @@
 #include "base/monitor.h"
 #include "describe/imported.h"
 #include "evaluate/score_matrix.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -16,7 +16,7 @@ namespace vpr {
 /// A row that is all NaN has no scores. Throws Error(data) for sequences that are no descriptors,
 /// or of different kinds or lengths, and for rows that are no directions (import_descriptors);
 /// those of vectors are found while scores are read.
-ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference,
+ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
                               DescriptorMetric metric = DescriptorMetric::cosine);
 
 /// Reads one of:

@@ -86,8 +86,7 @@ struct ValidatedCell {
 
 /// One query's sweep, which has a cell.
 struct Sweep {
-  std::string query_name;
-  std::optional<Replay> replay = {};  ///< of what the query's frames are
+  Sequence query;
   const ScoreKind* score = &score_kind(Score::raw);
   std::string threshold_symbol = "t_r";               ///< what is swept beside the window: or t_p,
                                                       ///< or a margin

@@ -24,11 +24,11 @@ void for_each_view(const std::vector<ViewGroup>& groups, Visit&& visit) {
   for (const ViewGroup& group : groups) {
     uint32_t shared = 0;
     if (group.is_place) {
-      const auto [entry, is_new] = named.emplace(group.name, next);
+      const auto [entry, is_new] = named.emplace(group.sequence.name, next);
       shared = entry->second;
       if (is_new) ++next;
     }
-    for (size_t frame = 0; frame < group.frame_names.size(); ++frame)
+    for (size_t frame = 0; frame < group.sequence.frames; ++frame)
       visit(group, frame, group.is_place ? shared : next++);
   }
 }
@@ -101,30 +101,19 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
   return words.clone();
 }
 
-std::vector<size_t> read_unreadable(const Archive& archive, const Json& group, size_t frames) {
-  std::vector<size_t> unreadable;
-  for (const Json& frame : manifest_list(archive, group, "unreadable")) {
-    if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= frames)
-      archive.fail("an unreadable frame is out of range");
-    unreadable.push_back(frame.get<size_t>());
-  }
-  return unreadable;
-}
-
 std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
   std::vector<ViewGroup> groups;
   size_t at = 0;
   for (const Json& json : manifest_list(archive, archive.manifest(), "groups")) {
+    const Fields fields = archive.fields(json);
     ViewGroup& group = groups.emplace_back();
-    group.name = manifest_text(archive, json, "name");
-    group.is_place = manifest_text(archive, json, "places") == "one";
-    const size_t count = manifest_count(archive, json, "frames");
-    if (count == 0) archive.fail("a group has no frames");
-    group.unreadable = read_unreadable(archive, json, count);
-    for (size_t frames = count; frames > 0; --frames) {
+    group.sequence = read_sequence(fields, names.size());
+    group.is_place = fields.text("places") == "one";
+    if (group.sequence.frames == 0) archive.fail("a group has no frames");
+    for (size_t frames = group.sequence.frames; frames > 0; --frames) {
       const size_t end = names.find('\n', at);
       if (end == std::string::npos) archive.fail("its frame counts do not match frames.txt");
-      group.frame_names.push_back(names.substr(at, end - at));
+      group.sequence.frame_names.push_back(names.substr(at, end - at));
       at = end + 1;
     }
   }
@@ -136,7 +125,7 @@ std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& na
 
 ViewOrigin FabmapDatabase::origin(size_t view) const {
   size_t group = 0;
-  while (view >= groups[group].frame_names.size()) view -= groups[group++].frame_names.size();
+  while (view >= groups[group].sequence.frames) view -= groups[group++].sequence.frames;
   return {group, view};
 }
 
@@ -144,8 +133,8 @@ std::vector<size_t> FabmapDatabase::unreadable_views() const {
   std::vector<size_t> unreadable;
   size_t first = 0;
   for (const ViewGroup& group : groups) {
-    for (const size_t frame : group.unreadable) unreadable.push_back(first + frame);
-    first += group.frame_names.size();
+    for (const size_t frame : group.sequence.unreadable) unreadable.push_back(first + frame);
+    first += group.sequence.frames;
   }
   return unreadable;
 }
@@ -160,7 +149,8 @@ std::vector<std::string> FabmapDatabase::place_names() const {
   std::vector<std::string> names;
   for_each_view(groups, [&](const ViewGroup& group, size_t frame, uint32_t place) {
     if (place < names.size()) return;
-    names.push_back(group.is_place ? group.name : fmt::format("{}#{}", group.name, frame));
+    const std::string& name = group.sequence.name;
+    names.push_back(group.is_place ? name : fmt::format("{}#{}", name, frame));
   });
   return names;
 }
@@ -169,8 +159,8 @@ std::vector<size_t> featureless_frames(const FabmapDatabase& database) {
   std::vector<size_t> counts;
   size_t view = 0;
   for (const ViewGroup& group : database.groups) {
-    std::vector<uint8_t> is_readable(group.frame_names.size(), 1);
-    for (const size_t frame : group.unreadable) is_readable[frame] = 0;
+    std::vector<uint8_t> is_readable(group.sequence.frames, 1);
+    for (const size_t frame : group.sequence.unreadable) is_readable[frame] = 0;
     counts.push_back(0);
     for (const uint8_t readable : is_readable)
       if (database.views.view(view++).empty() && readable != 0) ++counts.back();
@@ -230,11 +220,10 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
   manifest["settings"] = value_to_json(database.settings);
   manifest["groups"] = Json::array();
   for (const ViewGroup& group : database.groups) {
-    manifest["groups"].push_back({{"name", group.name},
-                                  {"places", group.is_place ? "one" : "each frame"},
-                                  {"frames", group.frame_names.size()},
-                                  {"unreadable", group.unreadable}});
-    for (std::string name : group.frame_names) {
+    Json json = {{"name", group.sequence.name}, {"places", group.is_place ? "one" : "each frame"}};
+    json.update(sequence_json(group.sequence, {{"unreadable", group.sequence.unreadable}}));
+    manifest["groups"].push_back(json);
+    for (std::string name : group.sequence.frame_names) {
       std::replace(name.begin(), name.end(), '\n', ' ');
       names += name + "\n";
     }

@@ -14,6 +14,7 @@
 #include "fabmap/local_features.h"
 #include "fabmap/vocabulary.h"
 #include "fabmap/word_index.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 
@@ -46,10 +47,8 @@ void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
 
 /// Frames that were trained together: each one its own place, or all of them views of one place.
 struct ViewGroup {
-  std::string name;
+  Sequence sequence;  ///< its unreadable frames never match
   bool is_place = false;
-  std::vector<std::string> frame_names;
-  std::vector<size_t> unreadable = {};  ///< frames that could not be decoded: they never match
 };
 
 /// The source of a view.

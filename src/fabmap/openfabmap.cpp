@@ -9,7 +9,7 @@
 #include "base/npy.h"
 #include "base/text.h"
 #include "fabmap/chow_liu.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -83,18 +83,16 @@ FabmapDatabase import_openfabmap(const OpenFabmapFiles& files,
                             database.vocabulary.rows, database.tree.words()));
   if (is_binary(settings.features.kind) ||
       database.vocabulary.cols != descriptor_length(settings.features.kind))
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: its words have {} dimensions, which {} does not; select the matching "
-                    "features with --features",
-                    files.vocabulary.string(), database.vocabulary.cols,
-                    enum_name(settings.features.kind)));
+    throw Error(ErrorKind::usage, fmt::format("{}: its words have {} dimensions, which {} does "
+                                              "not; select the matching features with --features",
+                                              files.vocabulary.string(), database.vocabulary.cols,
+                                              enum_name(settings.features.kind)));
   for (const WordSet& frame : read_openfabmap_frames(files.pretrain, database.tree.words()))
     database.pretrain.add(frame);
   const std::vector<WordSet> frames = read_openfabmap_frames(files.train, database.tree.words());
-  ViewGroup group{sequence_names({files.train}).front(), false, {}};
-  for (size_t f = 0; f < frames.size(); ++f) group.frame_names.push_back(fmt::format("#{}", f));
-  add_group(database, group, frames);
+  Sequence sequence{sequence_names({files.train}).front(), frames.size()};
+  for (size_t f = 0; f < frames.size(); ++f) sequence.frame_names.push_back(fmt::format("#{}", f));
+  add_group(database, {std::move(sequence)}, frames);
   index_views(database);
   return database;
 }

@@ -6,7 +6,7 @@
 
 #include "fabmap/chow_liu.h"
 #include "fabmap/database.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 

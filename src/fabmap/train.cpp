@@ -13,8 +13,7 @@
 #include "base/text.h"
 #include "fabmap/word_clustering.h"
 #include "sequence/frames.h"
-#include "sequence/selection.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -28,22 +27,23 @@ cv::Mat no_descriptors(const FeatureSettings& settings) {
   return cv::Mat(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
 }
 
-// Results per frame; `make` converts descriptors to the result.
+// A sequence with one value per frame, which `make` computes from descriptors.
 template <class T, class Make>
-std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSettings& settings,
-                                    bool skip_unreadable, const Monitor& monitor, FrameList& frames,
-                                    Make&& make) {
-  std::vector<T> kept(sequence.files.size());
+std::pair<Sequence, std::vector<T>> for_each_descriptors(const SequenceSource& source,
+                                                         const FeatureSettings& settings,
+                                                         bool skip_unreadable,
+                                                         const Monitor& monitor, Make&& make) {
+  std::vector<T> values(source.files.size());
   std::mutex mutex;  // the length of a video is unknown before its end
-  frames = for_each_frame(sequence, PixelFormat::grey, on_unreadable(skip_unreadable), monitor,
-                          [&](size_t index, const cv::Mat& image) {
-                            T made = make(find_features(image, settings).descriptors);
-                            const std::lock_guard lock(mutex);
-                            if (index >= kept.size()) kept.resize(index + 1);
-                            kept[index] = std::move(made);
-                          });
-  kept.resize(frames.count());
-  return kept;
+  Sequence sequence = for_each_frame(source, PixelFormat::grey, on_unreadable(skip_unreadable),
+                                     monitor, [&](size_t index, const cv::Mat& image) {
+                                       T value = make(find_features(image, settings).descriptors);
+                                       const std::lock_guard lock(mutex);
+                                       if (index >= values.size()) values.resize(index + 1);
+                                       values[index] = std::move(value);
+                                     });
+  values.resize(sequence.frames);
+  return {std::move(sequence), std::move(values)};
 }
 
 // A frame without features matches nothing, or matches other frames with few features, without any
@@ -52,9 +52,8 @@ void warn_featureless(const std::string& frames_of, size_t featureless, size_t f
                       FeatureKind kind, const Monitor& monitor) {
   if (featureless * kWarnedShare < frames || featureless == 0) return;
   warn(monitor,
-       fmt::format("{}: {} of {} ({:.0f} %) have no {} features, so FAB-MAP "
-                   "cannot recognize them; use larger images, or train with another kind of "
-                   "--features",
+       fmt::format("{}: {} of {} ({:.0f} %) have no {} features, so FAB-MAP cannot recognize them; "
+                   "use larger images, or train with another kind of --features",
                    frames_of, featureless, counted(frames, "frame"),
                    100 * static_cast<double>(featureless) / static_cast<double>(frames),
                    enum_name(kind)));
@@ -66,14 +65,12 @@ std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& p
                                           const Monitor& monitor) {
   std::vector<cv::Mat> all;
   for (size_t p = 0; p < pretrain.size(); ++p) {
-    FrameList frames;
-    const std::vector<cv::Mat> found = for_each_descriptors<cv::Mat>(
+    const auto [sequence, found] = for_each_descriptors<cv::Mat>(
         open_sequence(pretrain[p]), settings.features, settings.skip_unreadable,
-        part_of(monitor, "pretraining", p, pretrain.size()), frames,
+        part_of(monitor, "pretraining", p, pretrain.size()),
         [](const cv::Mat& descriptors) { return descriptors; });
     for (size_t f = 0; f < found.size(); ++f)
-      if (!std::binary_search(frames.unreadable.begin(), frames.unreadable.end(), f))
-        all.push_back(found[f]);
+      if (!std::ranges::binary_search(sequence.unreadable, f)) all.push_back(found[f]);
   }
   return all;
 }
@@ -129,32 +126,24 @@ void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descripto
 
 }  // namespace
 
-SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed) {
-  if (warp.empty()) return words;
-  SequenceWords result;
-  result.fps = words.fps;
-  const Replay shown = replay(warp, words.frames.size(), seed);
-  result.frames = replayed(words.frames, shown);
-  if (!words.names.empty()) result.names = replayed(words.names, shown);
-  result.unreadable = replayed_frames(shown, words.unreadable);
-  result.replay = words.replay ? replay_of_kept(*words.replay, shown) : shown;
-  return result;
+SequenceWords selected(SequenceWords recorded, const Selection& selection) {
+  return {selected(std::move(recorded.sequence), selection),
+          selected(std::move(recorded.words), selection)};
 }
 
 size_t featureless_frames(const SequenceWords& words) {
-  const auto wordless = std::count_if(words.frames.begin(), words.frames.end(),
-                                      [](const WordSet& frame) { return frame.empty(); });
-  return static_cast<size_t>(wordless) - words.unreadable.size();
+  const auto wordless = std::ranges::count_if(words.words, &WordSet::empty);
+  return static_cast<size_t>(wordless) - words.sequence.unreadable.size();
 }
 
 std::string words_fingerprint(const SequenceWords& words) {
   ChecksumStream sum;
-  for (const WordSet& frame : words.frames) {
+  for (const WordSet& frame : words.words) {
     const uint64_t count = frame.size();
     sum.add(std::as_bytes(std::span(&count, 1)));
     sum.add(std::as_bytes(std::span(frame)));
   }
-  sum.add(std::as_bytes(std::span(words.unreadable)));
+  sum.add(std::as_bytes(std::span(words.sequence.unreadable)));
   return sum.text();
 }
 
@@ -175,30 +164,26 @@ void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& group
                bool skip_unreadable, const Monitor& monitor) {
   for (size_t g = 0; g < groups.size(); ++g) {
     const GroupArgument& group = groups[g];
-    const SequenceWords words =
-        describe_words(open_sequence(group.sequence), database, skip_unreadable,
-                       part_of(monitor, group.name, g, groups.size()));
-    add_group(database, {group.name, group.is_place, words.names, words.unreadable}, words.frames);
+    SequenceWords words = describe_words(open_sequence(group.sequence), database, skip_unreadable,
+                                         part_of(monitor, group.name, g, groups.size()));
+    words.sequence.name = group.name;
+    add_group(database, {std::move(words.sequence), group.is_place}, words.words);
   }
   index_views(database);
 }
 
-SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
+SequenceWords describe_words(const SequenceSource& source, const FabmapDatabase& database,
                              bool skip_unreadable, const Monitor& monitor) {
   const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
-  FrameList frames;
-  SequenceWords words;
-  words.frames = for_each_descriptors<WordSet>(
-      sequence, database.settings.features, skip_unreadable, monitor, frames,
+  auto [sequence, found] = for_each_descriptors<WordSet>(
+      source, database.settings.features, skip_unreadable, monitor,
       [&](const cv::Mat& descriptors) { return quantize(vocabulary, descriptors); });
-  words.names = std::move(frames.names);
-  words.unreadable = std::move(frames.unreadable);
-  words.replay = std::move(frames.replay);
-  words.fps = frames.fps;
-  warn_featureless(sequence.argument.path.string() + range_text(sequence.argument.range),
-                   featureless_frames(words), words.frames.size(), database.settings.features.kind,
-                   monitor);
-  return words;
+  SequenceWords words{std::move(sequence), std::move(found)};
+  warn_featureless(source.argument.path.string() + range_text(source.argument.range),
+                   featureless_frames(words), words.sequence.frames,
+                   database.settings.features.kind, monitor);
+  const Selection shown = warped(source.argument.warp, words.sequence.frames, source.argument.seed);
+  return selected(std::move(words), shown);
 }
 
 }  // namespace vpr

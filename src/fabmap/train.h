@@ -1,14 +1,12 @@
 // Training of FAB-MAP from frames: local features, vocabulary, Chow-Liu tree, words.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
 #include "fabmap/database.h"
-#include "sequence/selection.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -19,17 +17,14 @@ struct GroupArgument {
   bool is_place = false;
 };
 
-/// The words of every frame of a sequence.
+/// A sequence with the words of every frame.
 struct SequenceWords {
-  std::vector<WordSet> frames;  ///< empty for an unreadable frame or one without features
-  std::vector<std::string> names;
-  std::vector<size_t> unreadable;
-  std::optional<double> fps = {};     ///< frames per second, if known
-  std::optional<Replay> replay = {};  ///< set if the frames are selected from a recording
+  Sequence sequence;
+  std::vector<WordSet> words;  ///< empty for an unreadable frame or one without features
 };
 
-/// The frames resampled by `warp`, or unchanged if `warp` is empty. Throws as replay does.
-SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed);
+/// The selected frames.
+SequenceWords selected(SequenceWords recorded, const Selection& selection);
 
 /// The number of readable frames without words.
 size_t featureless_frames(const SequenceWords& words);
@@ -52,7 +47,7 @@ void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& group
 
 /// The words of a sequence in the database's vocabulary. Warns if at least a tenth of its frames
 /// have no features.
-SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
+SequenceWords describe_words(const SequenceSource& source, const FabmapDatabase& database,
                              bool skip_unreadable, const Monitor& monitor);
 
 }  // namespace vpr

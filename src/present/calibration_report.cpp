@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/text.h"
-#include "present/json_fields.h"
 
 namespace vpr {
 namespace {
@@ -52,11 +52,11 @@ Json calibration_json(const CalibratedWalk& walk, const CalibrationRequest& requ
                       const RunInfo& run, double seconds) {
   Json json = {{"schema", "vpr.calibration/1"},
                {"settings", nullptr},
-               {"query", {{"name", walk.query_name}, {"ground_truth", walk.protocol}}},
+               {"query", {{"name", walk.query.name}, {"ground_truth", walk.protocol}}},
                {"precision", request.precision},
                {"chosen", walk.chosen ? Json(*walk.chosen) : Json()},
                {"lengths", Json::array()}};
-  if (walk.replay) add_replay(json["query"], *walk.replay);
+  add_selection(json["query"], walk.query.selection);
   for (const CalibratedLength& length : walk.lengths)
     json["lengths"].push_back(length_json(length));
   if (walk.chosen) {
@@ -76,7 +76,7 @@ Json calibration_json(const CalibratedWalk& walk, const CalibrationRequest& requ
 
 Table calibration_table(const CalibratedWalk& walk) {
   Table table;
-  table.title = fmt::format("{}: windows recognized at the margin found{}", walk.query_name,
+  table.title = fmt::format("{}: windows recognized at the margin found{}", walk.query.name,
                             walk.chosen ? " (* chosen)" : "");
   table.columns = {"c_l", "margin", "right", "wrong", "of", "false recognitions", "95 %"};
   for (size_t l = 0; l < walk.lengths.size(); ++l) {
@@ -99,13 +99,13 @@ Table calibration_table(const CalibratedWalk& walk) {
 
 std::string calibration_text(const CalibratedWalk& walk, const CalibrationRequest& request) {
   if (!walk.chosen)
-    return fmt::format("{}: no margin: {}.\n", walk.query_name, calibration_failure(walk));
+    return fmt::format("{}: no margin: {}.\n", walk.query.name, calibration_failure(walk));
   const CalibratedLength& length = walk.lengths[*walk.chosen];
   const Calibration& found = length.calibration;
   std::string text = fmt::format(
       "{}: margin {:.4g} at c_l {}: {} recognized correctly and {} incorrectly, of {} whose place "
       "is trained.\n",
-      walk.query_name, *length.settings.margin, length.settings.window_length,
+      walk.query.name, *length.settings.margin, length.settings.window_length,
       counted(found.right, "window"), found.wrong, length.queries);
   const ScaledRate rate =
       request.fps ? rate_of(length, *request.fps * kSecondsAnHour) : rate_of(length, 1000);

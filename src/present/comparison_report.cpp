@@ -9,11 +9,11 @@
 #include <fmt/ranges.h>
 
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/text.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_tables.h"
 #include "present/html_page.h"
-#include "present/json_fields.h"
 
 namespace vpr {
 namespace {

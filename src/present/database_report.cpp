@@ -24,13 +24,14 @@ std::string descriptor_text(const DescriptorStore& descriptors) {
   return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_words(shape));
 }
 
-// Of a thinned sequence, of how many.
-std::string frames_text(const TrainSequence& sequence) {
-  const std::string frames = std::to_string(sequence.frame_count());
-  return sequence.kept ? fmt::format("{} of {}", frames, sequence.kept->recorded_frames) : frames;
+// Of a selection, of how many.
+std::string frames_text(const Sequence& sequence) {
+  return sequence.selection.is_all()
+             ? std::to_string(sequence.frames)
+             : fmt::format("{} of {}", sequence.frames, sequence.recorded_frames());
 }
 
-std::string frame_span(const TrainSequence& sequence, size_t window, size_t length) {
+std::string frame_span(const Sequence& sequence, size_t window, size_t length) {
   const std::string& first = sequence.frame_names[window];
   const std::string& last = sequence.frame_names[window + length - 1];
   return fmt::format("{}: {} to {}", sequence.name, first, last);
@@ -38,7 +39,7 @@ std::string frame_span(const TrainSequence& sequence, size_t window, size_t leng
 
 /// One sequence at one window length.
 struct Line {
-  const TrainSequence& sequence;
+  const Sequence& sequence;
   size_t window_length;
   const std::optional<AutomaticThreshold>& threshold;
   const std::optional<ClosestWindows>& closest;
@@ -52,12 +53,12 @@ std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
   for (const AutomaticThresholds& automatic : thresholds)
     for (size_t s = 0; s < sequences.size(); ++s) {
       const size_t length = automatic.table.window_length;
-      Line& line = lines.emplace_back(
-          Line{sequences[s], length, automatic.sequences[s], automatic.table.closest[s], "-", "-"});
+      Line& line = lines.emplace_back(Line{sequences[s].sequence, length, automatic.sequences[s],
+                                           automatic.table.closest[s], "-", "-"});
       if (!line.closest) continue;
-      line.own_frames = frame_span(sequences[s], line.closest->window, length);
-      line.closest_frames =
-          frame_span(sequences[line.closest->other_sequence], line.closest->other_window, length);
+      line.own_frames = frame_span(sequences[s].sequence, line.closest->window, length);
+      line.closest_frames = frame_span(sequences[line.closest->other_sequence].sequence,
+                                       line.closest->other_window, length);
     }
   return lines;
 }
@@ -72,12 +73,8 @@ Json database_json(const SequenceDatabase& database,
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
   for (size_t s = 0; s < database.sequences.size(); ++s) {
-    const TrainSequence& sequence = database.sequences[s];
-    Json item = {{"name", sequence.name},
-                 {"frames", sequence.frame_count()},
-                 {"unreadable", sequence.unreadable.size()}};
-    if (sequence.fps) item["fps"] = *sequence.fps;
-    if (sequence.kept) add_replay(item, *sequence.kept);
+    const Sequence& sequence = database.sequences[s].sequence;
+    Json item = sequence_json(sequence, {{"unreadable", sequence.unreadable.size()}});
     item["t_r"] = Json::array();
     for (const AutomaticThresholds& one : thresholds)
       item["t_r"].push_back({{"c_l", one.table.window_length},
@@ -110,8 +107,8 @@ std::string database_text(const SequenceDatabase& database,
     table.columns.push_back(fmt::format("t_r at c_l {}", one.table.window_length));
   size_t frames = 0;
   for (size_t s = 0; s < database.sequences.size(); ++s) {
-    const TrainSequence& sequence = database.sequences[s];
-    frames += sequence.frame_count();
+    const Sequence& sequence = database.sequences[s].sequence;
+    frames += sequence.frames;
     std::vector<std::string>& row = table.rows.emplace_back();
     row = {sequence.name, frames_text(sequence), std::to_string(sequence.unreadable.size())};
     for (const AutomaticThresholds& one : thresholds)
@@ -134,10 +131,10 @@ std::string database_text(const FabmapDatabase& database, const std::string& nam
   size_t view = 0;
   for (const ViewGroup& group : database.groups) {
     const size_t first = view;
-    view += group.frame_names.size();
+    view += group.sequence.frames;
     const auto words =
         static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
-    table.rows.push_back({group.name, std::to_string(group.frame_names.size()),
+    table.rows.push_back({group.sequence.name, std::to_string(group.sequence.frames),
                           group.is_place ? "one" : "each frame",
                           fmt::format("{:.1f}", words / static_cast<double>(view - first)),
                           std::to_string(featureless[table.rows.size()])});

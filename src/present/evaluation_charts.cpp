@@ -48,7 +48,7 @@ void leave_out_empty(Chart& chart) {
 Series truth_series(const Judgement& judgement, const GroundTruth& truth,
                     const std::vector<FrameBand>& bands, const Monitor& monitor) {
   Series series = series_of(Meaning::truth, SeriesStyle::boxes);
-  const size_t frames = std::min(judgement.layout.scope.query_frames, truth.pairs.size());
+  const size_t frames = std::min(judgement.layout.scope.query.frames, truth.pairs.size());
   const size_t step = std::max<size_t>(1, (frames + kMostTruth - 1) / kMostTruth);
   for (size_t frame = 0; frame < frames; frame += step) {
     for (const FrameBand& band : bands) {

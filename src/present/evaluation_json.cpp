@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/text.h"
 #include "present/evaluation_report.h"
-#include "present/json_fields.h"
 
 namespace vpr {
 namespace {
@@ -140,25 +140,22 @@ struct RangeForm {
 };
 
 /// "warp" and "thinned".
-struct ReplayForm {
-  std::optional<Replay>& replay;
+struct SelectionForm {
+  Selection& selection;
 
-  void write(Json& json, const std::string&) const {
-    if (replay) add_replay(json, *replay);
-  }
+  void write(Json& json, const std::string&) const { add_selection(json, selection); }
   void read(const Fields& fields, const std::string&) {
     constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
     if (fields.has("thinned")) {
       const Fields thinned = fields.object("thinned");
-      replay.emplace().fps = read_fps(thinned);
-      replay->recorded_frames = thinned.count("frames", kMostFrames);
+      selection.thinned_fps = read_fps(thinned);
+      selection.recorded_frames = thinned.count("frames", kMostFrames);
     }
     if (!fields.has("warp")) return;
-    if (!replay) replay.emplace();
     const Fields warp = fields.object("warp");
-    replay->warp = warp.text("name");
-    replay->seed = warp.count("seed", kMost);
-    replay->recorded_frames = warp.count("frames", kMostFrames);
+    selection.warp = warp.text("name");
+    selection.seed = warp.count("seed", kMost);
+    selection.recorded_frames = warp.count("frames", kMostFrames);
   }
 };
 
@@ -372,7 +369,7 @@ void visit_fields(Report& report, Visitor&& visit) {
   visit("schema", Derived{std::string("vpr.report/1")});
   visit("method", report.method);
   visit("query", report.query);
-  visit("", ReplayForm{report.replay});
+  visit("", SelectionForm{report.selection});
   visit("settings", SettingsForm{report});
   if (report.query_settings() != nullptr) visit("counts", report.counts);
   visit("best_match", report.counts.best_match);

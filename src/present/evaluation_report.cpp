@@ -23,7 +23,7 @@ std::vector<ReportedPlace> places_of(const JudgedResult& judged) {
   const auto anchor = [&](size_t window) { return anchor_of(window, result.window_length()); };
   for (size_t c = 0; c < judged.clusters.size(); ++c) {
     const Cluster& cluster = result.clusters->all[c];
-    places.push_back({result.targets[cluster.target].name,
+    places.push_back({result.targets[cluster.target].sequence.name,
                       anchor(cluster.query_window),
                       {anchor(cluster.query_first), anchor(cluster.query_last)},
                       anchor(cluster.train_window),
@@ -173,7 +173,7 @@ ReportedMetrics metrics_of(const Judgement& judgement) {
 void add_result(Report& report, const JudgedResult& judged) {
   const Result& result = judged.result;
   report.method = method_of(result.settings);
-  report.replay = result.replay;
+  report.selection = result.query.selection;
   report.settings = result.settings;
   report.counts = judged.counts;
   report.by_view = judged.by_view;
@@ -200,19 +200,18 @@ bool Report::has_places() const {
 }
 
 std::string Report::walk() const {
-  if (!replay) return "";
   std::string words;
-  if (replay->fps > 0) words = fmt::format("{} frames a second", replay->fps);
-  if (replay->warp.empty()) return words;
-  return words + fmt::format("{}replayed: {}, seed {}", words.empty() ? "" : ", ", replay->warp,
-                             replay->seed);
+  if (selection.thinned_fps > 0) words = fmt::format("{} frames a second", selection.thinned_fps);
+  if (selection.warp.empty()) return words;
+  return words + fmt::format("{}replayed: {}, seed {}", words.empty() ? "" : ", ", selection.warp,
+                             selection.seed);
 }
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor) {
   const Judgement& judgement = evaluation.judgement;
   const GroundTruth& truth = evaluation.truth;
   Report report;
-  report.query = evaluation.query_name;
+  report.query = evaluation.query().name;
   report.name = evaluation.name;
   report.protocol = {truth.protocol, truth.tolerance_frames, {}};
   report.provenance.made_by = provenance_of(run);
@@ -222,7 +221,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
     report.provenance.result = evaluation.fingerprint;
   } else {
     report.method = evaluation.scores.method;
-    report.replay = evaluation.scores.replay;
+    report.selection = evaluation.scores.query.selection;
     report.settings = evaluation.scores;
     report.counts.best_match = best_match_counts(judgement.outcomes);
     define_scores(report.protocol.definitions, evaluation.scores.window_length);

@@ -104,7 +104,7 @@ struct ReportSources {
 struct Report {
   std::string method;
   std::string query;
-  std::optional<Replay> replay;  ///< of the query, without the frames if it was read
+  Selection selection;  ///< of the query, without the frames if it was read
   std::variant<QuerySettings, ScoreSettings> settings;  ///< of a result, or of scores alone
   Counts counts;                                        ///< of scores alone: best matches only
   std::optional<CountsByView> by_view;

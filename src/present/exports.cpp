@@ -75,9 +75,10 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
   for (const QueryOutcome& query : outcomes.queries) {
     const std::string best =
         query.best
-            ? fmt::format("{},{},{}",
-                          csv_field(judgement.layout.scope.sequences[query.best->sequence].name),
-                          query.best->reference, score_of_key(query.key, outcomes.kind))
+            ? fmt::format(
+                  "{},{},{}",
+                  csv_field(judgement.layout.scope.sequences[query.best->sequence].sequence.name),
+                  query.best->reference, score_of_key(query.key, outcomes.kind))
             : ",,";
     text +=
         fmt::format("{}{},{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length,
@@ -94,7 +95,7 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
 
 std::string recognitions_csv(const JudgedResult& judged, const std::string& name) {
   const Result& result = judged.result;
-  const std::string start = prefix(name, result.query_name);
+  const std::string start = prefix(name, result.query.name);
   const size_t length = result.window_length();
   const Clusters clusters = clusters_of(result);
   std::string text;
@@ -102,7 +103,7 @@ std::string recognitions_csv(const JudgedResult& judged, const std::string& name
     const Cluster& cluster = clusters.all[c];
     const JudgedCluster& one = judged.clusters[c];
     const std::string& target = result.places ? result.places->names[cluster.train_window]
-                                              : result.targets[cluster.target].name;
+                                              : result.targets[cluster.target].sequence.name;
     text +=
         fmt::format("{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target),
                     cluster.query_first, anchor_of(cluster.query_window, length),

@@ -29,8 +29,8 @@ std::optional<FrameMatch> middle_match(const GroundTruth& truth, const ScoreLayo
   std::vector<Run> runs;
   size_t all = 0;
   for (const GroundTruth::Pair& pair : truth.pairs[frame]) {
-    const size_t end =
-        std::min<size_t>(size_t{pair.last()} + 1, layout.scope.sequences[pair.sequence].frames);
+    const size_t end = std::min<size_t>(size_t{pair.last()} + 1,
+                                        layout.scope.sequences[pair.sequence].sequence.frames);
     const size_t first = std::max<size_t>(pair.first, earliest);
     if (pair.label != PlaceLabel::same || first >= end) continue;
     runs.push_back({pair.sequence, first, end - first});
@@ -134,7 +134,7 @@ std::vector<size_t> strip_frames(size_t anchor, size_t window_length, size_t mos
   return frames;
 }
 
-std::map<size_t, Thumbnail> make_thumbnails(const Sequence& sequence,
+std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& sequence,
                                             const std::set<size_t>& wanted, int side,
                                             const Monitor& monitor) {
   std::map<size_t, Thumbnail> found;
@@ -167,17 +167,17 @@ std::map<size_t, Thumbnail> make_thumbnails(const Sequence& sequence,
   return found;
 }
 
-std::map<size_t, Thumbnail> make_replay_thumbnails(const Sequence& sequence,
-                                                   const std::optional<Replay>& replay,
-                                                   const std::set<size_t>& wanted, int side,
-                                                   const Monitor& monitor) {
-  if (!replay) return make_thumbnails(sequence, wanted, side, monitor);
+std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
+                                            const Selection& selection,
+                                            const std::set<size_t>& wanted, int side,
+                                            const Monitor& monitor) {
+  if (selection.is_all()) return make_thumbnails(recording, wanted, side, monitor);
   std::set<size_t> sources;
-  for (const size_t frame : wanted) sources.insert(replay->sources[frame]);
-  const std::map<size_t, Thumbnail> recorded = make_thumbnails(sequence, sources, side, monitor);
+  for (const size_t frame : wanted) sources.insert(selection.sources[frame]);
+  const std::map<size_t, Thumbnail> recorded = make_thumbnails(recording, sources, side, monitor);
   std::map<size_t, Thumbnail> found;
   for (const size_t frame : wanted)
-    if (const auto source = recorded.find(replay->sources[frame]); source != recorded.end())
+    if (const auto source = recorded.find(selection.sources[frame]); source != recorded.end())
       found.insert({frame, source->second});
   return found;
 }
@@ -204,14 +204,14 @@ void GalleryCards::read_frames(const Monitor& monitor) {
     if (item.truth) want(*item.truth);
   }
   if (sources_.query)
-    query_ = make_replay_thumbnails(*sources_.query, judgement_.layout.scope.replay, query,
-                                    kThumbnailSide, monitor);
+    query_ = make_thumbnails(*sources_.query, judgement_.layout.scope.query.selection, query,
+                             kThumbnailSide, monitor);
   references_.resize(references.size());
   for (size_t s = 0; s < references.size(); ++s)
     if (sources_.references[s])
-      references_[s] =
-          make_replay_thumbnails(*sources_.references[s], judgement_.layout.scope.sequences[s].kept,
-                                 references[s], kThumbnailSide, monitor);
+      references_[s] = make_thumbnails(*sources_.references[s],
+                                       judgement_.layout.scope.sequences[s].sequence.selection,
+                                       references[s], kThumbnailSide, monitor);
 }
 
 std::string GalleryCards::html() const {
@@ -241,7 +241,7 @@ std::vector<size_t> GalleryCards::frames_at(size_t anchor) const {
 }
 
 std::string GalleryCards::place(const FrameMatch& match) const {
-  return fmt::format("{} {}", judgement_.layout.scope.sequences[match.sequence].name,
+  return fmt::format("{} {}", judgement_.layout.scope.sequences[match.sequence].sequence.name,
                      match.reference);
 }
 

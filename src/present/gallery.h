@@ -12,7 +12,7 @@
 #include "base/monitor.h"
 #include "evaluate/judgement.h"
 #include "sequence/selection.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -49,21 +49,21 @@ struct Thumbnail {
 /// At most `side` pixels a side, in colour. Of a folder or list only the wanted files are read, of
 /// a video all frames. Frames that are not there are left out. Throws Error(input) as
 /// for_each_frame does for a sequence without any readable frame.
-std::map<size_t, Thumbnail> make_thumbnails(const Sequence& sequence,
+std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& sequence,
                                             const std::set<size_t>& wanted, int side,
                                             const Monitor& monitor);
 
-/// The same for frames of a replay of the sequence, or of itself where there is none.
-std::map<size_t, Thumbnail> make_replay_thumbnails(const Sequence& sequence,
-                                                   const std::optional<Replay>& replay,
-                                                   const std::set<size_t>& wanted, int side,
-                                                   const Monitor& monitor);
+/// The same for frames that are selected of the recording.
+std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
+                                            const Selection& selection,
+                                            const std::set<size_t>& wanted, int side,
+                                            const Monitor& monitor);
 
 /// Where a report's frames can be seen. References are the training sequences in the order of the
 /// ground truth's scope; an absent one has no pictures.
 struct FrameSources {
-  std::optional<Sequence> query;
-  std::vector<std::optional<Sequence>> references;
+  std::optional<SequenceSource> query;
+  std::vector<std::optional<SequenceSource>> references;
 };
 
 /// The cards of the gallery, with the pictures that they need. What is given must stay alive.

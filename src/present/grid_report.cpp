@@ -195,9 +195,9 @@ std::string grid_name(const Report& report) {
   for (const char* key : {"c_l", "c_w", "window"})
     if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
   if (settings.contains("score")) name += ", " + settings["score"].get<std::string>();
-  if (!report.replay) return name;
-  if (report.replay->fps > 0) name += fmt::format(", {} frames a second", report.replay->fps);
-  if (!report.replay->warp.empty()) name += ", replayed: " + report.replay->warp;
+  if (report.selection.thinned_fps > 0)
+    name += fmt::format(", {} frames a second", report.selection.thinned_fps);
+  if (!report.selection.warp.empty()) name += ", replayed: " + report.selection.warp;
   return name;
 }
 

@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "evaluate/metrics.h"
 #include "present/chart_layout.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_tables.h"
 #include "present/html_page.h"
-#include "present/json_fields.h"
 #include "present/score_matrix.h"
 
 namespace vpr {
@@ -162,13 +162,15 @@ Json steps_json(const Report& report, const Judgement& judgement) {
   return steps;
 }
 
-// Where frames are those of recordings that are replayed or thinned: which.
+// The recording's frame of each frame, where frames are selected.
 void add_sources(Json& data, const GroundTruthScope& scope) {
-  if (scope.replay) data["query_sources"] = scope.replay->sources;
-  if (std::ranges::none_of(scope.sequences, [](const auto& s) { return s.kept.has_value(); }))
-    return;
-  for (const auto& sequence : scope.sequences)
-    data["train_sources"].push_back(sequence.kept ? Json(sequence.kept->sources) : Json());
+  const auto is_all = [](const auto& train) { return train.sequence.selection.is_all(); };
+  if (const Selection& selection = scope.query.selection; !selection.is_all())
+    data["query_sources"] = selection.sources;
+  if (std::ranges::all_of(scope.sequences, is_all)) return;
+  for (const auto& train : scope.sequences)
+    data["train_sources"].push_back(is_all(train) ? Json()
+                                                  : Json(train.sequence.selection.sources));
 }
 
 // A line of data for each query, the scales of all charts (from, to, begin and end of both axes in
@@ -181,8 +183,8 @@ Json page_data(const Report& report, const Judgement& judgement, bool is_judged,
   data["kind"] = score_words(report);
   data["judged"] = is_judged;
   data["sequences"] = Json::array();
-  for (const auto& sequence : judgement.layout.scope.sequences)
-    data["sequences"].push_back(sequence.name);
+  for (const auto& train : judgement.layout.scope.sequences)
+    data["sequences"].push_back(train.sequence.name);
   add_queries(data, judgement);
   add_sources(data, judgement.layout.scope);
   data["areas"] = {{"timeline", area_json(charts.timeline)},

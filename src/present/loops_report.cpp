@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_tables.h"
 #include "present/html_page.h"
-#include "present/json_fields.h"
 #include "present/route_map.h"
 #include "truth/times.h"
 

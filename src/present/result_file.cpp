@@ -82,15 +82,6 @@ std::vector<int32_t> view_rows(const ResultViews& views) {
   return rows;
 }
 
-// Which frames of their recordings training frames are, one target after the other.
-std::vector<int32_t> kept_rows(const Result& result) {
-  std::vector<int32_t> rows;
-  for (const Target& target : result.targets)
-    if (target.kept)
-      rows.insert(rows.end(), target.kept->sources.begin(), target.kept->sources.end());
-  return rows;
-}
-
 /// Writes arrays beside a result, and notes them in its JSON.
 struct Companions {
   const fs::path& path;
@@ -114,23 +105,15 @@ struct Companions {
 };
 
 Json query_json(const Result& result) {
-  Json json = {{"name", result.query_name},
-               {"frames", result.query_frames},
-               {"windows", result.query_windows},
-               {"unreadable", result.query_unreadable}};
-  if (result.query_fps) json["fps"] = *result.query_fps;
-  if (result.replay) add_replay(json, *result.replay);
+  Json json = sequence_json(
+      result.query, {{"windows", result.query_windows}, {"unreadable", result.query.unreadable}});
   if (result.places) json["featureless"] = result.places->featureless;
   return json;
 }
 
 Json target_json(const Target& target, const Result& result) {
-  Json json = {{"name", target.name},
-               {"frames", target.frames},
-               {"windows", target.windows},
-               {"searched", target.searched}};
-  if (target.fps) json["fps"] = *target.fps;
-  if (target.kept) add_replay(json, *target.kept);
+  Json json =
+      sequence_json(target.sequence, {{"windows", target.windows}, {"searched", target.searched}});
   if (!target.searched || result.places) return json;
   json["t_r"] = target.threshold ? Json(*target.threshold) : Json();
   json["t_r_scale"] = enum_name(target.scale);
@@ -161,7 +144,7 @@ Json number_or_null(double value) { return std::isnan(value) ? Json() : Json(val
 
 Json match_json(const Result& result, const Match& match) {
   const size_t length = result.window_length();
-  return {{"sequence", result.targets[match.target].name},
+  return {{"sequence", result.targets[match.target].sequence.name},
           {"frame", anchor_of(match.train, length)},
           {"score", result.score().frame_value(match.score, length)},
           {"sum", static_cast<int64_t>(match.score)}};
@@ -265,12 +248,12 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   if (result.path) companions.write("path", path_rows(*result.path), 3);
   if (result.views) companions.write("views", view_rows(*result.views), 2);
   if (result.places) companions.write("new_place", result.places->new_place);
-  if (result.replay) {
-    const std::vector<uint32_t>& sources = result.replay->sources;
-    companions.write("source_frames", std::vector<int32_t>(sources.begin(), sources.end()));
-  }
-  if (const std::vector<int32_t> kept = kept_rows(result); !kept.empty())
-    companions.write("train_source_frames", kept);
+  const Sequence* query = &result.query;
+  if (!query->selection.is_all()) companions.write("source_frames", source_rows({&query, 1}));
+  std::vector<const Sequence*> train;
+  for (const Target& target : result.targets) train.push_back(&target.sequence);
+  if (const std::vector<int32_t> rows = source_rows(train); !rows.empty())
+    companions.write("train_source_frames", rows);
   json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;

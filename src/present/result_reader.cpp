@@ -12,10 +12,9 @@
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/npy.h"
-#include "present/json_fields.h"
 #include "present/result_file.h"
-#include "sequence/selection.h"
 #include "store/archive.h"
 
 namespace vpr {
@@ -85,17 +84,10 @@ void read_settings(const Json& json, const ResultSource& source, Result& result)
 
 void read_query(const ResultSource& source, Result& result) {
   const Fields query = source.fields.object("query");
-  result.query_name = query.text("name");
-  result.query_frames = query.count("frames", kMostFrames);
-  result.query_windows = query.count("windows", result.query_frames);
-  if (result.query_windows != window_count(result.query_frames, result.window_length()))
+  result.query = read_sequence(query, kMostFrames);
+  result.query_windows = query.count("windows", result.query.frames);
+  if (result.query_windows != window_count(result.query.frames, result.window_length()))
     source.fields.fail("its numbers of windows and frames do not fit");
-  if (query.has("fps")) result.query_fps = read_fps(query);
-  for (const Json& frame : query.list("unreadable")) {
-    if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= result.query_frames)
-      query.fail("\"unreadable\" holds what is no frame");
-    result.query_unreadable.push_back(frame.get<size_t>());
-  }
 }
 
 void read_threshold(const Fields& item, const Result& result, Target& target) {
@@ -115,12 +107,11 @@ void read_targets(const ResultSource& source, Result& result) {
   for (const Json& json : source.fields.list("targets")) {
     const Fields item(json, source.where);
     Target& target = result.targets.emplace_back();
-    target.name = item.text("name");
-    target.frames = item.count("frames", kMostFrames);
-    target.windows = item.count("windows", window_count(target.frames, result.window_length()));
+    target.sequence = read_sequence(item, kMostFrames);
+    target.windows =
+        item.count("windows", window_count(target.sequence.frames, result.window_length()));
     if (!item["searched"].is_boolean()) item.fail("\"searched\" is neither true nor false");
     target.searched = item["searched"].get<bool>();
-    if (item.has("fps")) target.fps = read_fps(item);
     if (target.searched && !result.places) read_threshold(item, result, target);
   }
 }
@@ -135,59 +126,27 @@ void read_places(const ResultSource& source, Result& result) {
   }
   const Fields query = source.fields.object("query");
   if (query.has("featureless"))
-    result.places->featureless = query.count("featureless", result.query_frames);
+    result.places->featureless = query.count("featureless", result.query.frames);
 }
 
-// To which rate frames were thinned, and of how many.
-void read_thinned(const Fields& sequence, Replay& replay, uint64_t frames) {
-  const Fields thinned = sequence.object("thinned");
-  replay.fps = read_fps(thinned);
-  replay.recorded_frames = thinned.count("frames", kMostThinned * frames);
+// The array of that name next to the result.
+void read_selected(const ResultSource& source, const std::vector<Sequence*>& sequences,
+                   const std::string& name) {
+  read_sources(
+      sequences,
+      [&] {
+        const NpyArray array = source.open(name);
+        const auto rows = array.values<int32_t>(1);
+        return std::vector<int32_t>(rows.begin(), rows.end());
+      },
+      [&] { source.fields.fail(name + ".npy does not fit its sequences"); });
 }
 
-void read_kept(const ResultSource& source, Result& result) {
-  const Json& targets = source.fields.list("targets");
-  const auto is_thinned = [](const Json& json) { return json.contains("thinned"); };
-  if (std::none_of(targets.begin(), targets.end(), is_thinned)) return;
-  const NpyArray array = source.open("train_source_frames");
-  const auto rows = array.values<int32_t>(1);
-  size_t next = 0;
-  for (size_t t = 0; t < result.targets.size(); ++t) {
-    if (!is_thinned(targets[t])) continue;
-    Target& target = result.targets[t];
-    Replay stated;
-    read_thinned(Fields(targets[t], source.where), stated, target.frames);
-    if (target.frames > rows.size() - next)
-      source.fields.fail("train_source_frames.npy does not fit the targets");
-    target.kept =
-        kept_frames(rows.subspan(next, target.frames), stated.recorded_frames, stated.fps);
-    if (!target.kept) source.fields.fail("train_source_frames.npy holds frames out of order");
-    next += target.frames;
-  }
-  if (next != rows.size()) source.fields.fail("train_source_frames.npy does not fit the targets");
-}
-
-void read_replay(const ResultSource& source, Result& result) {
-  const Fields query = source.fields.object("query");
-  if (!query.has("warp") && !query.has("thinned")) return;
-  Replay& replay = result.replay.emplace();
-  if (query.has("thinned")) read_thinned(query, replay, result.query_frames);
-  if (query.has("warp")) {
-    const Fields warp = query.object("warp");
-    replay.warp = warp.text("name");
-    replay.seed = warp.count("seed", std::numeric_limits<uint64_t>::max());
-    replay.recorded_frames =
-        warp.count("frames", (replay.fps > 0 ? kMostThinned : 1) *
-                                 static_cast<uint64_t>(kFastestPace) * result.query_frames);
-  }
-  const NpyArray array = source.open("source_frames");
-  for (const int32_t frame : array.values<int32_t>(1)) {
-    if (frame < 0 || static_cast<size_t>(frame) >= replay.recorded_frames)
-      source.fields.fail("source_frames.npy holds a frame that the query does not have");
-    replay.sources.push_back(static_cast<uint32_t>(frame));
-  }
-  if (replay.frames() != result.query_frames)
-    source.fields.fail("source_frames.npy does not fit the query");
+void read_selections(const ResultSource& source, Result& result) {
+  read_selected(source, {&result.query}, "source_frames");
+  std::vector<Sequence*> train;
+  for (Target& target : result.targets) train.push_back(&target.sequence);
+  read_selected(source, train, "train_source_frames");
 }
 
 constexpr double kMostSum = 4294967295.0;  // over a window
@@ -203,7 +162,7 @@ bool is_score(double score, const Result& result) {
 bool is_inside(const Match& match, const Result& result) {
   if (match.query >= result.query_windows || match.target >= result.targets.size()) return false;
   const uint64_t windows =
-      window_count(result.targets[match.target].frames, result.window_length());
+      window_count(result.targets[match.target].sequence.frames, result.window_length());
   return match.train < windows && (!result.places || match.view < result.places->views) &&
          is_score(match.score, result);
 }
@@ -301,16 +260,16 @@ void read_path(const ResultSource& source, Result& result) {
   if (!source.has("path")) return;
   const NpyArray array = source.open("path");
   const auto rows = array.values<double>(2);
-  if (array.shape()[1] != 3 || array.shape()[0] != result.query_frames)
+  if (array.shape()[1] != 3 || array.shape()[0] != result.query.frames)
     source.fields.fail("path.npy does not fit the query");
-  ResultPath& path = result.path.emplace(result.query_frames);
-  for (size_t frame = 0; frame < result.query_frames; ++frame) {
+  ResultPath& path = result.path.emplace(result.query.frames);
+  for (size_t frame = 0; frame < result.query.frames; ++frame) {
     const double nowhere = rows[3 * frame];
     const double rate = rows[3 * frame + 1];
     const double track = rows[3 * frame + 2];
     const bool is_fine = (std::isnan(nowhere) || is_score(nowhere, result)) &&
                          (std::isnan(rate) || (rate >= 0 && rate <= kMostSum)) && track >= 0 &&
-                         track <= static_cast<double>(result.query_frames) &&
+                         track <= static_cast<double>(result.query.frames) &&
                          track == std::floor(track);
     if (!is_fine) source.fields.fail("path.npy holds a number out of range");
     path.nowhere[frame] = nowhere;
@@ -326,10 +285,10 @@ void read_views(const ResultSource& source, Result& result) {
   if (array.shape()[1] != 2) source.fields.fail("views.npy has other columns");
   size_t row = 0;
   ResultViews& views = result.views.emplace();
-  views.query = take_views(rows, row, -1, result.query_frames, source.fields);
+  views.query = take_views(rows, row, -1, result.query.frames, source.fields);
   for (size_t t = 0; t < result.targets.size(); ++t)
-    views.train.push_back(
-        take_views(rows, row, static_cast<int32_t>(t), result.targets[t].frames, source.fields));
+    views.train.push_back(take_views(rows, row, static_cast<int32_t>(t),
+                                     result.targets[t].sequence.frames, source.fields));
   if (2 * row != rows.size()) source.fields.fail("views.npy does not fit the sequences");
 }
 
@@ -337,7 +296,7 @@ void read_new_place(const ResultSource& source, Result& result) {
   const NpyArray array = source.open("new_place");
   const auto values = array.values<double>(1);
   result.places->new_place.assign(values.begin(), values.end());
-  if (values.size() != result.query_frames)
+  if (values.size() != result.query.frames)
     source.fields.fail("new_place.npy does not fit the query");
 }
 
@@ -392,13 +351,12 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   Result& result = stored.result;
   read_settings(json, source, result);
   read_query(source, result);
-  read_replay(source, result);
   const bool has_places = std::holds_alternative<FabmapQuerySettings>(result.settings);
   if (has_places) read_places(source, result);
   read_targets(source, result);
-  read_kept(source, result);
-  if (has_places &&
-      (result.targets.size() != 1 || result.targets[0].frames != result.places->names.size()))
+  read_selections(source, result);
+  if (has_places && (result.targets.size() != 1 ||
+                     result.targets[0].sequence.frames != result.places->names.size()))
     fields.fail("its places and its target do not fit");
   read_matches(source, result);
   read_rates(source, result);

@@ -40,11 +40,4 @@ Json timing_json(const std::map<std::string, double>& seconds) {
   return json;
 }
 
-void add_replay(Json& json, const Replay& replay) {
-  if (!replay.warp.empty())
-    json["warp"] = {
-        {"name", replay.warp}, {"seed", replay.seed}, {"frames", replay.recorded_frames}};
-  if (replay.fps > 0) json["thinned"] = {{"fps", replay.fps}, {"frames", replay.recorded_frames}};
-}
-
 }  // namespace vpr

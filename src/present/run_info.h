@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "sequence/selection.h"
 
 namespace vpr {
 
@@ -48,8 +47,5 @@ Json machine_json(const RunInfo& run);
 
 /// Seconds by step, to the millisecond.
 Json timing_json(const std::map<std::string, double>& seconds);
-
-/// Adds "warp": how a query was replayed, and "thinned": to which rate a recording was.
-void add_replay(Json& json, const Replay& replay);
 
 }  // namespace vpr

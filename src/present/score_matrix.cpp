@@ -84,7 +84,7 @@ std::vector<std::pair<size_t, size_t>> true_columns(const GroundTruth& truth,
 std::vector<FrameBand> frame_bands(const ScoreLayout& layout) {
   std::vector<FrameBand> bands;
   for (const ScoreLayout::Columns& columns : layout.columns) {
-    const auto& sequence = layout.scope.sequences[columns.sequence];
+    const Sequence& sequence = layout.scope.sequences[columns.sequence].sequence;
     bands.push_back({sequence.name, columns.sequence, length_of(bands), 0, sequence.frames});
   }
   return bands;
@@ -93,8 +93,8 @@ std::vector<FrameBand> frame_bands(const ScoreLayout& layout) {
 std::vector<FrameBand> column_bands(const ScoreLayout& layout) {
   std::vector<FrameBand> bands;
   for (const ScoreLayout::Columns& columns : layout.columns)
-    bands.push_back({layout.scope.sequences[columns.sequence].name, columns.sequence, columns.first,
-                     layout.anchor(0), columns.count});
+    bands.push_back({layout.scope.sequences[columns.sequence].sequence.name, columns.sequence,
+                     columns.first, layout.anchor(0), columns.count});
   return bands;
 }
 
@@ -243,7 +243,7 @@ Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const G
                   pixels.scores(result.score().offset(result.window_length())), monitor);
   Chart chart =
       matrix_chart(judgement.layout, picture, "training frame", std::string(result.score().title));
-  chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query_name,
+  chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query.name,
                             result.window_length());
   return chart;
 }
@@ -253,7 +253,8 @@ Json matrix_layout_json(const ScoreLayout& layout) {
   size_t column = 0;
   for (uint32_t s = 0; s < layout.scope.sequences.size(); ++s) {
     if (!layout.scope.sequences[s].searched) continue;
-    sequences.push_back({{"sequence", layout.scope.sequences[s].name}, {"first_column", column}});
+    sequences.push_back(
+        {{"sequence", layout.scope.sequences[s].sequence.name}, {"first_column", column}});
     if (const ScoreLayout::Columns* columns = layout.columns_of(s)) column += columns->count;
   }
   return {{"rows", row_count(layout)}, {"columns", column}, {"sequences", sequences}};

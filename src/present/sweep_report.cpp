@@ -7,9 +7,9 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/text.h"
 #include "present/evaluation_report.h"
-#include "present/json_fields.h"
 #include "present/palette.h"
 
 namespace vpr {
@@ -37,7 +37,7 @@ Json choice_json(const Sweep& sweep, size_t first) {
     return cell ? Json(first + *cell) : Json();
   };
   Json json = {
-      {"name", sweep.query_name},
+      {"name", sweep.query.name},
       {"ground_truth", sweep.protocol},
       {"recommended", index(choice.cell)},
       {"recommended_settings",
@@ -48,7 +48,7 @@ Json choice_json(const Sweep& sweep, size_t first) {
       {"nearest_error", index(choice.first_error)}};
   json["pareto"] = Json::array();
   for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
-  if (sweep.replay) add_replay(json, *sweep.replay);
+  add_selection(json, sweep.query.selection);
   if (sweep.intervals) {
     json["intervals"] = {{"block", sweep.intervals->block},
                          {"correct_hits", interval_json(sweep.intervals->correct_hits)},
@@ -110,7 +110,7 @@ std::pair<std::string, std::string> best_texts(const Counts& counts) {
 Table grid_table(const std::vector<Sweep>& sweeps, const std::string& title, CellTexts texts,
                  bool every_threshold, bool star) {
   Table table;
-  table.title = sweeps.size() > 1 ? title : sweeps.front().query_name + ": " + title;
+  table.title = sweeps.size() > 1 ? title : sweeps.front().query.name + ": " + title;
   if (sweeps.size() > 1) table.columns.emplace_back("query");
   if (every_threshold) table.columns.push_back(sweeps.front().threshold_symbol);
   for (const std::string& window : distinct_texts(sweeps.front(), window_text))
@@ -118,7 +118,7 @@ Table grid_table(const std::vector<Sweep>& sweeps, const std::string& title, Cel
   for (const Sweep& sweep : sweeps) {
     for (const std::string& threshold : distinct_texts(sweep, threshold_text)) {
       std::vector<std::string>& row = table.rows.emplace_back();
-      if (sweeps.size() > 1) row.push_back(sweep.query_name);
+      if (sweeps.size() > 1) row.push_back(sweep.query.name);
       if (every_threshold) row.push_back(threshold);
       for (size_t c = 0; c < sweep.cells.size(); ++c) {
         if (threshold_text(sweep.cells[c]) != threshold) continue;
@@ -188,7 +188,7 @@ Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t LabelCoun
                  Meaning meaning) {
   const auto windows = distinct_texts(sweep, window_text);
   const auto thresholds = distinct_texts(sweep, threshold_text);
-  Chart chart{"heat-map", fmt::format("{}: {}", sweep.query_name, what)};
+  Chart chart{"heat-map", fmt::format("{}: {}", sweep.query.name, what)};
   chart.x = name_axis(sweep.score->window_symbol, windows, false);
   chart.y = name_axis(sweep.threshold_symbol, thresholds, true);
   uint64_t most = 1;
@@ -228,7 +228,7 @@ Json sweep_json(std::string_view method, const QuerySettings& base,
   for (const Sweep& sweep : sweeps) {
     json["queries"].push_back(choice_json(sweep, json["cells"].size()));
     for (const CellCounts& cell : sweep.cells)
-      json["cells"].push_back(named_cell_json(sweep.query_name, cell, sweep));
+      json["cells"].push_back(named_cell_json(sweep.query.name, cell, sweep));
   }
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);
@@ -243,7 +243,7 @@ std::string config_text(const QuerySettings& settings) {
 }
 
 Chart sweep_chart(const Sweep& sweep) {
-  Chart chart{"correct-incorrect", fmt::format("{}: hits", sweep.query_name), {"incorrect hits"}};
+  Chart chart{"correct-incorrect", fmt::format("{}: hits", sweep.query.name), {"incorrect hits"}};
   chart.x.from_zero = true;
   chart.y.label = "correct hits";
   const auto looseness = [&](const CellCounts* cell) {
@@ -319,7 +319,7 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
       const bool is_pareto = std::ranges::find(choice.pareto, c) != choice.pareto.end();
       const auto of_places = [&](uint64_t count) { return places ? std::to_string(count) : ""; };
       const LabelCounts judged = places.value_or(LabelCounts{});
-      names.push_back(sweep.query_name);
+      names.push_back(sweep.query.name);
       Table& row = rows.emplace_back();
       add_column(row, sweep.score->window_symbol, cell.window);
       add_column(row, sweep.threshold_symbol, threshold_text(cell));
@@ -386,8 +386,8 @@ std::string reason_text(const Sweep& sweep) {
 std::string recommendation_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
   if (!choice.cell)
-    return fmt::format("{}: no recommendation: {}.\n", sweep.query_name, reason_text(sweep));
-  std::string text = fmt::format("{}: recommended: {}: {}.\n", sweep.query_name,
+    return fmt::format("{}: no recommendation: {}.\n", sweep.query.name, reason_text(sweep));
+  std::string text = fmt::format("{}: recommended: {}: {}.\n", sweep.query.name,
                                  cell_name(sweep, sweep.cells[*choice.cell]), reason_text(sweep)) +
                      first_error_text(sweep);
   if (sweep.intervals) text += intervals_text(*sweep.intervals, has_places(sweep));

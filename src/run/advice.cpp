@@ -82,8 +82,8 @@ std::string filter_finding(const SequenceDatabase& database, const DescriptorSet
            "direction.";
   const size_t recognized = recognised_windows(result);
   const std::string found =
-      fmt::format("{} of {}", recognized, counted(result.query_frames, "frame"));
-  if (kFewest * recognized < result.query_frames)
+      fmt::format("{} of {}", recognized, counted(result.query.frames, "frame"));
+  if (kFewest * recognized < result.query.frames)
     return fmt::format(
         "Only {} are recognized at any speed (--method filter): most of the query may show another "
         "place or the opposite direction.",
@@ -101,7 +101,7 @@ void warn_of_rates(const SequenceDatabase& database, std::optional<double> query
                    const SequenceQuerySettings& settings, const Monitor& monitor) {
   const bool has_windows = settings.window_length > 1 && settings.rates.empty();
   if (!query_fps || !has_windows || has_paths(settings.method)) return;
-  for (const TrainSequence& sequence : database.sequences) {
+  for (const auto& [sequence, typical, half_width] : database.sequences) {
     if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
     const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
     if (fast <= kAlike * slow) continue;

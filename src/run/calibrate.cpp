@@ -142,8 +142,8 @@ CalibratedWalk calibrate_walk(const SequenceDatabase& database, const Descriptor
   if (has_paths(base->method)) lengths = {1};
   std::sort(lengths.begin(), lengths.end());
   CalibratedWalk walk;
-  walk.query_name = query_name;
-  walk.replay = query.frames.replay;
+  walk.query = query.sequence;
+  walk.query.name = query_name;
   std::optional<GroundTruth> truth;
   bool is_known = false;
   for (const uint64_t length : lengths) {

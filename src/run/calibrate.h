@@ -22,8 +22,7 @@ struct CalibratedLength {
 
 /// The threshold of every window length, and the length to take.
 struct CalibratedWalk {
-  std::string query_name;
-  std::optional<Replay> replay;
+  Sequence query;
   std::string protocol;                   ///< of the ground truth, in words
   std::vector<CalibratedLength> lengths;  ///< rising
   /// The shortest that recognizes correctly at least 0.7 of the windows that any does.

@@ -24,7 +24,7 @@ GroundTruth truth_of(const JudgedBy& by, GroundTruthScope scope, const Monitor& 
 std::vector<double> way_of(const JudgedBy& by, const GroundTruthScope& scope,
                            const Monitor& monitor) {
   if (by.poses.empty()) return {};
-  return read_traveled(by.poses, scope.query_frames, monitor, scope.replay);
+  return read_traveled(by.poses, scope.query, monitor);
 }
 
 /// A query frame and the training frame that it is recognized as.
@@ -62,9 +62,9 @@ std::optional<std::string> other_length(const Evaluation& evaluation, const Judg
     return std::nullopt;
   const GroundTruthScope& scope = evaluation.judgement.layout.scope;
   const auto train =
-      std::ranges::find_if(scope.sequences, [](const auto& sequence) { return sequence.searched; });
-  const size_t frames = scope.replay ? scope.replay->recorded_frames : scope.query_frames;
-  const size_t train_frames = train->kept ? train->kept->recorded_frames : train->frames;
+      std::ranges::find_if(scope.sequences, [](const auto& one) { return one.searched; });
+  const size_t frames = scope.query.recorded_frames();
+  const size_t train_frames = train->sequence.recorded_frames();
   const double step = static_cast<double>(train_frames) / static_cast<double>(frames);
   if (std::abs(step - 1) <= kSameLength) return std::nullopt;
   return fmt::format("the query has {} and the training sequence {}: --reference-step {:.3g}?",
@@ -98,15 +98,18 @@ void present_by(Judgement& judgement, const JudgedBy& by) {
   judgement.stretch_frames = by.stretch_frames;
 }
 
-void set_replay(GroundTruthScope& scope, const Replay& replay) {
-  if (replay.frames() != scope.query_frames)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("the scores are of {} of a query, and of {} the warp {} shows {}; give "
-                    "the warp, its seed and the number of frames that they were made with",
-                    counted(scope.query_frames, "frame"), counted(replay.recorded_frames, "frame"),
-                    replay.warp, replay.frames()));
-  scope.replay = replay;
+// The query of so many frames that the scores are of.
+Sequence query_of(const ScoreSettings& settings, size_t frames) {
+  Sequence query = settings.query;
+  query.frames = frames;
+  const Selection& selection = query.selection;
+  if (!selection.is_all() && selection.frames() != frames)
+    throw Error(ErrorKind::data,
+                fmt::format("the scores are of {} of a query, and of {} the warp {} shows {}; give "
+                            "the warp, its seed and the number of frames that they were made with",
+                            counted(frames, "frame"), counted(selection.recorded_frames, "frame"),
+                            selection.warp, selection.frames()));
+  return query;
 }
 
 }  // namespace
@@ -114,7 +117,6 @@ void set_replay(GroundTruthScope& scope, const Replay& replay) {
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
                            const Monitor& monitor) {
   Evaluation evaluation;
-  evaluation.query_name = result.query_name;
   const GroundTruthScope scope = scope_of(result);
   evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
@@ -132,14 +134,12 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   return evaluation;
 }
 
-Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
-                           const std::string& query_name, const JudgedBy& by,
+Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings, const JudgedBy& by,
                            const Monitor& monitor) {
   Evaluation evaluation;
-  evaluation.query_name = query_name;
   evaluation.scores = settings;
   ScoreLayout layout = layout_of(matrix, settings.window_length);
-  if (settings.replay) set_replay(layout.scope, *settings.replay);
+  layout.scope.query = query_of(settings, layout.scope.query.frames);
   evaluation.truth = truth_of(by, layout.scope, monitor);
   const std::vector<double> travelled_m = way_of(by, layout.scope, monitor);
   evaluation.judgement =

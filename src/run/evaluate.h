@@ -27,9 +27,9 @@ struct JudgedBy {
 struct ScoreSettings {
   std::string method = "scores";  ///< a name for tables
   ScoreFormat format;
-  uint64_t window_length = 1;         ///< rows and columns are windows of so many frames
-  std::optional<double> threshold;    ///< of a fix; none: that of recall at 100 % precision
-  std::optional<Replay> replay = {};  ///< of which query its rows are, where it is replayed
+  uint64_t window_length = 1;       ///< rows and columns are windows of so many frames
+  std::optional<double> threshold;  ///< of a fix; none: that of recall at 100 % precision
+  Sequence query = {};              ///< its name, and the selection that its rows are of
 };
 
 /// A result as a ground truth sees it.
@@ -41,7 +41,6 @@ struct JudgedResult {
 };
 
 struct Evaluation {
-  std::string query_name;
   std::optional<std::string> name;  ///< that the user gave to the result or the scores
   GroundTruth truth;                ///< whose labels are not known where there is none
   Judgement judgement;
@@ -49,6 +48,8 @@ struct Evaluation {
   ScoreSettings scores;                ///< of scores alone
   std::optional<ScoreMatrix> matrix;   ///< of scores, or the one that was saved with the result
   std::string fingerprint;             ///< of the file of the result, or of the scores
+
+  const Sequence& query() const { return judgement.layout.scope.query; }
 };
 
 /// A result, with the matrix that was saved with it, if there is one. Throws what
@@ -57,9 +58,8 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
                            const Monitor& monitor);
 
 /// Scores alone, of any program. `by` names a ground truth. Throws as evaluate_result does, and
-/// Error(data) for a replay of another number of frames.
-Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
-                           const std::string& query_name, const JudgedBy& by,
+/// Error(data) for a selection of another number of frames.
+Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings, const JudgedBy& by,
                            const Monitor& monitor);
 
 }  // namespace vpr

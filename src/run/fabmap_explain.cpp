@@ -31,9 +31,10 @@ std::vector<size_t> best_views(std::span<const double> posterior,
 
 std::string view_name(const FabmapDatabase& database, size_t view) {
   const ViewOrigin origin = database.origin(view);
-  const ViewGroup& group = database.groups[origin.group];
-  const std::string& name = group.frame_names[origin.frame];
-  return fmt::format("{}: {}", group.name, name.empty() ? fmt::format("#{}", origin.frame) : name);
+  const Sequence& sequence = database.groups[origin.group].sequence;
+  const std::string& name = sequence.frame_names[origin.frame];
+  return fmt::format("{}: {}", sequence.name,
+                     name.empty() ? fmt::format("#{}", origin.frame) : name);
 }
 
 }  // namespace
@@ -66,8 +67,8 @@ Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, 
   return explanation;
 }
 
-FrameFeatures locate_words(const Sequence& sequence, size_t frame, const FabmapDatabase& database,
-                           const Monitor& monitor) {
+FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
+                           const FabmapDatabase& database, const Monitor& monitor) {
   FrameFeatures features;
   if (!sequence.files.empty()) {
     if (frame < sequence.files.size())

@@ -46,7 +46,7 @@ struct FrameFeatures {
 
 /// Decodes one frame of a sequence and describes it. Throws Error(input) if the sequence has no
 /// such frame, or it can't be decoded.
-FrameFeatures locate_words(const Sequence& sequence, size_t frame, const FabmapDatabase& database,
-                           const Monitor& monitor);
+FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
+                           const FabmapDatabase& database, const Monitor& monitor);
 
 }  // namespace vpr

@@ -51,18 +51,16 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& settings) {
   Result result;
   result.settings = settings;
-  result.query_name = query_name;
-  result.query_frames = result.query_windows = query.frames.size();
-  result.query_unreadable = query.unreadable;
-  result.replay = query.replay;
-  result.query_fps = query.fps;
+  result.query = query.sequence;
+  result.query.name = query_name;
+  result.query_windows = query.sequence.frames;
   ResultPlaces& places = result.places.emplace();
   places.names = searched.place_names();
   places.views = searched.places().size();
   places.featureless = featureless_frames(query);
   Target& target = result.targets.emplace_back();
-  target.name = "places";
-  target.frames = target.windows = places.names.size();
+  target.sequence = {"places", places.names.size()};
+  target.windows = places.names.size();
   return result;
 }
 
@@ -76,7 +74,8 @@ std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
 }
 
 bool is_unreadable(const SequenceWords& query, size_t frame) {
-  return std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
+  return std::binary_search(query.sequence.unreadable.begin(), query.sequence.unreadable.end(),
+                            frame);
 }
 
 size_t frames_at_once(size_t views) {
@@ -133,9 +132,10 @@ void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double>
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
                           const std::string& query_name) {
   FabmapDatabase extended = database;
-  ViewGroup group{query_name, false, query.names, query.unreadable};
-  group.frame_names.resize(query.frames.size());
-  add_group(extended, group, query.frames);
+  ViewGroup group{query.sequence};
+  group.sequence.name = query_name;
+  group.sequence.frame_names.resize(query.sequence.frames);
+  add_group(extended, group, query.words);
   index_views(extended);
   return extended;
 }
@@ -144,7 +144,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
                        const std::string& query_name, const FabmapQuerySettings& settings,
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
   check_query_settings(settings);
-  if (settings.loop && query.replay)
+  if (settings.loop && !query.sequence.selection.is_all())
     throw Error(ErrorKind::usage,
                 "a query that is replayed (--warp) or thinned (--fps) can't be its own places "
                 "(--loop); give a range with a step, as in PATH@::6");
@@ -152,7 +152,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;
   const std::vector<uint32_t> place_of = places_of(searched);
-  const size_t frames = query.frames.size();
+  const size_t frames = query.sequence.frames;
   FabmapRun run{make_result(searched, query, query_name, settings), {}};
   Result& result = run.result;
   Stopwatch watch;
@@ -173,7 +173,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
     // A frame without words resembles every view without words: its posterior is kept in files and
     // by the motion model, but recognizes nothing.
     const std::span<const double> shown =
-        query.frames[frame].empty() ? std::span<const double>{} : posterior;
+        query.words[frame].empty() ? std::span<const double>{} : posterior;
     if (observe) observe(frame, posterior);
     window.add(shown, settings.place_threshold, views.size());
     result.places->new_place.push_back(unreadable ? 0 : posterior[0]);
@@ -192,8 +192,8 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
     std::vector<double> new_place(count);
     parallel_for(count, monitor, [&](size_t i) {
       const size_t frame = begin + i;
-      views[i] = matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
-      new_place[i] = matcher.new_place(query.frames[frame]);
+      views[i] = matcher.views(query.words[frame], known_views(searched, frames, frame, settings));
+      new_place[i] = matcher.new_place(query.words[frame]);
       counter.add();
     });
     for (size_t i = 0; i < count; ++i) fold(begin + i, views[i], new_place[i]);

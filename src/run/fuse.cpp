@@ -25,34 +25,34 @@ struct Group {
                           name, why));
 }
 
-bool has_frames_of(const ViewGroup& group, const TrainSequence& sequence) {
+bool has_frames_of(const Sequence& group, const Sequence& sequence) {
   return group.name == sequence.name && group.frame_names == sequence.frame_names &&
          group.unreadable == sequence.unreadable;
 }
 
 // Why no group is of the sequence's frames.
-std::string difference(const FabmapDatabase& fabmap, const TrainSequence& sequence) {
-  const auto named = std::find_if(fabmap.groups.begin(), fabmap.groups.end(),
-                                  [&](const ViewGroup& g) { return g.name == sequence.name; });
-  if (named == fabmap.groups.end())
+std::string difference(const FabmapDatabase& fabmap, const Sequence& sequence) {
+  const auto found =
+      std::find_if(fabmap.groups.begin(), fabmap.groups.end(),
+                   [&](const ViewGroup& group) { return group.sequence.name == sequence.name; });
+  if (found == fabmap.groups.end())
     return fmt::format("has no training sequence {}", sequence.name);
-  const auto [own, other] = std::mismatch(named->frame_names.begin(), named->frame_names.end(),
-                                          sequence.frame_names.begin(), sequence.frame_names.end());
-  if (named->frame_names.size() != sequence.frame_count())
+  const Sequence& named = found->sequence;
+  if (named.frames != sequence.frames)
     return fmt::format("{} has {}, and {} in the other database", sequence.name,
-                       counted(named->frame_names.size(), "frame"), sequence.frame_count());
-  if (own != named->frame_names.end())
+                       counted(named.frames, "frame"), sequence.frames);
+  const auto [own, other] = std::ranges::mismatch(named.frame_names, sequence.frame_names);
+  if (own != named.frame_names.end())
     return fmt::format("frame {} of {} is {}, and {} in the other database",
-                       own - named->frame_names.begin(), sequence.name, *own, *other);
+                       own - named.frame_names.begin(), sequence.name, *own, *other);
   return fmt::format("other frames of {} could not be decoded", sequence.name);
 }
 
-Group group_of(const FabmapDatabase& fabmap, const TrainSequence& sequence,
-               const std::string& name) {
+Group group_of(const FabmapDatabase& fabmap, const Sequence& sequence, const std::string& name) {
   size_t first = 0;
   for (const ViewGroup& group : fabmap.groups) {
-    if (has_frames_of(group, sequence)) return {&group, first};
-    first += group.frame_names.size();
+    if (has_frames_of(group.sequence, sequence)) return {&group, first};
+    first += group.sequence.frames;
   }
   refuse(name, difference(fabmap, sequence));
 }
@@ -66,11 +66,11 @@ void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::st
                             "FAB-MAP needs the images of a query",
                             name));
   FusedViews fused;
-  for (const TrainSequence& sequence : database.sequences) {
+  for (const auto& [sequence, typical, half_width] : database.sequences) {
     const Group found = group_of(fabmap, sequence, name);
     const size_t first = fused.views.size();
-    fused.frames.push_back(sequence.frame_count());
-    for (size_t i = 0; i < sequence.frame_count(); ++i) {
+    fused.frames.push_back(sequence.frames);
+    for (size_t i = 0; i < sequence.frames; ++i) {
       const size_t view = found.first_view + i;
       const auto words = fabmap.views.view(view);
       fused.views.push_back(static_cast<uint32_t>(view));
@@ -104,21 +104,22 @@ const FusedViews* fused_views(const SequenceDatabase& database) {
   return database.statistics ? database.statistics->fused.get() : nullptr;
 }
 
-DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& database,
+DescriptorSet describe_both(const SequenceSource& sequence, const SequenceDatabase& database,
                             Unreadable unreadable, const Monitor& monitor) {
   const DescriptorKind& kind = *database.descriptors.kind;
   const FusedViews& fused = *fused_views(database);
   const FeatureSettings& features = fused.fabmap.settings.features;
   if (database.descriptor.illumination_invariant) {
     DescriptorSet set = kind.describe(sequence, database.descriptor, unreadable, monitor);
-    set.words =
-        describe_words(sequence, fused.fabmap, unreadable == Unreadable::skip, monitor).frames;
+    SequenceSource all = sequence;
+    all.argument.warp.clear();  // which describe_frames applies
+    set.words = describe_words(all, fused.fabmap, unreadable == Unreadable::skip, monitor).words;
     return set;
   }
   WordCollector words(features, fused.vocabulary);
   DescriptorSet set =
       kind.describe(sequence, database.descriptor, unreadable, monitor, std::ref(words));
-  set.words = words.take(set.frames.count());
+  set.words = words.take(set.sequence.frames);
   return set;
 }
 

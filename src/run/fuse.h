@@ -37,7 +37,7 @@ const FusedViews* fused_views(const SequenceDatabase& database);
 /// The frames of a sequence by both databases, of one that is fused. They are decoded once, but for
 /// descriptors that are illumination invariant, which need colours: FAB-MAP's features are those of
 /// the grey picture that decoders make.
-DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& database,
+DescriptorSet describe_both(const SequenceSource& sequence, const SequenceDatabase& database,
                             Unreadable unreadable, const Monitor& monitor);
 
 /// Takes grey frames in any order, from several threads, and keeps the words that they show.

@@ -21,16 +21,17 @@ void append_frames(SequenceDatabase& database, const GivenDistances& given,
         fmt::format("the training sequence {} has the range {}, and the matrix has {}",
                     argument.name, range_text(range), counted(given.references(), "reference")));
   for (const TrainSequence& before : database.sequences)
-    if (before.name == argument.name)
+    if (before.sequence.name == argument.name)
       throw Error(ErrorKind::usage,
                   fmt::format("two training sequences are called {}", argument.name));
-  TrainSequence& sequence = database.sequences.emplace_back();
+  Sequence& sequence = database.sequences.emplace_back().sequence;
   sequence.name = argument.name;
   const std::vector<size_t>& empty = given.empty_references();
   for (uint64_t number = range.first; number < last; number += range.step) {
     if (std::binary_search(empty.begin(), empty.end(), number))
-      sequence.unreadable.push_back(sequence.frame_names.size());
+      sequence.unreadable.push_back(sequence.frames);
     sequence.frame_names.push_back(fmt::format("#{}", number));
+    ++sequence.frames;
     append_frame_numbers(database.descriptors.owned, number, 1);
   }
 }
@@ -61,9 +62,10 @@ GivenQuery given_query(const GivenDistances& given, const std::vector<NamedArgum
   for (const NamedArgument& sequence : sequences) append_frames(made.database, given, sequence);
   made.query.descriptors.kind = &given_kind();
   append_frame_numbers(made.query.descriptors.owned, 0, given.queries());
-  for (size_t i = 0; i < given.queries(); ++i)
-    made.query.frames.names.push_back(fmt::format("#{}", i));
-  made.query.frames.unreadable = given.empty_queries();
+  Sequence& query = made.query.sequence;
+  query.frames = given.queries();
+  for (size_t i = 0; i < query.frames; ++i) query.frame_names.push_back(fmt::format("#{}", i));
+  query.unreadable = given.empty_queries();
   made.query.given = &given;
   const size_t frames = made.database.descriptors.rows().size();
   made.database.shared_places.emplace();

@@ -8,7 +8,7 @@
 
 namespace vpr {
 
-DescriptorSet describe_walk(const Sequence& walk, const SequenceQuerySettings& settings,
+DescriptorSet describe_walk(const SequenceSource& walk, const SequenceQuerySettings& settings,
                             const Monitor& monitor) {
   const std::string usual(walk.kind == SequenceKind::descriptors ? kVectorKind : "ldb");
   const std::string& name = settings.descriptor.empty() ? usual : settings.descriptor;
@@ -24,7 +24,8 @@ SequenceDatabase own_walk(const DescriptorSet& query, const std::string& name) {
   walk.descriptors.kind = query.descriptors.kind;
   walk.descriptors.unit = query.descriptors.unit;
   walk.descriptors.append(query.rows());
-  walk.sequences.push_back({name, query.frames.names, query.frames.unreadable});
+  walk.sequences.push_back({query.sequence});
+  walk.sequences.back().sequence.name = name;
   walk.shared_places.emplace();
   return walk;
 }

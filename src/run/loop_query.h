@@ -9,7 +9,7 @@ namespace vpr {
 
 /// The walk described by settings.descriptor, or where that is empty by LDB, or as vectors where
 /// its frames are arrays. Throws as describe_frames does.
-DescriptorSet describe_walk(const Sequence& walk, const SequenceQuerySettings& settings,
+DescriptorSet describe_walk(const SequenceSource& walk, const SequenceQuerySettings& settings,
                             const Monitor& monitor);
 
 /// The query as the only training sequence, of its name; nothing is learned from it.

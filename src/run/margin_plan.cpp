@@ -43,8 +43,9 @@ SharedPlaces found_places(const SequenceDatabase& database, const RowKernels& ke
 std::pair<size_t, size_t> pair_of(const std::string& text,
                                   const std::vector<TrainSequence>& sequences) {
   const auto index_of = [&](std::string_view name) {
-    const auto found = std::find_if(sequences.begin(), sequences.end(),
-                                    [&](const TrainSequence& s) { return s.name == name; });
+    const auto found =
+        std::find_if(sequences.begin(), sequences.end(),
+                     [&](const TrainSequence& s) { return s.sequence.name == name; });
     return static_cast<size_t>(found - sequences.begin());
   };
   // Names may hold "=".
@@ -54,7 +55,7 @@ std::pair<size_t, size_t> pair_of(const std::string& text,
     if (a < sequences.size() && b < sequences.size() && a != b) return std::minmax(a, b);
   }
   std::vector<std::string> names;
-  for (const TrainSequence& sequence : sequences) names.push_back(sequence.name);
+  for (const TrainSequence& train : sequences) names.push_back(train.sequence.name);
   throw Error(ErrorKind::usage,
               fmt::format("same_place \"{}\" is no pair of training sequences, as in A=B, nor {}; "
                           "the database has {}",

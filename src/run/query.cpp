@@ -30,7 +30,7 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
               fmt::format("{}, {}; the first is query window {}, {} window {}, "
                           "which should be {}",
                           counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
-                          first.query_window, plan.sequences[first.sequence].name,
+                          first.query_window, plan.sequences[first.sequence].sequence.name,
                           first.train_window, first.score));
 }
 

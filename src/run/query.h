@@ -34,11 +34,10 @@ struct QueryRun {
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
                                const std::string& fabmap, const Monitor& monitor);
 
-/// The frames of a query, described like those of the database, at a simulated speed unless `warp`
-/// is empty. Warns of a frame rate that differs from the training sequences' (warn_of_rates).
+/// The frames of a query, described like those of the database. Warns of a frame rate that differs
+/// from the training sequences' (warn_of_rates).
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
-                             const ResolvedSettings& settings, const std::string& warp,
-                             uint64_t seed, const Monitor& monitor);
+                             const ResolvedSettings& settings, const Monitor& monitor);
 
 /// Thresholds and the shape of a query, before any distance is known. Throws Error(usage) for
 /// an unknown sequence name, and a query or training sequences that are all shorter than a window,

@@ -23,7 +23,7 @@ namespace {
 
 void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySettings& settings) {
   std::vector<std::string> names;
-  for (const TrainSequence& sequence : sequences) names.push_back(sequence.name);
+  for (const TrainSequence& train : sequences) names.push_back(train.sequence.name);
   for (const std::string& name : settings.only_sequences)
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
@@ -37,17 +37,16 @@ bool is_searched(const SequenceQuerySettings& settings, const std::string& name)
 
 void plan_windows(QueryPlan& plan, const Monitor& monitor) {
   const uint64_t length = plan.settings.window_length;
-  plan.query_frames = plan.query.rows.size();
-  plan.query_unreadable.assign(plan.query.unreadable.begin(), plan.query.unreadable.end());
+  const Sequence& query = plan.query_sequence;
   if (count_windows(readable_runs(plan.query), length) == 0)
     throw Error(ErrorKind::usage,
                 fmt::format("the query {} has {}, and no {} readable ones in a row (c_l); "
                             "give a smaller --c-l",
-                            plan.query_name, counted(plan.query_frames, "frame"), length));
-  plan.query_windows = plan.query_frames - length + 1;
-  if (!plan.query_unreadable.empty())
-    warn(monitor, fmt::format("{}: {} of {} {} and will never match", plan.query_name,
-                              plan.query_unreadable.size(), counted(plan.query_frames, "frame"),
+                            query.name, counted(query.frames, "frame"), length));
+  plan.query_windows = query.frames - length + 1;
+  if (!query.unreadable.empty())
+    warn(monitor, fmt::format("{}: {} of {} {} and will never match", query.name,
+                              query.unreadable.size(), counted(query.frames, "frame"),
                               plan.query.given ? "have no score" : "can't be decoded"));
 }
 
@@ -56,19 +55,16 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
   const uint64_t length = plan.settings.window_length;
   bool any = false;
   for (size_t s = 0; s < plan.train.size(); ++s) {
-    Target& sequence = plan.sequences.emplace_back();
-    sequence.name = sequences[s].name;
-    sequence.frames = plan.train[s].rows.size();
-    sequence.fps = sequences[s].fps;
-    sequence.kept = sequences[s].kept;
-    sequence.windows = count_windows(readable_runs(plan.train[s]), length);
-    sequence.searched = is_searched(plan.settings, sequence.name);
-    if (!sequence.searched) continue;
-    any = any || sequence.windows > 0;
-    if (sequence.windows == 0)
+    Target& target = plan.sequences.emplace_back();
+    target.sequence = sequences[s].sequence;
+    target.windows = count_windows(readable_runs(plan.train[s]), length);
+    target.searched = is_searched(plan.settings, target.sequence.name);
+    if (!target.searched) continue;
+    any = any || target.windows > 0;
+    if (target.windows == 0)
       warn(monitor, fmt::format("{}: has no {} readable frames in a row (c_l), so it can't be "
                                 "recognised",
-                                sequence.name, length));
+                                target.sequence.name, length));
   }
   if (!any)
     throw Error(ErrorKind::usage,
@@ -125,7 +121,7 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
     Target& sequence = plan.sequences[s];
     if (!sequence.searched || !automatic.sequences[s]) continue;
     sequence.threshold = automatic.sequences[s]->value;
-    if (!automatic.table.closest[s]) warn_of_guess(sequence.name, plan.settings, monitor);
+    if (!automatic.table.closest[s]) warn_of_guess(sequence.sequence.name, plan.settings, monitor);
   }
 }
 
@@ -165,8 +161,8 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
 
 // What is known without a frame of the query. `asked`: as its frames are described.
 QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& asked,
-                     const DescriptorSpan& query, const std::string& query_name,
-                     const ResolvedSettings& settings) {
+                     const DescriptorSpan& query, const Sequence& sequence,
+                     const std::string& query_name, const ResolvedSettings& settings) {
   check_names(database.sequences, *settings);
   check_descriptors(database.descriptors, asked, settings->window_length);
   QueryPlan plan;
@@ -174,7 +170,9 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& as
   plan.query = query;
   plan.train = descriptor_spans(database);
   plan.learned = database.statistics ? &*database.statistics : nullptr;
-  plan.query_name = query_name;
+  plan.query_sequence = sequence;
+  plan.query_sequence.name = query_name;
+  plan.query_sequence.frames = query.rows.size();
   return plan;
 }
 
@@ -209,12 +207,10 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
 }
 
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
-                             const ResolvedSettings& settings, const std::string& warp,
-                             uint64_t seed, const Monitor& monitor) {
+                             const ResolvedSettings& settings, const Monitor& monitor) {
   DescriptorSet described =
-      replayed(describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor),
-               warp, seed);
-  warn_of_rates(database, described.frames.fps, *settings, monitor);
+      describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor);
+  warn_of_rates(database, described.sequence.fps, *settings, monitor);
   return described;
 }
 
@@ -222,9 +218,8 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
                      const std::string& query_name, const ResolvedSettings& settings,
                      const QueryResources& resources, const Monitor& monitor) {
   assert(!settings->loop);
-  QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query_name, settings);
-  plan.replay = query.frames.replay;
-  plan.query_fps = query.frames.fps;
+  QueryPlan plan =
+      begin_plan(database, query.descriptors, query.span(), query.sequence, query_name, settings);
   plan_windows(plan, monitor);
   finish_plan(plan, database, resources, monitor);
   return plan;
@@ -234,8 +229,9 @@ QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
                     const std::string& query_name, const ResolvedSettings& settings,
                     std::span<const int64_t> times_ns, const QueryResources& resources,
                     const Monitor& monitor) {
-  assert(settings->loop && !query.frames.replay);
-  QueryPlan plan = begin_plan(walk, query.descriptors, query.span(), query_name, settings);
+  assert(settings->loop && query.sequence.selection.is_all());
+  QueryPlan plan =
+      begin_plan(walk, query.descriptors, query.span(), query.sequence, query_name, settings);
   plan.settings.descriptor = query.descriptors.kind->name;
   plan.past = past_frames(loop_gap_of(*settings), times_ns, query.rows().size());
   plan_windows(plan, monitor);
@@ -252,8 +248,8 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
                       const Monitor& monitor) {
   assert(!settings->loop);
   const DescriptorSpan no_frame{{database.descriptors.rows().shape, {}}, {}};
-  QueryPlan plan = begin_plan(database, database.descriptors, no_frame, query_name, settings);
-  plan.query_frames = plan.settings.window_length;
+  QueryPlan plan = begin_plan(database, database.descriptors, no_frame, {}, query_name, settings);
+  plan.query_sequence.frames = plan.settings.window_length;
   plan.query_windows = 1;
   finish_plan(plan, database, resources, monitor);
   return plan;

@@ -96,8 +96,8 @@ MatchSettings match_settings(const QueryPlan& plan, const QueryResources& resour
 ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
     : plan_(plan), hits_(scan_settings(plan, resources)) {
   if (has_paths(plan.settings.method)) {
-    path_.emplace(plan.query_frames);
-    margins_.resize(plan.query_frames);
+    path_.emplace(plan.query_sequence.frames);
+    margins_.resize(plan.query_sequence.frames);
   } else if (plan.elsewhere) {
     scan_.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
   }

@@ -242,7 +242,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
     // A frame without words recognizes nothing.
     const std::span<const double> shown =
-        query.frames[frame].empty() ? std::span<const double>{} : posterior;
+        query.words[frame].empty() ? std::span<const double>{} : posterior;
     for (size_t t = 0; t < thresholds; ++t) {
       windows[t].add(shown, *grid.thresholds[t], place_of.size());
       for (size_t w = 0; w < grid.windows.size(); ++w)
@@ -275,8 +275,7 @@ Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
                   uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of) {
   Sweep sweep;
-  sweep.query_name = shape.query_name;
-  sweep.replay = shape.replay;
+  sweep.query = shape.query;
   sweep.score = &shape.score();
   name_threshold(sweep, shape.settings);
   sweep.protocol = truth.protocol;

@@ -13,7 +13,7 @@
 #include "run/fuse.h"
 #include "run/margin_plan.h"
 #include "run/thresholds.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
@@ -30,20 +30,16 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
   DescriptorSet described =
       describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor);
-  if (!described.frames.unreadable.empty())
-    warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
-                              described.frames.unreadable.size(),
-                              counted(described.frames.count(), "frame")));
+  Sequence& sequence = described.sequence;
+  sequence.name = argument.name;
+  if (!sequence.unreadable.empty())
+    warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", sequence.name,
+                              sequence.unreadable.size(), counted(sequence.frames, "frame")));
   if (!database.descriptors.owned.empty() &&
       described.descriptors.shape() != database.descriptors.shape())
     refuse_shape(argument, described.descriptors.shape(), database.descriptors.shape());
   database.descriptors.append(described.rows());
-  TrainSequence& added = database.sequences.emplace_back();
-  added.name = argument.name;
-  added.frame_names = std::move(described.frames.names);
-  added.unreadable = std::move(described.frames.unreadable);
-  added.fps = described.frames.fps;
-  added.kept = std::move(described.frames.replay);
+  database.sequences.push_back({std::move(sequence)});
 }
 
 void append_sequences(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
@@ -53,8 +49,8 @@ void append_sequences(SequenceDatabase& database, const std::vector<NamedArgumen
                     part_of(monitor, sequences[s].name, s, sequences.size()));
 }
 
-std::vector<Sequence> opened(const std::vector<NamedArgument>& arguments) {
-  std::vector<Sequence> sequences;
+std::vector<SequenceSource> opened(const std::vector<NamedArgument>& arguments) {
+  std::vector<SequenceSource> sequences;
   for (const NamedArgument& argument : arguments)
     sequences.push_back(open_sequence(argument.sequence));
   return sequences;
@@ -67,7 +63,7 @@ void warn_of_short_sequences(const SequenceDatabase& database, size_t window_len
     if (count_windows(readable_runs(spans[s]), window_length) == 0)
       warn(monitor, fmt::format("{}: has no {} readable frames in a row, so it can't be recognised "
                                 "with this c_l",
-                                database.sequences[s].name, window_length));
+                                database.sequences[s].sequence.name, window_length));
 }
 
 // Of imported directions: frames that differ from the next one by less than distances can say.
@@ -125,8 +121,8 @@ std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
   const DescriptorRows rows = database.descriptors.rows();
   size_t first = 0;
   const FusedViews* fused = fused_views(database);
-  for (const TrainSequence& sequence : database.sequences) {
-    const size_t frames = sequence.frame_count();
+  for (const auto& [sequence, typical, half_width] : database.sequences) {
+    const size_t frames = sequence.frames;
     DescriptorSpan& span = spans.emplace_back();
     span.rows = rows.subspan(first, frames);
     span.unreadable = sequence.unreadable;
@@ -136,27 +132,29 @@ std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
   return spans;
 }
 
-DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
+DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor) {
   const DescriptorKind& kind = *database.descriptors.kind;
-  const bool has_frames = sequence.kind != SequenceKind::descriptors;
+  const bool has_frames = source.kind != SequenceKind::descriptors;
   if (kind.is_imported && has_frames)
     throw Error(ErrorKind::data,
                 fmt::format("{}: has images, but frames of the database were described by another "
                             "program; give the same descriptors of these, as in q.npy",
-                            sequence.argument.path.string()));
+                            source.argument.path.string()));
   if (!kind.is_imported && !has_frames)
     throw Error(
         ErrorKind::data,
         fmt::format("{}: holds descriptors, but frames of the database are described by {}; "
                     "give the images",
-                    sequence.argument.path.string(), kind.name));
+                    source.argument.path.string(), kind.name));
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
-  if (fused_views(database) != nullptr)
-    return describe_both(sequence, database, unreadable, monitor);
   DescriptorSettings settings = database.descriptor;
   settings.unit = database.descriptors.unit;
-  return kind.describe(sequence, settings, unreadable, monitor);
+  DescriptorSet set = fused_views(database) != nullptr
+                          ? describe_both(source, database, unreadable, monitor)
+                          : kind.describe(source, settings, unreadable, monitor);
+  const Selection shown = warped(source.argument.warp, set.sequence.frames, source.argument.seed);
+  return selected(std::move(set), shown);
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,

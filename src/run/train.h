@@ -7,7 +7,7 @@
 #include "base/monitor.h"
 #include "describe/descriptor_rows.h"
 #include "match/row_kernels.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -56,7 +56,7 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
 /// The frames of a sequence, described as the database's are; with the words that they show, where
 /// it is fused with FAB-MAP's (run/fuse.h). Throws what DescriptorKind::describe throws, and
 /// Error(data) for images where descriptors are imported, or the other way round.
-DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
+DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
 
 /// Descriptors and unreadable frames of every sequence, as the matchers take them. They point into

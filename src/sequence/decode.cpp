@@ -27,8 +27,8 @@ bool has(std::string_view file, size_t at, std::string_view bytes) {
   return file.size() > at && file.substr(at).starts_with(bytes);
 }
 
-// By signature: OpenCV has more decoders, of formats that cameras do not write, and some of them
-// crash on damaged files. DICOM is recognized by bytes that may follow any other signature.
+// Checks the signature: OpenCV has more decoders, for formats that cameras do not write, and some
+// of them crash on damaged files. It detects DICOM by bytes that may follow any other signature.
 bool is_accepted_format(std::string_view file) {
   using namespace std::string_view_literals;
   if (has(file, 128, "DICM")) return false;
@@ -44,7 +44,7 @@ struct JpegScans {
   size_t first = std::string_view::npos;
 };
 
-// Segments are skipped by their length: their previews have marks of their own.
+// Skips segments by their length: their previews have their own markers.
 JpegScans jpeg_scans(std::string_view file) {
   JpegScans scans;
   const auto byte = [&](size_t i) { return static_cast<uint8_t>(file[i]); };
@@ -66,7 +66,7 @@ bool is_truncated(std::string_view jpeg, const JpegScans& scans) {
   return scans.count == 0 || end == std::string_view::npos || end < scans.first;
 }
 
-// Beyond what check_frame_size may allow; OpenCV keeps to itself how large.
+// Larger than any limit of check_frame_size; OpenCV does not report the size.
 [[noreturn]] void fail_as_too_large(const std::filesystem::path& path) {
   throw Error(ErrorKind::usage,
               fmt::format("{}: has more than 2^30 pixels, or 2^20 a side, which OpenCV does not "
@@ -78,12 +78,12 @@ constexpr uint64_t kMillion = 1'000'000;
 
 std::atomic<uint64_t> most_megapixels{kUsualMegapixels};
 
-// What is decoded in this thread; null outside a CodecScope. Neither OpenCV's allocators nor
-// streams tell who calls them.
+// The file that this thread decodes; null outside a CodecScope. Neither OpenCV's allocators nor
+// streams identify their callers.
 thread_local const std::filesystem::path* decoded_file = nullptr;
 
-/// OpenCV's own memory, unless it is for a picture that is too large. It must stand in for the
-/// allocator of all matrices: OpenCV takes that one where a single matrix's own refuses.
+/// OpenCV's own allocator with a size limit for images. It must replace the allocator of all
+/// matrices, because OpenCV falls back to that one if a matrix's own allocator refuses.
 class LimitedAllocator : public cv::MatAllocator {
  public:
   cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step,
@@ -103,14 +103,14 @@ class LimitedAllocator : public cv::MatAllocator {
   static const cv::MatAllocator& usual() { return *cv::Mat::getStdAllocator(); }
 };
 
-// Before main(), since OpenCV does not guard the change against other threads.
+// Before main(), because OpenCV does not protect the change against other threads.
 [[maybe_unused]] const bool kIsInstalled = [] {
   static LimitedAllocator allocator;
   cv::Mat::setDefaultAllocator(&allocator);
   return true;
 }();
 
-// What the stream of mute_codecs() is written.
+// Receives the output of the stream of mute_codecs().
 ssize_t pass_on(void*, const char* bytes, size_t size) {
   if (decoded_file != nullptr) return static_cast<ssize_t>(size);
   size_t done = 0;
@@ -186,7 +186,7 @@ CodecScope::CodecScope(const std::filesystem::path& file) {
 
 CodecScope::~CodecScope() { decoded_file = nullptr; }
 
-// glibc lets a program set the stream.
+// glibc allows a program to set the stream.
 void mute_codecs() {
   std::FILE* const stream = ::fopencookie(nullptr, "w", {nullptr, pass_on, nullptr, nullptr});
   if (stream == nullptr) return;

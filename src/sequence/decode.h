@@ -1,4 +1,4 @@
-// Decoding of one image file, and limits on what codecs may do.
+// Decoding of a single image file, and limits of the codecs.
 #pragma once
 
 #include <cstdint>
@@ -10,26 +10,26 @@ class Mat;
 
 namespace vpr {
 
-/// What a frame is decoded to: 8 bits, one channel, or blue, green and red.
+/// The format of decoded frames: 8 bits, one channel; or blue, green and red.
 enum class PixelFormat { grey, bgr };
 
-/// 8 bits a channel, as OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR decodes, EXIF orientation
-/// applied. Throws Error(input), naming the file, when it is missing, empty, damaged, or not a
-/// JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is
+/// 8 bits per channel, as decoded by OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR, with EXIF
+/// orientation applied. Throws Error(input), with the file, if it is missing, empty, damaged, or
+/// not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is
 /// truncated (OpenCV itself fills the missing part with gray) or has more than 100 scans;
-/// Error(usage) when it is larger than the MegapixelLimit, before memory is allocated for its
-/// pixels.
+/// Error(usage) if it is larger than the MegapixelLimit, before memory is allocated for its pixels.
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format);
 
-/// What a frame may have where nothing else is said.
+/// The default limit of a frame.
 constexpr uint64_t kUsualMegapixels = 100;
-/// OpenCV decodes nothing larger than 2^30 pixels.
+/// OpenCV cannot decode more than 2^30 pixels.
 constexpr uint64_t kMostMegapixels = 1073;
 
-/// The largest frame, in millions of pixels, that the whole process decodes while it lives.
+/// Limits the size of decoded frames in the whole process during its lifetime, in millions of
+/// pixels.
 class MegapixelLimit {
  public:
-  /// Throws Error(usage) for a number that is not from 1 to kMostMegapixels.
+  /// Throws Error(usage) for a number outside 1 to kMostMegapixels.
   explicit MegapixelLimit(uint64_t megapixels);
   ~MegapixelLimit();
   MegapixelLimit(const MegapixelLimit&) = delete;
@@ -39,13 +39,13 @@ class MegapixelLimit {
   uint64_t before_;
 };
 
-/// Checks a frame before it is decoded. Throws Error(usage), naming the file, for a frame of more
-/// pixels than are allowed.
+/// Checks a frame before it is decoded. Throws Error(usage), with the file, for a frame above the
+/// limit.
 void check_frame_size(const std::filesystem::path& file, uint64_t width, uint64_t height);
 
-/// Surrounds calls of image libraries that decode `file`, in one thread. OpenCV asks for the memory
-/// of a picture when it has read its header, whatever the format: what check_frame_size refuses is
-/// refused then, and nothing has been allocated or decoded.
+/// Surrounds calls of image libraries that decode `file`, in one thread. OpenCV allocates the
+/// memory of an image after it has read the header, for any format: an image that check_frame_size
+/// refuses is refused then, before anything is allocated or decoded.
 class CodecScope {
  public:
   explicit CodecScope(const std::filesystem::path& file);
@@ -54,8 +54,8 @@ class CodecScope {
   CodecScope& operator=(const CodecScope&) = delete;
 };
 
-/// Drops from now on what libraries print to C's standard error within a CodecScope, as libpng and
-/// libjpeg do; whatever else goes there is not touched. Call it before threads start.
+/// From now on, drops the output of libraries to C's standard error within a CodecScope, as libpng
+/// and libjpeg write it; other output is not affected. Call it before threads start.
 void mute_codecs();
 
 }  // namespace vpr

@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "sequence/selection.h"
 #include "sequence/video_reader.h"
 
 namespace vpr {
@@ -26,8 +25,8 @@ void lower_to(std::atomic<size_t>& lowest, size_t value) {
   }
 }
 
-// Features differ with the size of an image: usually a folder of mixed sources.
-void warn_of_sizes(const Sequence& sequence, const std::vector<cv::Size>& sizes,
+// Features depend on the size of an image: different sizes usually indicate mixed sources.
+void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& sizes,
                    const Monitor& monitor) {
   const auto is_decoded = [](const cv::Size& size) { return !size.empty(); };
   const auto first = std::ranges::find_if(sizes, is_decoded);
@@ -43,9 +42,9 @@ void warn_of_sizes(const Sequence& sequence, const std::vector<cv::Size>& sizes,
                    name(other), other->width, other->height));
 }
 
-FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
-                         const Monitor& monitor, const FrameBody& body) {
-  const size_t count = sequence.files.size();
+Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
+                        const Monitor& monitor, const FrameBody& body) {
+  const size_t count = source.files.size();
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
   std::vector<cv::Size> sizes(count);
@@ -54,7 +53,7 @@ FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadabl
     if (i > lowest_failed.load()) return;
     cv::Mat image;
     try {
-      image = decode_image(sequence.files[i], format);
+      image = decode_image(source.files[i], format);
     } catch (const Error& error) {
       problems[i] = error;
       const bool is_skipped = unreadable == Unreadable::skip && error.kind() == ErrorKind::input;
@@ -65,25 +64,27 @@ FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadabl
     counter.add();
   });
   if (lowest_failed < count) throw Error(*problems[lowest_failed]);
-  FrameList frames;
+  Sequence sequence = source.argument.sequence;
+  sequence.frames = count;
   for (size_t i = 0; i < count; ++i) {
-    frames.names.push_back(sequence.files[i].filename().string());
-    if (problems[i]) frames.unreadable.push_back(i);
+    sequence.frame_names.push_back(source.files[i].filename().string());
+    if (problems[i]) sequence.unreadable.push_back(i);
   }
-  warn_of_sizes(sequence, sizes, monitor);
-  return frames;
+  warn_of_sizes(source, sizes, monitor);
+  return sequence;
 }
 
-FrameList for_one_picture(const Sequence& sequence, PixelFormat format, const FrameBody& body) {
-  body(0, in_format(*sequence.picture, format));
-  return {{sequence.argument.path.filename().string()}, {}};
+Sequence for_one_picture(const SequenceSource& source, PixelFormat format, const FrameBody& body) {
+  body(0, in_format(*source.picture, format));
+  return {"", 1, {source.argument.path.filename().string()}};
 }
 
-FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
-                               const Monitor& monitor, const FrameBody& body) {
+Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
+                              Unreadable unreadable, const Monitor& monitor,
+                              const FrameBody& body) {
   namespace tbb = oneapi::tbb;
   using FramePointer = std::shared_ptr<IndexedFrame>;
-  VideoReader reader(sequence.argument, format);
+  VideoReader reader(source.argument, format);
   StepCounter counter(monitor, "describe", reader.expected_frames());
   const auto read = [&](tbb::flow_control& control) {
     const ThreadOrder::Part part;
@@ -112,36 +113,20 @@ FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, Unr
 
 }  // namespace
 
-FrameList replayed(const FrameList& recorded, Replay replay) {
-  FrameList frames;
-  frames.names = replayed(recorded.names, replay);
-  frames.unreadable = replayed_frames(replay, recorded.unreadable);
-  frames.replay =
-      recorded.replay ? replay_of_kept(*recorded.replay, std::move(replay)) : std::move(replay);
-  frames.fps = recorded.fps;
-  return frames;
-}
-
-void note_kept(FrameList& frames, const SequenceArgument& argument) {
-  if (argument.kept) frames.replay = *argument.kept;
-  frames.fps = argument.fps;
-}
-
-FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
-                         const Monitor& monitor, const FrameBody& body) {
-  if (sequence.picture != nullptr) return for_one_picture(sequence, format, body);
-  if (sequence.kind == SequenceKind::descriptors)
-    throw Error(ErrorKind::data, fmt::format("{}: holds descriptors, and images are needed here",
-                                             sequence.argument.path.string()));
-  FrameList frames = sequence.kind == SequenceKind::video
-                         ? for_each_video_frame(sequence, format, unreadable, monitor, body)
-                         : for_each_image(sequence, format, unreadable, monitor, body);
-  note_kept(frames, sequence.argument);
-  if (frames.unreadable.size() == frames.count())
-    throw Error(ErrorKind::input,
-                fmt::format("{}: none of its {} can be decoded", sequence.argument.path.string(),
-                            counted(frames.count(), "frame")));
-  return frames;
+Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
+                        const Monitor& monitor, const FrameBody& body) {
+  if (source.picture != nullptr) return for_one_picture(source, format, body);
+  const std::string path = source.argument.path.string();
+  if (source.kind == SequenceKind::descriptors)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: holds descriptors, and images are needed here", path));
+  Sequence sequence = source.kind == SequenceKind::video
+                          ? for_each_video_frame(source, format, unreadable, monitor, body)
+                          : for_each_image(source, format, unreadable, monitor, body);
+  if (sequence.unreadable.size() == sequence.frames)
+    throw Error(ErrorKind::input, fmt::format("{}: none of its {} can be decoded", path,
+                                              counted(sequence.frames, "frame")));
+  return sequence;
 }
 
 }  // namespace vpr

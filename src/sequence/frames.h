@@ -1,15 +1,11 @@
-// The frames of a sequence, decoded one after the other or several at once, none kept.
+// Decodes the frames of a sequence, one by one or in parallel, without keeping them.
 #pragma once
 
 #include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "base/monitor.h"
 #include "sequence/decode.h"
-#include "sequence/selection.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 namespace cv {
 class Mat;
@@ -17,35 +13,18 @@ class Mat;
 
 namespace vpr {
 
-/// What a frame that can't be decoded does: it ends the work, or keeps its index and is passed
-/// over.
+/// The treatment of an undecodable frame: it ends the work, or it keeps its index and is skipped.
 enum class Unreadable { fail, skip };
 
-/// What a pass over a sequence found.
-struct FrameList {
-  std::vector<std::string> names;     ///< per frame: the image's file name, or "#12" of a video
-  std::vector<size_t> unreadable;     ///< rising; frames that keep their index but had no image
-  std::optional<Replay> replay = {};  ///< where they are those of a recording that is replayed
-  std::optional<double> fps = {};     ///< frames a second, where known
-  size_t count() const { return names.size(); }
-};
-
-/// The list with its frames replayed; of frames that are kept of a recording, the replay becomes
-/// one of the recording.
-FrameList replayed(const FrameList& recorded, Replay replay);
-
 /// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
-/// decoded in parallel; a video is read frame after frame in one thread, without seeking, while
-/// others work on its frames. BGR frames of a video become grey by BGR2GRAY.
-/// With Unreadable::fail the first (lowest) frame that can't be decoded throws Error(input);
-/// with skip, a sequence without any readable frame does. A frame that is larger than the
-/// MegapixelLimit throws Error(usage) with either, a video's before one is decoded. A sequence of
-/// descriptors throws Error(data).
-FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
-                         const Monitor& monitor,
-                         const std::function<void(size_t index, const cv::Mat& image)>& body);
-
-/// Notes which frames of a recording the argument keeps, and their rate.
-void note_kept(FrameList& frames, const SequenceArgument& argument);
+/// decoded in parallel; a video is read frame by frame in one thread, without seeking, while others
+/// process its frames. BGR frames of a video are converted to gray by BGR2GRAY. With
+/// Unreadable::fail, the first (lowest) undecodable frame throws Error(input); with skip, only a
+/// sequence without any readable frame does. A frame above the MegapixelLimit throws Error(usage)
+/// in both cases, for a video before any frame is decoded. A sequence of descriptors throws
+/// Error(data). Returns the sequence of the argument with its frames.
+Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
+                        const Monitor& monitor,
+                        const std::function<void(size_t index, const cv::Mat& image)>& body);
 
 }  // namespace vpr

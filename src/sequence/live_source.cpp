@@ -15,7 +15,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "sequence/decode.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "sequence/video_reader.h"
 
 namespace vpr {
@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPatienceMs = 50;  // how long a stop may wait
+constexpr int kPatienceMs = 50;  // maximum delay of a stop
 
 LiveFrame image_of(const fs::path& file) {
   return {file.filename().string(), file, nullptr, false};
@@ -143,7 +143,7 @@ class Camera : public LiveSource {
   }
 
  private:
-  // A signal ends it without a frame.
+  // A signal ends the wait without a frame.
   void grab(const Monitor& monitor) {
     check_stop(monitor);
     const bool has_frame = capture_->grab();
@@ -157,7 +157,7 @@ class Camera : public LiveSource {
     const CodecScope scope(argument_.path);
     cv::Mat image;
     if (!capture_->retrieve(image)) image.release();
-    return std::make_shared<const cv::Mat>(image.clone());  // the next frame takes its memory
+    return std::make_shared<const cv::Mat>(image.clone());  // the next frame reuses its memory
   }
 
   std::unique_ptr<cv::VideoCapture> capture_;
@@ -175,7 +175,7 @@ bool opens(cv::VideoCapture& capture, const fs::path& path) {
   }
 }
 
-constexpr std::chrono::seconds kLookEvery(1);  // at a folder that may tell nothing
+constexpr std::chrono::seconds kLookEvery(1);  // for folders without events
 
 Error gone(const fs::path& folder, const std::string& why) {
   return {ErrorKind::input, fmt::format("{}: can't be read: {}", folder.string(), why)};
@@ -183,7 +183,7 @@ Error gone(const fs::path& folder, const std::string& why) {
 
 }  // namespace
 
-Sequence LiveFrame::sequence() const {
+SequenceSource LiveFrame::sequence() const {
   return {{file, {}}, SequenceKind::images, {file}, picture.get()};
 }
 
@@ -198,7 +198,7 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
     return std::make_unique<LiveFolder>(argument.path);
   }
   if (is_device(argument.path)) return open_camera(argument);
-  Sequence sequence = open_sequence(argument);
+  SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video)
     return std::make_unique<LiveVideo>(argument, unreadable);
   return std::make_unique<LiveList>(std::move(sequence.files));
@@ -237,7 +237,7 @@ GrowingFolder::GrowingFolder(const fs::path& folder, std::chrono::milliseconds r
     : folder_(folder), rest_for_(rest), changed_(fs::file_time_type::min()) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw gone(folder, "is no folder");
-  // Before the folder is looked at for the first time: nothing is missed between.
+  // Before the folder is read for the first time, so that no file is missed in between.
   events_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (events_ < 0) return;
   if (::inotify_add_watch(events_, folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE) < 0) {
@@ -301,7 +301,7 @@ bool GrowingFolder::has_rested(const std::string& name) {
   std::error_code error;
   const uintmax_t size = fs::file_size(folder_ / name, error);
   const Clock::time_point now = Clock::now();
-  if (error) {  // it is gone again
+  if (error) {  // it no longer exists
     waiting_.erase(name);
     resting_.reset();
     return false;
@@ -331,7 +331,7 @@ bool GrowingFolder::is_complete(const std::string& name, const Monitor& monitor)
 }
 
 void GrowingFolder::wait() const {
-  pollfd events{events_, POLLIN, 0};  // a negative one is passed over
+  pollfd events{events_, POLLIN, 0};  // poll ignores a negative descriptor
   ::poll(&events, 1, kPatienceMs);
 }
 

@@ -22,18 +22,18 @@ namespace {
 
 using Sources = std::vector<uint32_t>;
 
-/// A number of frames, drawn evenly from `least` to `most`.
+/// A number of frames, uniformly drawn from `least` to `most`.
 struct Stretch {
   uint64_t least = 0;
   uint64_t most = 0;
 };
 
-constexpr Stretch kPaceStretch = {20, 60};  // that `varying` keeps a pace for
-constexpr Stretch kWalkStretch = {20, 60};  // that `stops` walks between two stops,
-constexpr Stretch kStopStretch = {10, 40};  // and stands at one
-constexpr size_t kKidnapStretch = 40;       // after which `kidnap` goes on elsewhere
+constexpr Stretch kPaceStretch = {20, 60};  // frames per speed of `varying`
+constexpr Stretch kWalkStretch = {20, 60};  // moving frames between two stops of `stops`
+constexpr Stretch kStopStretch = {10, 40};  // frames of a stop
+constexpr size_t kKidnapStretch = 40;       // frames per part of `kidnap`
 
-constexpr uint64_t kWhole = 1000;  // paces and positions are counted in thousandths of a frame
+constexpr uint64_t kWhole = 1000;  // speeds and positions are in thousandths of a frame
 
 Sources at_pace(size_t frames, uint64_t pace) {
   Sources sources;
@@ -60,7 +60,8 @@ Sources varying(size_t frames, RandomEngine& engine) {
       sources.push_back(static_cast<uint32_t>(at / kWhole));
       at += kPaces[chosen];
     }
-    chosen = (chosen + 1 + uniform_below(engine, kPaces.size() - 1)) % kPaces.size();  // another
+    // a different one
+    chosen = (chosen + 1 + uniform_below(engine, kPaces.size() - 1)) % kPaces.size();
   }
   return sources;
 }
@@ -81,8 +82,8 @@ Sources reversed(size_t frames, RandomEngine&) {
   return sources;
 }
 
-// Drawn anew until no stretch follows the one that it follows in the recording; about one order in
-// three is such.
+// Draws until no part follows its predecessor in the recording, which holds for about one order in
+// three.
 std::vector<size_t> stretch_order(size_t stretches, RandomEngine& engine) {
   std::vector<size_t> order(stretches);
   std::iota(order.begin(), order.end(), 0);
@@ -145,7 +146,94 @@ uint64_t parse_pace(const std::string& warp) {
   return static_cast<uint64_t>(std::llround(*pace * kWhole));
 }
 
+// Removes the leading number from `text`; nullopt if there is no digit. Throws if it is too large.
+std::optional<uint64_t> take_number(std::string_view& text, const std::string& argument) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc::result_out_of_range || value > (uint64_t{1} << 62))
+    throw Error(ErrorKind::usage, fmt::format("{}: a frame number is too large", argument));
+  text.remove_prefix(static_cast<size_t>(end - text.data()));
+  return value;
+}
+
+bool take_colon(std::string_view& text) {
+  if (!text.starts_with(':')) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
 }  // namespace
+
+std::string selection_text(const Selection& selection) {
+  std::string text;
+  if (selection.thinned_fps > 0)
+    text = fmt::format("thinned to {} frames a second", selection.thinned_fps);
+  if (selection.warp.empty()) return text;
+  if (!text.empty()) text += ", ";
+  if (number(selection.warp)) return text + fmt::format("replayed at pace {}", selection.warp);
+  return text + fmt::format("replayed by {}, seed {}", selection.warp, selection.seed);
+}
+
+std::vector<size_t> selected_frames(const Selection& selection, std::vector<size_t> frames) {
+  if (selection.is_all()) return frames;
+  std::vector<size_t> found;
+  for (size_t k = 0; k < selection.frames(); ++k)
+    if (std::ranges::binary_search(frames, selection.sources[k])) found.push_back(k);
+  return found;
+}
+
+Selection composed(const Selection& first, Selection second) {
+  if (first.is_all()) return second;
+  if (second.is_all()) return first;
+  for (uint32_t& source : second.sources) source = first.sources[source];
+  second.recorded_frames = first.recorded_frames;
+  second.thinned_fps = first.thinned_fps;
+  return second;
+}
+
+std::optional<FrameRange> parse_range(std::string_view text, const std::string& argument) {
+  if (text.find_first_not_of("0123456789:") != std::string_view::npos) return std::nullopt;
+  FrameRange range;
+  range.first = take_number(text, argument).value_or(0);
+  if (!take_colon(text)) return std::nullopt;
+  range.last = take_number(text, argument);
+  if (take_colon(text)) range.step = take_number(text, argument).value_or(1);
+  if (!text.empty()) return std::nullopt;
+  if (range.step == 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: a step of 0 never ends; give 1 or more", argument));
+  if (range.last && *range.last <= range.first)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: the range is empty; LAST is excluded and must exceed FIRST", argument));
+  return range;
+}
+
+std::optional<uint64_t> frame_in_range(const FrameRange& range, uint64_t recorded) {
+  if (recorded < range.first || (range.last && recorded >= *range.last)) return std::nullopt;
+  const uint64_t behind = recorded - range.first;
+  return behind % range.step == 0 ? std::optional(behind / range.step) : std::nullopt;
+}
+
+std::optional<uint64_t> frame_count(const FrameRange& range) {
+  if (!range.last) return std::nullopt;
+  return *range.last <= range.first ? 0 : (*range.last - range.first - 1) / range.step + 1;
+}
+
+std::string range_hint(const std::filesystem::path& path) {
+  return fmt::format(
+      "; where the sequence is a range of a recording, give this file the same "
+      "range, as in {}@60:111",
+      path.string());
+}
+
+std::string range_text(const FrameRange& range) {
+  if (range.is_all()) return "";
+  return fmt::format("@{}:{}{}", range.first == 0 ? "" : std::to_string(range.first),
+                     range.last ? std::to_string(*range.last) : "",
+                     range.step == 1 ? "" : fmt::format(":{}", range.step));
+}
 
 std::span<const WarpRule> warp_rules() { return kRules; }
 
@@ -160,7 +248,8 @@ void check_warp(const std::string& warp) {
   if (find_rule(warp) == nullptr) parse_pace(warp);
 }
 
-Replay replay(const std::string& warp, size_t frames, uint64_t seed) {
+Selection warped(const std::string& warp, size_t frames, uint64_t seed) {
+  if (warp.empty()) return {};
   const WarpRule* rule = find_rule(warp);
   if (rule == nullptr) return {warp, seed, frames, at_pace(frames, parse_pace(warp))};
   if (frames < rule->least_frames)
@@ -169,22 +258,6 @@ Replay replay(const std::string& warp, size_t frames, uint64_t seed) {
                             rule->least_frames, frames));
   RandomEngine engine = named_engine(seed, "warp " + warp);
   return {warp, seed, frames, rule->sources(frames, engine)};
-}
-
-std::string replay_text(const Replay& replay) {
-  std::string text;
-  if (replay.fps > 0) text = fmt::format("thinned to {} frames a second", replay.fps);
-  if (replay.warp.empty()) return text;
-  if (!text.empty()) text += ", ";
-  if (number(replay.warp)) return text + fmt::format("replayed at pace {}", replay.warp);
-  return text + fmt::format("replayed by {}, seed {}", replay.warp, replay.seed);
-}
-
-std::vector<size_t> replayed_frames(const Replay& replay, std::span<const size_t> frames) {
-  std::vector<size_t> found;
-  for (size_t k = 0; k < replay.frames(); ++k)
-    if (std::binary_search(frames.begin(), frames.end(), replay.sources[k])) found.push_back(k);
-  return found;
 }
 
 void check_fps(double fps, std::string_view name) {
@@ -200,7 +273,7 @@ bool Thinner::keeps_before(int64_t time_ns) {
     first_ = last_ = time_ns;
     return false;
   }
-  // The tick is the earlier frame's up to half way between both.
+  // The midpoint between both frames; ticks up to it belong to the earlier one.
   const double middle =
       (static_cast<double>(last_ - *first_) + static_cast<double>(time_ns - *first_)) / 2;
   last_ = time_ns;
@@ -214,29 +287,14 @@ bool Thinner::keeps_last() const {
   return first_ && tick() <= static_cast<double>(last_ - *first_) + interval_ns_ / 10;
 }
 
-Replay thinned(std::span<const int64_t> times_ns, double fps) {
+Selection thinned(std::span<const int64_t> times_ns, double fps) {
   Thinner thinner(fps);
-  Replay kept;
+  Selection kept;
   kept.recorded_frames = times_ns.size();
-  kept.fps = fps;
+  kept.thinned_fps = fps;
   for (size_t i = 0; i < times_ns.size(); ++i)
     if (thinner.keeps_before(times_ns[i])) kept.sources.push_back(static_cast<uint32_t>(i - 1));
   if (thinner.keeps_last()) kept.sources.push_back(static_cast<uint32_t>(times_ns.size() - 1));
-  return kept;
-}
-
-std::optional<Replay> kept_frames(std::span<const int32_t> sources, uint64_t recorded_frames,
-                                  double fps) {
-  if (sources.empty() || recorded_frames > kMostThinned * sources.size()) return std::nullopt;
-  Replay kept;
-  kept.recorded_frames = recorded_frames;
-  kept.fps = fps;
-  for (const int32_t source : sources) {
-    const bool is_behind = kept.sources.empty() || int64_t{source} > kept.sources.back();
-    if (source < 0 || !is_behind || static_cast<uint64_t>(source) >= recorded_frames)
-      return std::nullopt;
-    kept.sources.push_back(static_cast<uint32_t>(source));
-  }
   return kept;
 }
 
@@ -246,13 +304,6 @@ std::optional<double> median_fps(std::span<const int64_t> times_ns) {
   for (size_t i = 1; i < times_ns.size(); ++i)
     steps.push_back(static_cast<double>(times_ns[i] - times_ns[i - 1]));
   return 1e9 / median(std::move(steps));
-}
-
-Replay replay_of_kept(const Replay& kept, Replay replay) {
-  for (uint32_t& source : replay.sources) source = kept.sources[source];
-  replay.recorded_frames = kept.recorded_frames;
-  replay.fps = kept.fps;
-  return replay;
 }
 
 }  // namespace vpr

@@ -1,284 +1,114 @@
 #include "sequence/sequence.h"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <string_view>
+#include <limits>
+#include <utility>
 
-#include <fmt/format.h>
-
-#include "base/error.h"
-#include "base/mapped_file.h"
-#include "base/text.h"
-#include "sequence/selection.h"
+#include "base/json_fields.h"
 
 namespace vpr {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr std::array<std::string_view, 11> kImageExtensions = {
-    ".jpg", ".jpeg", ".jpe", ".png", ".bmp", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".webp"};
-constexpr std::array<std::string_view, 1> kArrayExtensions = {".npy"};
-constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
-template <size_t N>
-bool has_extension(const fs::path& path, const std::array<std::string_view, N>& extensions) {
-  return std::find(extensions.begin(), extensions.end(), lower_extension(path)) != extensions.end();
-}
-
-bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
-
-// "PATH@100", which is not a range.
-std::string range_question(const std::string& text) {
-  const size_t at = text.rfind('@');
-  std::error_code ignored;
-  if (at == std::string::npos || at + 1 == text.size() ||
-      text.find_first_not_of("0123456789:-", at + 1) != std::string::npos ||
-      !fs::exists(text.substr(0, at), ignored))
-    return "";
-  return fmt::format(". A range is FIRST:LAST[:STEP], as in {}@0:100", text.substr(0, at));
-}
-
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
-bool by_natural_name(const fs::path& a, const fs::path& b) {
-  return natural_less(a.filename().string(), b.filename().string());
-}
-
-std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(const fs::path&)) {
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (!is_hidden(it->path()) && wanted(it->path())) found.push_back(it->path());
-  if (error)
-    throw Error(ErrorKind::input,
-                fmt::format("{}: can't be read: {}", folder.string(), error.message()));
-  std::sort(found.begin(), found.end(), by_natural_name);
-  return found;
-}
-
-// The files in a folder with one of some extensions.
-template <const auto& extensions>
-std::vector<fs::path> folder_files(const fs::path& folder) {
-  return folder_entries(folder, [](const fs::path& path) {
-    std::error_code ignored;
-    return has_extension(path, extensions) && !fs::is_directory(path, ignored);
-  });
-}
-
-bool is_array(const fs::path& path) { return has_extension(path, kArrayExtensions); }
-
-std::vector<fs::path> read_list(const fs::path& list) {
-  std::vector<fs::path> files;
-  const MappedFile file(list);
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
-    if (line.empty() || line.starts_with('#')) continue;
-    if (line.find('\0') != std::string_view::npos)
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: is not a text file with one image path a line", list.string()));
-    files.push_back(list.parent_path() / fs::path(line));
+// Reads a selection without its frames.
+Selection read_selection(const Fields& fields, uint64_t frames) {
+  Selection selection;
+  if (fields.has("thinned")) {
+    const Fields thinned = fields.object("thinned");
+    selection.thinned_fps = read_fps(thinned);
+    selection.recorded_frames = thinned.count("frames", kMostThinned * frames);
   }
-  return files;
+  if (fields.has("warp")) {
+    const Fields warp = fields.object("warp");
+    selection.warp = warp.text("name");
+    selection.seed = warp.count("seed", std::numeric_limits<uint64_t>::max());
+    const uint64_t thinning = selection.thinned_fps > 0 ? kMostThinned : 1;
+    selection.recorded_frames =
+        warp.count("frames", thinning * static_cast<uint64_t>(kFastestPace) * frames);
+  }
+  return selection;
 }
 
-// Throws Error(input) where the sequence has changed since its times were read.
-std::vector<fs::path> kept_files(std::vector<fs::path> files, const SequenceArgument& argument) {
-  if (!argument.kept) return files;
-  if (argument.kept->recorded_frames != files.size())
-    throw Error(
-        ErrorKind::input,
-        fmt::format("{}: had {} when their times were read, and has {} now", argument.path.string(),
-                    counted(argument.kept->recorded_frames, "frame"), files.size()));
-  return replayed(files, *argument.kept);
+bool needs_sources(const Selection& selection) {
+  return !selection.warp.empty() || selection.thinned_fps > 0;
 }
 
-std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
-                                  const SequenceArgument& argument) {
-  const FrameRange& range = argument.range;
-  const uint64_t last = range.last.value_or(all.size());
-  if (range.first >= all.size() || last > all.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
-                            counted(all.size(), "frame"), range_text(range)));
-  std::vector<fs::path> files;
-  for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
-    files.push_back(all[i]);
-  return files;
-}
-
-constexpr uint64_t kMostFrames = 10'000'000;
-
-bool is_list(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 3> kExtensions = {".txt", ".lst", ".csv"};
-  return std::ranges::find(kExtensions, path.extension().string()) != kExtensions.end();
-}
-
-std::vector<std::string> listed_names(const SequenceArgument& argument) {
-  const MappedFile file(argument.path);
-  std::vector<std::string> all;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text())))
-    if (!line.empty() && !line.starts_with('#')) all.emplace_back(line);
-  const uint64_t last = argument.range.last.value_or(all.size());
-  if (argument.range.first >= last || last > all.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has {}, and the range {} is none of it", argument.path.string(),
-                            counted(all.size(), "name"), range_text(argument.range)));
-  std::vector<std::string> names;
-  for (uint64_t i = argument.range.first; i < last; i += argument.range.step)
-    names.push_back(all[i]);
-  return names;
-}
-
-std::string_view file_name(std::string_view path) {
-  return path.substr(path.rfind('/') == std::string_view::npos ? 0 : path.rfind('/') + 1);
-}
-
-// How many last components of two paths are the same.
-size_t shared_components(std::string_view a, std::string_view b) {
-  const auto left = split(a, '/');
-  const auto right = split(b, '/');
-  size_t shared = 0;
-  while (shared < std::min(left.size(), right.size()) &&
-         left[left.size() - 1 - shared] == right[right.size() - 1 - shared])
-    ++shared;
-  return shared;
-}
-
-std::optional<size_t> parse_number(std::string_view text) {
-  uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || number >= kMostFrames)
-    return std::nullopt;
-  return number;
+// Whether the rows are valid frames of the recording. Frames of a thinned sequence increase.
+bool add_sources(Selection& selection, std::span<const int32_t> rows) {
+  for (const int32_t row : rows) {
+    const bool does_rise = !selection.warp.empty() || selection.is_all() ||
+                           int64_t{row} > int64_t{selection.sources.back()};
+    if (row < 0 || static_cast<size_t>(row) >= selection.recorded_frames || !does_rise)
+      return false;
+    selection.sources.push_back(static_cast<uint32_t>(row));
+  }
+  return true;
 }
 
 }  // namespace
 
-bool is_frame_name(const fs::path& path) {
-  return !is_hidden(path) && has_extension(path, kImageExtensions);
-}
-
-Sequence open_sequence(const SequenceArgument& argument) {
-  const fs::path& path = argument.path;
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status))
-    throw Error(ErrorKind::input, fmt::format("{}: no such {}{}", path.string(),
-                                              is_array(path) ? "file" : "folder, list or video",
-                                              range_question(path.string())));
-  Sequence sequence{argument, SequenceKind::images, {}};
-  std::vector<fs::path> files;
-  if (fs::is_directory(status)) {
-    files = folder_files<kImageExtensions>(path);
-    if (files.empty()) files = folder_files<kArrayExtensions>(path);
-    if (files.empty())
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: the folder holds no images (sub-folders are not searched)",
-                              path.string()));
-  } else if (has_extension(path, kListExtensions)) {
-    files = read_list(path);
-    if (files.empty())
-      throw Error(ErrorKind::input, fmt::format("{}: the list names no images", path.string()));
-    if (std::none_of(files.begin(), files.end(), is_there))
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: a list has one image path a line, and no line of this one names "
-                              "a file that is there (the first is {})",
-                              path.string(), files.front().string()));
-  } else if (has_extension(path, kImageExtensions)) {
-    throw Error(
-        ErrorKind::input,
-        fmt::format("{}: is a single image; give its folder, a list or a video", path.string()));
-  } else if (is_array(path)) {
-    sequence.kind = SequenceKind::descriptors;
-    sequence.files = {path};
-    return sequence;
-  } else if (!fs::is_regular_file(status)) {
-    throw Error(
-        ErrorKind::input,
-        fmt::format(
-            "{}: is neither a folder nor a regular file{}", path.string(),
-            fs::is_character_file(status) ? "; vpr-query follows a camera with --follow" : ""));
-  } else if (fs::is_empty(path, error)) {  // a file of /proc, which would never end, seems so
-    throw Error(ErrorKind::input, fmt::format("{}: is an empty file", path.string()));
-  } else {
-    sequence.kind = SequenceKind::video;
-    return sequence;
-  }
-  if (std::all_of(files.begin(), files.end(), is_array)) sequence.kind = SequenceKind::descriptors;
-  sequence.files = kept_files(apply_range(files, argument), argument);
+Sequence selected(Sequence recorded, const Selection& selection) {
+  if (selection.is_all()) return recorded;
+  Sequence sequence = std::move(recorded);
+  sequence.frames = selection.frames();
+  if (!sequence.frame_names.empty())
+    sequence.frame_names = selected(std::move(sequence.frame_names), selection);
+  sequence.unreadable = selected_frames(selection, std::move(sequence.unreadable));
+  sequence.selection = composed(sequence.selection, selection);
   return sequence;
 }
 
-std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
-  std::vector<SequenceArgument> arguments;
-  for (const fs::path& path : folder_entries(folder, [](const fs::path& p) {
-         std::error_code ignored;
-         return fs::is_directory(p, ignored);
-       }))
-    arguments.push_back({path, {}});
-  if (arguments.empty())
-    throw Error(ErrorKind::input,
-                fmt::format("{}: has no sub-folders; each would be a sequence", folder.string()));
-  return arguments;
+void add_selection(Json& json, const Selection& selection) {
+  if (!selection.warp.empty())
+    json["warp"] = {
+        {"name", selection.warp}, {"seed", selection.seed}, {"frames", selection.recorded_frames}};
+  if (selection.thinned_fps > 0)
+    json["thinned"] = {{"fps", selection.thinned_fps}, {"frames", selection.recorded_frames}};
 }
 
-std::vector<std::string> frame_names(const SequenceArgument& argument) {
-  if (is_list(argument.path)) return listed_names(argument);
-  const Sequence sequence = open_sequence(argument);
-  if (sequence.kind == SequenceKind::video || sequence.is_one_array())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: does not say what its frames are called; give a folder or a list",
-                            argument.path.string()));
-  std::vector<std::string> names;
-  for (const auto& path : sequence.files) names.push_back(path.generic_string());
-  return names;
+Json sequence_json(const Sequence& sequence, const Json& own) {
+  Json json = {{"name", sequence.name}, {"frames", sequence.frames}};
+  json.update(own);
+  if (sequence.fps) json["fps"] = *sequence.fps;
+  add_selection(json, sequence.selection);
+  return json;
 }
 
-FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)) {
-  for (size_t i = 0; i < names_.size(); ++i) {
-    const std::string_view name = file_name(names_[i]);
-    by_file_name_[std::string(name)].push_back(i);
-    by_stem_[std::string(name.substr(0, name.rfind('.')))].push_back(i);
+Sequence read_sequence(const Fields& fields, uint64_t most_frames) {
+  Sequence sequence{fields.text("name"), fields.count("frames", most_frames)};
+  if (fields.has("unreadable"))
+    for (const Json& frame : fields.list("unreadable")) {
+      const std::vector<size_t>& before = sequence.unreadable;
+      if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= sequence.frames ||
+          (!before.empty() && frame.get<uint64_t>() <= before.back()))
+        fields.fail("\"unreadable\" holds what is no frame, or out of order");
+      sequence.unreadable.push_back(frame.get<size_t>());
+    }
+  if (fields.has("fps")) sequence.fps = read_fps(fields);
+  sequence.selection = read_selection(fields, sequence.frames);
+  return sequence;
+}
+
+std::vector<int32_t> source_rows(std::span<const Sequence* const> sequences) {
+  std::vector<int32_t> rows;
+  for (const Sequence* sequence : sequences)
+    rows.insert(rows.end(), sequence->selection.sources.begin(), sequence->selection.sources.end());
+  return rows;
+}
+
+void read_sources(std::span<Sequence* const> sequences,
+                  const std::function<std::vector<int32_t>()>& open_rows,
+                  const std::function<void()>& fail) {
+  const auto needs = [](const Sequence* sequence) { return needs_sources(sequence->selection); };
+  if (std::ranges::none_of(sequences, needs)) return;
+  const std::vector<int32_t> all = open_rows();
+  std::span<const int32_t> rows = all;
+  for (Sequence* sequence : sequences) {
+    if (!needs(sequence)) continue;
+    if (sequence->frames > rows.size()) fail();
+    if (!add_sources(sequence->selection, rows.first(sequence->frames))) fail();
+    rows = rows.subspan(sequence->frames);
   }
-}
-
-std::optional<size_t> FrameNames::count() const {
-  return names_.empty() ? std::nullopt : std::optional(names_.size());
-}
-
-std::optional<size_t> FrameNames::find(std::string_view path) const {
-  if (names_.empty()) return parse_number(path);
-  const auto found = by_file_name_.find(file_name(path));
-  if (found == by_file_name_.end()) {
-    const auto stem = by_stem_.find(file_name(path));
-    if (stem == by_stem_.end() || stem->second.size() > 1) return std::nullopt;
-    return stem->second.front();
-  }
-  if (found->second.size() == 1) return found->second.front();
-  std::optional<size_t> best;
-  size_t most = 0;
-  bool is_tied = false;
-  for (const size_t i : found->second) {
-    if (names_[i] == path) return i;
-    const size_t shared = shared_components(names_[i], path);
-    is_tied = shared == most || (shared < most && is_tied);
-    if (shared <= most) continue;
-    most = shared;
-    best = i;
-  }
-  return is_tied ? std::nullopt : best;
+  if (!rows.empty()) fail();
 }
 
 }  // namespace vpr

@@ -1,80 +1,55 @@
-// The frames of a sequence and their names: images, a list of them, a video, or arrays of
-// descriptors.
+// A sequence as the user named it, in databases, queries, results and reports.
 #pragma once
 
-#include <filesystem>
-#include <map>
+#include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "sequence/sequence_argument.h"
-
-namespace cv {
-class Mat;
-}
+#include "base/json_fwd.h"
+#include "sequence/selection.h"
 
 namespace vpr {
 
-/// What frames come from. Of descriptors there is no frame to decode.
-enum class SequenceKind { images, video, descriptors };
+class Fields;
 
-/// Frames in order, not read yet. For images `files` holds the range's files; a video is cut to its
-/// range while it is read, since only then is its length known. Descriptors are .npy files, one a
-/// frame, or one with a row a frame, which is cut to its range when it is read, too.
+/// A sequence as the user named it. Passed whole, never member by member.
 struct Sequence {
-  SequenceArgument argument;
-  SequenceKind kind = SequenceKind::images;
-  std::vector<std::filesystem::path> files;
-  /// A frame that is decoded already, in blue, green and red or in grey: then it is the only one.
-  const cv::Mat* picture = nullptr;
+  std::string name;
+  size_t frames = 0;  ///< number of frames
+  /// The names of frames: the image's file name, or "#12" for a video. Empty: unknown.
+  std::vector<std::string> frame_names = {};
+  /// increasing; frames that keep their index but have no image
+  std::vector<size_t> unreadable = {};
+  std::optional<double> fps = {};  ///< frames per second, if known
+  Selection selection = {};        ///< the selected frames of the recording
 
-  /// Whether its only file has a row a frame.
-  bool is_one_array() const {
-    return kind == SequenceKind::descriptors && files.size() == 1 && files.front() == argument.path;
-  }
+  size_t recorded_frames() const { return selection.is_all() ? frames : selection.recorded_frames; }
 };
 
-/// Folder: its images by extension, hidden files and other files left out, no recursion, in natural
-/// order. Text file (.txt, .lst, .csv): one image a line, in the file's order, relative to the
-/// file; empty lines and lines that start with # are skipped. A .npy file, a folder of them without
-/// images, or a list of them: descriptors. Anything else: a video.
-/// Throws Error(input) for a missing path or an empty sequence, Error(usage) for a range that does
-/// not fit the frames there are.
-Sequence open_sequence(const SequenceArgument& argument);
+/// The selected frames of `recorded`; the result's selection refers to the recording.
+Sequence selected(Sequence recorded, const Selection& selection);
 
-/// Whether a file in a folder is one of its frames by its name: it has the extension of an image
-/// format, and is not hidden.
-bool is_frame_name(const std::filesystem::path& path);
+/// Adds "warp" and "thinned", but not the frames.
+void add_selection(Json& json, const Selection& selection);
 
-/// The frames of each sub-folder of `folder` that is not hidden, in natural order. Throws
-/// Error(input) if there is none.
-std::vector<SequenceArgument> subfolder_arguments(const std::filesystem::path& folder);
+/// A sequence in a file: "name" and "frames" (their number), then the keys of `own`, then
+/// everything else that is known except the frames' names, "unreadable" and the selected frames.
+Json sequence_json(const Sequence& sequence, const Json& own);
 
-/// Names of frames in order: the lines of a list (.txt, .lst, .csv; empty lines and lines that
-/// start with # are no names, and no file needs to be there), or the paths of a sequence's frames.
-/// Throws as open_sequence does, and Error(usage) for a range of a list that it does not have, or a
-/// video.
-std::vector<std::string> frame_names(const SequenceArgument& argument);
+/// Reads the output of sequence_json, and "unreadable". Throws Error(data) for damage, and for more
+/// than `most_frames` frames.
+Sequence read_sequence(const Fields& fields, uint64_t most_frames);
 
-/// Finds frames by paths that begin anywhere.
-class FrameNames {
- public:
-  /// Without names, a frame is called by its number, from 0.
-  explicit FrameNames(std::vector<std::string> names);
+/// The selected frames of several sequences, one sequence after the other.
+std::vector<int32_t> source_rows(std::span<const Sequence* const> sequences);
 
-  /// How many there are; nothing where they are called by numbers.
-  std::optional<size_t> count() const;
-  /// The frame of that name: the same path, or else the one whose last components (file name,
-  /// folder, ...) agree most; if no file name agrees, the only one that has this name without its
-  /// extension. Nothing if no name agrees, or several agree equally.
-  std::optional<size_t> find(std::string_view path) const;
-
- private:
-  std::vector<std::string> names_;
-  std::map<std::string, std::vector<size_t>, std::less<>> by_file_name_;
-  std::map<std::string, std::vector<size_t>, std::less<>> by_stem_;
-};
+/// Sets the selected frames of sequences that read_sequence has read, from the rows of source_rows,
+/// which `open_rows` opens if needed. Calls `fail`, which must throw, if they do not match.
+void read_sources(std::span<Sequence* const> sequences,
+                  const std::function<std::vector<int32_t>()>& open_rows,
+                  const std::function<void()>& fail);
 
 }  // namespace vpr

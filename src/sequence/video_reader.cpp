@@ -22,7 +22,7 @@ cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
 }
 
 VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
-    : argument_(argument), format_(format) {
+    : argument_(argument), format_(format), sequence_(argument.sequence) {
   const std::string path = argument.path.string();
   bool opened = false;
   try {
@@ -42,38 +42,38 @@ VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
 
 bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
-  const std::optional<uint64_t> source = source_of(frames_.names.size());
+  const std::optional<uint64_t> source = source_of(sequence_.frames);
   const uint64_t wanted = range.first + source.value_or(0) * range.step;
   if (!source || (range.last && wanted >= *range.last)) {
-    // Are there as many frames as the range says, or the video?
+    // Checks that the video has as many frames as the range or the video states.
     grab_below(range.last.value_or(std::numeric_limits<uint64_t>::max()), monitor);
     return false;
   }
   if (!grab_below(wanted + 1, monitor)) return false;
-  frame.index = frames_.names.size();
+  frame.index = sequence_.frames++;
   frame.recorded = wanted;
-  frames_.names.push_back(fmt::format("#{}", wanted));
+  sequence_.frame_names.push_back(fmt::format("#{}", wanted));
   cv::Mat image;
   if (retrieve(image)) {
     frame.image = in_format(image, format_);
   } else {
-    frames_.unreadable.push_back(frame.index);
+    sequence_.unreadable.push_back(frame.index);
     frame.image = cv::Mat();
   }
   return true;
 }
 
-// The frame of the range that is the next of those that are kept; nothing behind them.
+// The frame of the range for the next selected frame; nullopt after the last one.
 std::optional<uint64_t> VideoReader::source_of(size_t index) const {
-  if (!argument_.kept) return index;
-  const std::vector<uint32_t>& sources = argument_.kept->sources;
+  if (sequence_.selection.is_all()) return index;
+  const std::vector<uint32_t>& sources = sequence_.selection.sources;
   return index < sources.size() ? std::optional<uint64_t>(sources[index]) : std::nullopt;
 }
 
-FrameList VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
+Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
   const std::string path = argument_.path.string();
-  if (ended_ && (frames_.names.empty() || range.last))
+  if (ended_ && (sequence_.frames == 0 || range.last))
     throw Error(range.is_all() ? ErrorKind::input : ErrorKind::usage,
                 fmt::format("{}: has only {} to decode{}", path, counted(position_, "frame"),
                             range.is_all() ? "" : " for " + range_text(range)));
@@ -84,17 +84,17 @@ FrameList VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
   if (unreadable == Unreadable::fail && is_short)
     throw Error(ErrorKind::input,
                 short_text + "; give --skip-unreadable to use the frames that there are");
-  if (unreadable == Unreadable::fail && !frames_.unreadable.empty())
+  if (unreadable == Unreadable::fail && !sequence_.unreadable.empty())
     throw Error(ErrorKind::input,
                 fmt::format("{}: frame {} can't be decoded; give --skip-unreadable to go on "
                             "without it",
-                            path, frames_.names[frames_.unreadable.front()]));
+                            path, sequence_.frame_names[sequence_.unreadable.front()]));
   if (is_short) warn(monitor, short_text);
-  return std::move(frames_);
+  return std::move(sequence_);
 }
 
 size_t VideoReader::expected_frames() const {
-  if (argument_.kept) return argument_.kept->frames();
+  if (!sequence_.selection.is_all()) return sequence_.selection.frames();
   const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
   const FrameRange& range = argument_.range;
   if (!(stated > static_cast<double>(range.first)) || stated > 1e12) return 0;
@@ -107,13 +107,13 @@ uint64_t VideoReader::property(cv::VideoCaptureProperties name) const {
   return static_cast<uint64_t>(std::max(0.0, capture_.get(name)));
 }
 
-// The frame that was grabbed last; it may be larger than the first one.
+// Retrieves the last grabbed frame, which may be larger than the first one.
 bool VideoReader::retrieve(cv::Mat& image) {
   const CodecScope scope(argument_.path);
   return capture_.retrieve(image) && !image.empty();
 }
 
-// Moves on until `position` frames have been taken; false if there are fewer.
+// Grabs frames until `position` is reached; false if there are fewer.
 bool VideoReader::grab_below(uint64_t position, const Monitor& monitor) {
   for (; position_ < position; ++position_) {
     check_stop(monitor);

@@ -67,7 +67,7 @@ void ArchiveWriter::finish(Json manifest) {
   write_part(folder_.temporary() / kManifestName, sealed_manifest(manifest));
 }
 
-Archive::Archive(fs::path path) : path_(std::move(path)) {
+Archive::Archive(fs::path path) : path_(std::move(path)), name_(path_.string()) {
   std::error_code error;
   if (!fs::exists(path_, error))
     throw Error(ErrorKind::input, fmt::format("{}: no such database", path_.string()));
@@ -87,8 +87,7 @@ Archive::Archive(fs::path path) : path_(std::move(path)) {
 std::string Archive::fingerprint() const { return manifest_text(*this, manifest_, "checksum"); }
 
 void Archive::fail(std::string_view what) const {
-  throw Error(ErrorKind::data,
-              fmt::format("{}: the manifest is damaged: {}; train it again", path_.string(), what));
+  throw Error(ErrorKind::data, fmt::format(fmt::runtime(kDamageMessage), name_, what));
 }
 
 bool Archive::has(const std::string& name) const {
@@ -105,10 +104,11 @@ void Archive::verify(const std::string& name, std::span<const std::byte> bytes) 
                                              "truncated or damaged, train it again",
                                              path_.string(), name, size, bytes.size()));
   if (checksum(bytes) != manifest_text(*this, entry, "checksum"))
-    throw Error(ErrorKind::data,
-                fmt::format("{}/{}: its checksum differs from the manifest; the file "
-                            "is damaged, train it again",
-                            path_.string(), name));
+    throw Error(
+        ErrorKind::data,
+        fmt::format(
+            "{}/{}: its checksum differs from the manifest; the file is damaged, train it again",
+            path_.string(), name));
 }
 
 NpyArray Archive::array(const std::string& name) const {

@@ -11,6 +11,7 @@
 
 #include "base/enum_names.h"
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/npy.h"
 #include "base/output.h"
 
@@ -57,7 +58,9 @@ class Archive {
   explicit Archive(std::filesystem::path path);
 
   const Json& manifest() const { return manifest_; }
-  std::string name() const { return path_.string(); }
+  const std::string& name() const { return name_; }
+  /// An object of the manifest, which must outlive the result.
+  Fields fields(const Json& object) const { return {object, name_, kDamageMessage}; }
   /// Changes with every bit of content.
   std::string fingerprint() const;
 
@@ -73,7 +76,11 @@ class Archive {
  private:
   void verify(const std::string& name, std::span<const std::byte> bytes) const;
 
+  static constexpr std::string_view kDamageMessage =
+      "{}: the manifest is damaged: {}; train it again";
+
   std::filesystem::path path_;
+  std::string name_;
   Json manifest_;
 };
 

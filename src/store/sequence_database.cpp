@@ -11,7 +11,6 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "base/text.h"
-#include "sequence/selection.h"
 #include "store/archive.h"
 
 namespace vpr {
@@ -19,20 +18,14 @@ namespace {
 
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
-// frame indices in the recordings of thinned sequences
-constexpr const char* kKeptFile = "kept.npy";
+constexpr const char* kSourcesFile = "kept.npy";  // selected frames of recordings
 constexpr const char* kStatisticsFile = "statistics.npy";
 
-Json sequence_to_json(const TrainSequence& sequence) {
-  Json json = {{"name", sequence.name},
-               {"frames", sequence.frame_count()},
-               {"unreadable", sequence.unreadable}};
-  if (sequence.typical_distance) json["typical_distance"] = *sequence.typical_distance;
-  if (sequence.half_width) json["half_width"] = *sequence.half_width;
-  if (sequence.fps) json["fps"] = *sequence.fps;
-  if (sequence.kept)
-    json["thinned"] = {{"fps", sequence.kept->fps}, {"frames", sequence.kept->recorded_frames}};
-  return json;
+Json train_json(const TrainSequence& train) {
+  Json own = {{"unreadable", train.sequence.unreadable}};
+  if (train.typical_distance) own["typical_distance"] = *train.typical_distance;
+  if (train.half_width) own["half_width"] = *train.half_width;
+  return sequence_json(train.sequence, own);
 }
 
 // Upper bound of the distances of stored descriptors.
@@ -84,8 +77,8 @@ Json thresholds_to_json(const ThresholdTable& table) {
 // One name per line, in the order of the codes.
 std::string frame_lines(const SequenceDatabase& database) {
   std::string text;
-  for (const TrainSequence& sequence : database.sequences) {
-    for (std::string name : sequence.frame_names) {
+  for (const TrainSequence& train : database.sequences) {
+    for (std::string name : train.sequence.frame_names) {
       std::replace(name.begin(), name.end(), '\n', ' ');
       text += name + "\n";
     }
@@ -93,72 +86,42 @@ std::string frame_lines(const SequenceDatabase& database) {
   return text;
 }
 
-std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, size_t frame_count) {
-  std::vector<size_t> frames;
-  for (const Json& item : manifest_list(archive, json, "unreadable")) {
-    if (!item.is_number_unsigned()) archive.fail("an unreadable frame is not a number");
-    const auto frame = item.get<size_t>();
-    if (frame >= frame_count || (!frames.empty() && frame <= frames.back()))
-      archive.fail("its unreadable frames are out of range or order");
-    frames.push_back(frame);
-  }
-  return frames;
-}
-
-void write_kept(ArchiveWriter& writer, const std::vector<TrainSequence>& sequences) {
-  std::vector<int32_t> rows;
-  for (const TrainSequence& sequence : sequences)
-    if (sequence.kept)
-      rows.insert(rows.end(), sequence.kept->sources.begin(), sequence.kept->sources.end());
-  if (!rows.empty()) writer.add_array(kKeptFile, std::span<const int32_t>(rows), {rows.size()});
-}
-
-void read_kept(const Archive& archive, std::vector<TrainSequence>& sequences) {
-  const Json& list = archive.manifest()["sequences"];
-  const auto is_thinned = [](const Json& json) { return json.contains("thinned"); };
-  if (std::none_of(list.begin(), list.end(), is_thinned)) return;
-  const NpyArray array = archive.array(kKeptFile);
-  const auto rows = array.values<int32_t>(1);
-  size_t next = 0;
-  for (size_t s = 0; s < sequences.size(); ++s) {
-    if (!is_thinned(list[s])) continue;
-    const Json& json = list[s]["thinned"];
-    if (!json.is_object()) archive.fail("\"thinned\" is not an object");
-    const size_t frames = sequences[s].frame_count();
-    if (frames > rows.size() - next) archive.fail("kept.npy does not fit its sequences");
-    auto kept = kept_frames(rows.subspan(next, frames), manifest_count(archive, json, "frames"),
-                            read_number(archive, json, "fps"));
-    if (!kept) archive.fail("kept.npy holds frames out of range or order");
-    sequences[s].kept = std::move(kept);
-    next += frames;
-  }
-  if (next != rows.size()) archive.fail("kept.npy does not fit its sequences");
+// Pointers to the sequences of a database.
+auto pointers_of(auto& sequences) {
+  std::vector<decltype(&sequences.front().sequence)> pointers;
+  for (auto& train : sequences) pointers.push_back(&train.sequence);
+  return pointers;
 }
 
 std::vector<TrainSequence> read_sequences(const Archive& archive,
                                           const std::vector<std::string_view>& frame_names,
                                           const DescriptorShape& shape) {
   std::vector<TrainSequence> sequences;
-  size_t first = 0;
+  auto first = frame_names.begin();
   for (const Json& json : manifest_list(archive, archive.manifest(), "sequences")) {
-    const size_t count = manifest_count(archive, json, "frames");
-    if (count == 0 || count > frame_names.size() - first)
-      archive.fail("its frame counts do not match frames.txt");
-    TrainSequence& sequence = sequences.emplace_back();
-    sequence.name = manifest_text(archive, json, "name");
-    for (size_t s = 0; s + 1 < sequences.size(); ++s)
-      if (sequences[s].name == sequence.name) archive.fail("two sequences have the same name");
-    sequence.unreadable = read_unreadable(archive, json, count);
-    sequence.typical_distance = read_typical_distance(archive, json, shape);
-    sequence.half_width = read_half_width(archive, json, count);
-    if (json.contains("fps")) sequence.fps = read_number(archive, json, "fps");
-    sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
-                                frame_names.begin() + ptrdiff_t(first + count));
-    first += count;
+    TrainSequence train{
+        read_sequence(archive.fields(json), static_cast<uint64_t>(frame_names.end() - first))};
+    Sequence& sequence = train.sequence;
+    if (sequence.frames == 0) archive.fail("its frame counts do not match frames.txt");
+    for (const TrainSequence& before : sequences)
+      if (before.sequence.name == sequence.name) archive.fail("two sequences have the same name");
+    train.typical_distance = read_typical_distance(archive, json, shape);
+    train.half_width = read_half_width(archive, json, sequence.frames);
+    const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
+    sequence.frame_names.assign(first, end);
+    first = end;
+    sequences.push_back(std::move(train));
   }
-  if (sequences.empty() || first != frame_names.size())
+  if (sequences.empty() || first != frame_names.end())
     archive.fail("its frame counts do not match frames.txt");
-  read_kept(archive, sequences);
+  read_sources(
+      pointers_of(sequences),
+      [&] {
+        const NpyArray array = archive.array(kSourcesFile);
+        const auto rows = array.values<int32_t>(1);
+        return std::vector<int32_t>(rows.begin(), rows.end());
+      },
+      [&] { archive.fail("kept.npy does not fit its sequences"); });
   return sequences;
 }
 
@@ -171,8 +134,8 @@ std::optional<ClosestWindows> read_closest(const Archive& archive, const Json& j
       manifest_count(archive, json, "window"), manifest_count(archive, json, "other_sequence"),
       manifest_count(archive, json, "other_window")};
   const auto fits = [&](size_t sequence, size_t window) {
-    return sequence < sequences.size() && window_length <= sequences[sequence].frame_count() &&
-           window <= sequences[sequence].frame_count() - window_length;
+    return sequence < sequences.size() && window_length <= sequences[sequence].sequence.frames &&
+           window <= sequences[sequence].sequence.frames - window_length;
   };
   if (!fits(own, closest.window) || !fits(closest.other_sequence, closest.other_window))
     archive.fail("a closest pair of windows is out of range");
@@ -311,7 +274,9 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
   writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
   writer.add_text(kFramesFile, frame_lines(database));
-  write_kept(writer, database.sequences);
+  const std::vector<int32_t> sources = source_rows(pointers_of(database.sequences));
+  if (!sources.empty())
+    writer.add_array(kSourcesFile, std::span<const int32_t>(sources), {sources.size()});
   if (database.statistics)
     writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
                      {rows.size(), 2});
@@ -322,8 +287,8 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   if (rows.shape.element == ElementType::points16) manifest["unit"] = database.descriptors.unit;
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();
-  for (const TrainSequence& sequence : database.sequences)
-    manifest["sequences"].push_back(sequence_to_json(sequence));
+  for (const TrainSequence& train : database.sequences)
+    manifest["sequences"].push_back(train_json(train));
   manifest["thresholds"] = Json::array();
   for (const ThresholdTable& table : database.thresholds)
     manifest["thresholds"].push_back(thresholds_to_json(table));

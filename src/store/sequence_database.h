@@ -14,23 +14,18 @@
 #include "base/npy.h"
 #include "base/output.h"
 #include "describe/frame_descriptors.h"
-#include "sequence/selection.h"
+#include "sequence/sequence.h"
 #include "store/train_statistics.h"
 
 namespace vpr {
 
 /// One training sequence of a database; the database's store holds its descriptors.
 struct TrainSequence {
-  std::string name;
-  std::vector<std::string> frame_names;
-  std::vector<size_t> unreadable;  ///< increasing
+  Sequence sequence;
   /// Mean distance of its frames, except between neighbors; unset before training.
   std::optional<double> typical_distance = std::nullopt;
   /// Frames farther apart show different places; unset before training.
   std::optional<size_t> half_width = std::nullopt;
-  std::optional<double> fps = std::nullopt;   ///< frames per second, if known
-  std::optional<Replay> kept = std::nullopt;  ///< selected frames of the recording
-  size_t frame_count() const { return frame_names.size(); }
 };
 
 /// The window of another training sequence that is closest to any window of this one. For a

@@ -42,9 +42,10 @@ GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument,
       scope_(scope),
       inconsistent_(inconsistent),
       monitor_(monitor),
-      query_(frame_count(scope.query_frames)),
+      query_(frame_count(scope.query.frames)),
       location_{argument.path.string()} {
-  for (const auto& sequence : scope.sequences) train_.push_back(frame_count(sequence.frames));
+  for (const auto& sequence : scope.sequences)
+    train_.push_back(frame_count(sequence.sequence.frames));
   pairs_.resize(query_.frames);
 }
 
@@ -65,13 +66,14 @@ size_t GroundTruthBuilder::only_searched(std::string_view what) const {
 
 size_t GroundTruthBuilder::find_sequence(const std::string& name) {
   for (size_t s = 0; s < scope_.sequences.size(); ++s)
-    if (scope_.sequences[s].name == name) return s;
+    if (scope_.sequences[s].sequence.name == name) return s;
   if (query_.grows && scope_.sequences.size() < kMaxGrownSequences) {  // their number is unknown
-    const bool is_first = scope_.sequences.size() == 1 && scope_.sequences.front().name.empty();
+    const bool is_first =
+        scope_.sequences.size() == 1 && scope_.sequences.front().sequence.name.empty();
     if (is_first) {
-      scope_.sequences.front().name = name;
+      scope_.sequences.front().sequence.name = name;
     } else {
-      scope_.sequences.push_back({name, kUnknownFrames});
+      scope_.sequences.push_back({{name, kUnknownFrames}});
       train_.push_back({0, true});
     }
     return scope_.sequences.size() - 1;
@@ -219,8 +221,8 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
     join(query);
   }
   InspectedGroundTruth result;
-  scope_.query_frames = query_.frames;
-  for (size_t s = 0; s < train_.size(); ++s) scope_.sequences[s].frames = train_[s].frames;
+  scope_.query.frames = query_.frames;
+  for (size_t s = 0; s < train_.size(); ++s) scope_.sequences[s].sequence.frames = train_[s].frames;
   result.scope = std::move(scope_);
   result.truth = {std::move(pairs_), argument_.tolerance_frames, std::move(protocol)};
   result.findings = findings_;

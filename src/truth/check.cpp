@@ -66,7 +66,7 @@ GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Mon
     const auto& row = truth.pairs[query];
     for (auto pair = row.begin(); pair != row.end();) {
       const size_t s = pair->sequence;
-      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].frames)) {
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
         const uint64_t count = run.last - run.first + 1;
         (run.label == PlaceLabel::same ? matches : summary.ignored) += count;
         if (run.label == PlaceLabel::same) matched[s].push_back(run);
@@ -78,10 +78,10 @@ GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Mon
     summary.most_matches = std::max(summary.most_matches, matches);
   }
   for (size_t s = 0; s < sequences.size(); ++s) {
-    summary.train_frames += sequences[s].frames;
-    summary.references_without_match += sequences[s].frames - covered_frames(matched[s]);
+    summary.train_frames += sequences[s].sequence.frames;
+    summary.references_without_match += sequences[s].sequence.frames - covered_frames(matched[s]);
   }
-  if (sequences.size() == 1 && sequences[0].frames == truth.pairs.size() &&
+  if (sequences.size() == 1 && sequences[0].sequence.frames == truth.pairs.size() &&
       summary.same <= kMaxCompared) {
     summary.one_sided = 0;
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
@@ -119,7 +119,7 @@ std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruth
       const size_t s = row[i].sequence;
       i += truth.pairs_of(query, s).size();
       if (!scope.sequences[s].searched) continue;
-      for (const LabelRun& run : label_runs(truth, query, s, scope.sequences[s].frames))
+      for (const LabelRun& run : label_runs(truth, query, s, scope.sequences[s].sequence.frames))
         add(std::array<uint64_t, 5>{query, place_among_searched[s], run.first, run.last,
                                     static_cast<uint64_t>(run.label)});
     }

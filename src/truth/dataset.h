@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 

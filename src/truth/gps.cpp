@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "truth/association.h"
 #include "truth/builder.h"
 #include "truth/poses.h"
@@ -44,10 +44,9 @@ std::string find_name(const std::vector<std::string>& header,
 double degrees(const FileLocation& location, const char* what, std::string_view text) {
   const auto value = parse_real(text);
   if (!value)
-    location.fail(
-        fmt::format("the {} \"{}\" is not a number in degrees (leave both empty where "
-                    "there is no fix)",
-                    what, text));
+    location.fail(fmt::format(
+        "the {} \"{}\" is not a number in degrees (leave both empty where there is no fix)", what,
+        text));
   return *value;
 }
 
@@ -99,12 +98,12 @@ class TimeColumn {
 };
 
 std::map<std::string, size_t> frames_by_name(const std::filesystem::path& images) {
-  const Sequence sequence = open_sequence(parse_sequence_argument(images.string()));
+  const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
   if (sequence.kind != SequenceKind::images)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: is not a folder or list of images, whose names a CSV of GPS fixes "
-                            "can use",
-                            images.string()));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: is not a folder or list of images, whose names a CSV of GPS fixes can use",
+                    images.string()));
   std::map<std::string, size_t> frames;
   for (const auto& file : sequence.files)
     if (!frames.emplace(file.filename().string(), frames.size()).second)
@@ -151,10 +150,9 @@ void require_gps_csv(const std::filesystem::path& path) {
   const StartedFile opened = open_start(path);
   const FileStart& start = opened.start;
   if (start.is_folder)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} is a folder. Write the GPS positions of its images to a CSV with "
-                            "scripts/convert/exif.py",
-                            path.string()));
+    throw Error(ErrorKind::usage, fmt::format("{} is a folder. Write the GPS positions of its "
+                                              "images to a CSV with scripts/convert/exif.py",
+                                              path.string()));
   if (is_gps(start)) return;
   refuse_unconverted(start.path, start.bytes);
   throw Error(ErrorKind::data,
@@ -264,10 +262,10 @@ Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::
                             "--query-images FOLDER (--reference-images for the training side)",
                             path.string()));
   if (!images.empty() && !source.range.is_all())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: its lines are selected by the names of images; add "
-                            "the range to {}",
-                            path.string(), images.string()));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: its lines are selected by the names of images; add the range to {}",
+                    path.string(), images.string()));
   if (!images.empty())
     read_by_name(rows, *columns, names.image, images, found);
   else

@@ -33,20 +33,14 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
   return result;
 }
 
-const Replay* first_kept(const GroundTruthScope& scope) {
-  for (const auto& sequence : scope.sequences)
-    if (sequence.kept) return &*sequence.kept;
-  return nullptr;
-}
-
 // The scope of the files: whole recordings.
 GroundTruthScope recorded_scope(GroundTruthScope scope) {
-  if (scope.replay) scope.query_frames = scope.replay->recorded_frames;
-  scope.replay.reset();
-  for (auto& sequence : scope.sequences) {
-    if (sequence.kept) sequence.frames = sequence.kept->recorded_frames;
-    sequence.kept.reset();
-  }
+  const auto whole = [](Sequence& sequence) {
+    sequence.frames = sequence.recorded_frames();
+    sequence.selection = {};
+  };
+  whole(scope.query);
+  for (auto& train : scope.sequences) whole(train.sequence);
   return scope;
 }
 
@@ -55,15 +49,16 @@ InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruth
                           InconsistentPairs inconsistent, const Monitor& monitor) {
   InspectedGroundTruth result =
       read_recorded(argument, recorded_scope(scope), inconsistent, monitor);
-  if (scope.replay) {
-    result.truth.pairs = replayed(result.truth.pairs, *scope.replay);
-    result.truth.protocol += ", query " + replay_text(*scope.replay);
-    result.scope.query_frames = scope.replay->frames();
-    result.scope.replay = scope.replay;
+  if (const Selection& selection = scope.query.selection; !selection.is_all()) {
+    result.truth.pairs = selected(std::move(result.truth.pairs), selection);
+    result.truth.protocol += ", query " + selection_text(selection);
+    result.scope.query = scope.query;
   }
-  if (const Replay* kept = first_kept(scope)) {
-    keep_frames(result.truth, scope);
-    result.truth.protocol += ", training frames " + replay_text(*kept);
+  const auto part = std::ranges::find_if(
+      scope.sequences, [](const auto& train) { return !train.sequence.selection.is_all(); });
+  if (part != scope.sequences.end()) {
+    select_train_frames(result.truth, scope);
+    result.truth.protocol += ", training frames " + selection_text(part->sequence.selection);
     result.scope.sequences = scope.sequences;
   }
   return result;
@@ -76,10 +71,10 @@ void refuse_mistyped_word(const std::string& text) {
   const std::string best = nearest(text, words);
   std::error_code error;
   if (edit_distance(text, best) <= 2 && !std::filesystem::exists(text, error))
-    throw Error(ErrorKind::usage,
-                fmt::format("the ground truth {} is neither a file nor a known name; "
-                            "did you mean {}?",
-                            text, best));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("the ground truth {} is neither a file nor a known name; did you mean {}?",
+                    text, best));
 }
 
 // Appends a run, or extends the last one.
@@ -107,7 +102,7 @@ std::vector<LabelRun> widened_runs(std::span<const GroundTruth::Pair> pairs, siz
 using Pair = GroundTruth::Pair;
 
 // The selected frame nearest to a run without selected frames; `next` is the first one after it.
-uint32_t nearest_kept(const std::vector<uint32_t>& sources, const LabelRun& run, size_t next) {
+uint32_t nearest_selected(const std::vector<uint32_t>& sources, const LabelRun& run, size_t next) {
   if (next == sources.size()) return static_cast<uint32_t>(next - 1);
   if (next == 0) return 0;
   const bool is_before = run.first - sources[next - 1] <= sources[next] - run.last;
@@ -115,8 +110,8 @@ uint32_t nearest_kept(const std::vector<uint32_t>& sources, const LabelRun& run,
 }
 
 // Converts the runs of a recording to its selected frames.
-void add_kept(std::vector<Pair>& row, uint32_t sequence, const std::vector<LabelRun>& runs,
-              const std::vector<uint32_t>& sources) {
+void add_selected(std::vector<Pair>& row, uint32_t sequence, const std::vector<LabelRun>& runs,
+                  const std::vector<uint32_t>& sources) {
   for (const LabelRun& run : runs) {
     const auto first = std::ranges::lower_bound(sources, run.first);
     const auto end = std::ranges::upper_bound(sources, run.last);
@@ -124,7 +119,7 @@ void add_kept(std::vector<Pair>& row, uint32_t sequence, const std::vector<Label
     if (first != end)
       row.push_back({sequence, index, run.label, static_cast<uint32_t>(end - first - 1)});
     else if (run.label == PlaceLabel::same)
-      row.push_back({sequence, nearest_kept(sources, run, index), run.label, 0});
+      row.push_back({sequence, nearest_selected(sources, run, index), run.label, 0});
   }
 }
 
@@ -187,10 +182,11 @@ GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {
   truth.protocol = "none";
   std::vector<GroundTruth::Pair> all;
   for (size_t s = 0; s < scope.sequences.size(); ++s)
-    if (scope.sequences[s].searched && scope.sequences[s].frames > 0)
-      all.push_back({static_cast<uint32_t>(s), 0, PlaceLabel::ignore,
-                     static_cast<uint32_t>(scope.sequences[s].frames - 1)});
-  truth.pairs.assign(scope.query_frames, all);
+    if (const size_t frames = scope.sequences[s].sequence.frames;
+        scope.sequences[s].searched && frames > 0)
+      all.push_back(
+          {static_cast<uint32_t>(s), 0, PlaceLabel::ignore, static_cast<uint32_t>(frames - 1)});
+  truth.pairs.assign(scope.query.frames, all);
   return truth;
 }
 
@@ -232,25 +228,24 @@ std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t 
   return runs;
 }
 
-void keep_frames(GroundTruth& truth, const GroundTruthScope& scope) {
+void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope) {
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
-    std::vector<Pair> kept;
+    std::vector<Pair> all;
     for (size_t s = 0; s < scope.sequences.size(); ++s) {
-      const auto& sequence = scope.sequences[s];
-      const size_t recorded = sequence.kept ? sequence.kept->recorded_frames : sequence.frames;
-      const auto runs = label_runs(truth, query, s, recorded);
+      const Sequence& sequence = scope.sequences[s].sequence;
+      const auto runs = label_runs(truth, query, s, sequence.recorded_frames());
       std::vector<Pair> row;
-      if (sequence.kept) {
-        add_kept(row, static_cast<uint32_t>(s), runs, sequence.kept->sources);
+      if (!sequence.selection.is_all()) {
+        add_selected(row, static_cast<uint32_t>(s), runs, sequence.selection.sources);
       } else {
         for (const LabelRun& run : runs)
           row.push_back({static_cast<uint32_t>(s), static_cast<uint32_t>(run.first), run.label,
                          static_cast<uint32_t>(run.last - run.first)});
       }
       row = without_overlaps(std::move(row), sequence.frames);
-      kept.insert(kept.end(), row.begin(), row.end());
+      all.insert(all.end(), row.begin(), row.end());
     }
-    truth.pairs[query] = std::move(kept);
+    truth.pairs[query] = std::move(all);
   }
   truth.tolerance_frames = 0;
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "sequence/selection.h"
+#include "sequence/sequence.h"
 #include "truth/dataset.h"
 
 namespace vpr {
@@ -32,21 +32,16 @@ inline constexpr size_t kMaxGrownFrames = size_t{1} << 22;
 /// Reads the names of the frames of a sequence; null: unknown.
 using NameReader = std::function<std::vector<std::string>()>;
 
-/// The meaning of indices: the training sequences of a result, in its order, and its query.
+/// The meaning of indices: the training sequences of a result, in its order, and its query. Files
+/// refer to frames of recordings, labels to selected frames.
 struct GroundTruthScope {
   struct TrainSequence {
-    std::string name;
-    size_t frames = 0;
+    Sequence sequence;
     bool searched = true;  ///< false: its pairs are skipped
-    /// Set if its frames are selected from a recording: files refer to frames of the recording.
-    std::optional<Replay> kept = {};
     NameReader names = {};
   };
-  size_t query_frames = 0;
+  Sequence query;
   std::vector<TrainSequence> sequences;
-  /// Set if the query is resampled from a recording: files refer to frames of the recording, labels
-  /// to frames of the query.
-  std::optional<Replay> replay = {};
   NameReader query_names = {};
 };
 
@@ -92,12 +87,12 @@ struct LabelRun {
 std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
                                  size_t frames);
 
-/// Converts labels of the recordings' frames to the frames that `scope` selects; sequences without
-/// a selection do not change. Applies the tolerance, which is 0 afterwards. If no frame of a run of
-/// the same place is selected, the label moves to the selected frame nearest to the run, the
-/// earlier one on a tie, so that a query frame keeps its place. Among frames to ignore, the
+/// Converts labels of the recordings' frames to the training frames that `scope` selects; sequences
+/// without a selection do not change. Applies the tolerance, which is 0 afterwards. If no frame of
+/// a run of the same place is selected, the label moves to the selected frame nearest to the run,
+/// the earlier one on a tie, so that a query frame keeps its place. Among frames to ignore, the
 /// selected ones are ignored.
-void keep_frames(GroundTruth& truth, const GroundTruthScope& scope);
+void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope);
 
 /// A ground truth without any knowledge: every pair is labeled ignore.
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope);

@@ -331,7 +331,7 @@ std::string read_matrix_file(GroundTruthBuilder& builder) {
 void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
                        const Monitor& monitor) {
   const size_t sequence = only_written_sequence(ground_truth, "matrix");
-  const size_t frames = ground_truth.scope.sequences[sequence].frames;
+  const size_t frames = ground_truth.scope.sequences[sequence].sequence.frames;
   const GroundTruth& truth = ground_truth.truth;
   const bool is_archive = file.path().extension() == ".npz";
   require_writable(uint64_t{truth.pairs.size()} * frames,

@@ -12,8 +12,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "truth/association.h"
 #include "truth/builder.h"
 #include "truth/check.h"
@@ -60,16 +59,15 @@ struct PairSide {
 size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const std::string& text) {
   if (!side.reader)
     builder.fail(
-        fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, "
-                    "pass the sequences: --query and --train",
+        fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, pass the "
+                    "sequences: --query and --train",
                     side.what, text));
   if (!side.names) side.names.emplace(side.reader());
   const size_t count = side.names->count().value_or(0);
   if (!side.frames.grows && count != side.frames.frames)
-    builder.fail(
-        fmt::format("{} \"{}\" is one of {}, but the result has {}. Use the sequence that "
-                    "was evaluated",
-                    side.what, text, counted(count, "name"), counted(side.frames.frames, "frame")));
+    builder.fail(fmt::format(
+        "{} \"{}\" is one of {}, but the result has {}. Use the sequence that was evaluated",
+        side.what, text, counted(count, "name"), counted(side.frames.frames, "frame")));
   const auto frame = side.names->find(text);
   if (!frame)
     builder.fail(
@@ -144,9 +142,8 @@ void warn_of_anchors(const GroundTruthBuilder& builder, const PairColumns& colum
     if (!before || !frame || frame->value <= before->value) return;
   }
   builder.warn_user(fmt::format(
-      "{} labels {} of {}, and recognitions of the other frames count as incorrect. If "
-      "the pairs are anchors of a route, add "
-      "--ground-truth-format anchors",
+      "{} labels {} of {}, and recognitions of the other frames count as incorrect. If the pairs "
+      "are anchors of a route, add --ground-truth-format anchors",
       builder.argument().path.string(), pairs, counted(builder.query().frames, "query frame")));
 }
 
@@ -183,8 +180,8 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
     auto& known = anchors[sequence];
     if (!known.empty() && anchor.query <= known.back().query)
       rows.fail(
-          fmt::format("query {} is not after the previous anchor, {}; list anchors in the "
-                      "order of query frames",
+          fmt::format("query {} is not after the previous anchor, {}; list anchors in the order of "
+                      "query frames",
                       anchor.query, known.back().query));
     known.push_back(anchor);
   }
@@ -326,11 +323,11 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
   file.write(fmt::format("query,{}reference{}\n", several ? "sequence," : "",
                          has_ignored ? ",label" : ""));
   for (size_t s = 0; s < sequences.size(); ++s) {
-    const std::string name = several ? csv_field(sequences[s].name) + "," : "";
+    const std::string name = several ? csv_field(sequences[s].sequence.name) + "," : "";
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
       check_stop(monitor);
       std::string lines;
-      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].frames)) {
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
         const std::string_view label = !has_ignored                    ? ""
                                        : run.label == PlaceLabel::same ? ",same"
                                                                        : ",ignore";
@@ -348,8 +345,8 @@ std::string read_anchors(GroundTruthBuilder& builder) {
   const GroundTruthOptions& options = builder.argument().options;
   if (options.radius_m.has_value() == options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: a tolerance of anchors in meters needs --radius and the poses "
-                            "of the training sequence (--ground-truth-reference)",
+                fmt::format("{}: a tolerance of anchors in meters needs --radius and the poses of "
+                            "the training sequence (--ground-truth-reference)",
                             builder.argument().path.string()));
   check_times(options);
   const SequenceArgument source = parse_sequence_argument(builder.argument().path.string());

@@ -31,8 +31,9 @@ bool is_of_data_set(const GroundTruthPreset& preset, std::string_view group) {
 
 uint32_t step_for(const GroundTruthPreset& preset, const GroundTruthScope& scope) {
   for (const auto& sequence : scope.sequences)
-    if (sequence.searched && scope.query_frames > 1 &&
-        (sequence.frames + preset.reference_step - 1) / preset.reference_step == scope.query_frames)
+    if (sequence.searched && scope.query.frames > 1 &&
+        (sequence.sequence.frames + preset.reference_step - 1) / preset.reference_step ==
+            scope.query.frames)
       return preset.reference_step;
   return 1;
 }

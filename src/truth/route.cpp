@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/monitor.h"
 #include "base/text.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "truth/gps.h"
 #include "truth/text_file.h"
 
@@ -76,11 +76,9 @@ Routes read_routes(const std::vector<fs::path>& paths) {
       if (!row) continue;
       (row->is_on_earth ? gps : meters) = path;
       if (!meters.empty() && !gps.empty())
-        throw Error(
-            ErrorKind::data,
-            fmt::format("{} has latitudes and longitudes, but {} has x and y in meters; use "
-                        "one of them for both",
-                        gps.string(), meters.string()));
+        throw Error(ErrorKind::data, fmt::format("{} has latitudes and longitudes, but {} has x "
+                                                 "and y in meters; use one of them for both",
+                                                 gps.string(), meters.string()));
       std::array<double, 3> position = row->pose.position;
       if (row->is_on_earth) {
         if (!plane) plane.emplace(position);
@@ -117,17 +115,17 @@ std::vector<WallLine> read_walls(const fs::path& path) {
   return walls;
 }
 
-std::vector<double> read_traveled(const std::filesystem::path& path, size_t frames,
-                                  const Monitor& monitor, const std::optional<Replay>& replay) {
+std::vector<double> read_traveled(const std::filesystem::path& path, const Sequence& sequence,
+                                  const Monitor& monitor) {
+  const size_t frames = sequence.frames;
   const std::vector<std::optional<CsvPose>> poses =
-      replay ? replayed(read_pose_csv(path, {replay->recorded_frames}), *replay)
-             : read_pose_csv(path, {frames});
+      selected(read_pose_csv(path, {sequence.recorded_frames()}), sequence.selection);
   const auto known = [](const auto& pose) { return pose.has_value(); };
   const auto missing = std::find_if_not(poses.begin(), poses.end(), known);
   if (missing != poses.end()) {
     warn(monitor,
-         fmt::format("{}: has no pose for {} of {} (the first is frame {}), so "
-                     "there are no distances in meters",
+         fmt::format("{}: has no pose for {} of {} (the first is frame {}), so there are no "
+                     "distances in meters",
                      path.string(),
                      frames - static_cast<size_t>(std::count_if(poses.begin(), poses.end(), known)),
                      counted(frames, "frame"), missing - poses.begin()));

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sequence/selection.h"
+#include "sequence/sequence.h"
 #include "truth/gps.h"
 
 namespace vpr {
@@ -73,11 +73,11 @@ std::vector<RoutePoint> read_place_positions(const std::filesystem::path& path);
 /// A CSV with columns x0, y0, x1, y1 and optionally floor. Throws as read_place_positions does.
 std::vector<WallLine> read_walls(const std::filesystem::path& path);
 
-/// Distance in meters from the first frame to each of `frames` frames along the straight lines
-/// between their positions in a CSV (read_pose_csv). Warns and returns an empty vector if a frame
-/// has no pose. With a `replay` of `frames` frames, the file has the poses of the recording. Throws
-/// Error(data) if positions are too far apart for meters; also throws as read_pose_csv does.
-std::vector<double> read_traveled(const std::filesystem::path& path, size_t frames,
-                                  const Monitor& monitor, const std::optional<Replay>& replay = {});
+/// Distance in meters from the first frame to each frame of the sequence along the straight lines
+/// between their positions in a CSV (read_pose_csv) with the poses of the recording. Warns and
+/// returns an empty vector if a frame has no pose. Throws Error(data) if positions are too far
+/// apart for meters; also throws as read_pose_csv does.
+std::vector<double> read_traveled(const std::filesystem::path& path, const Sequence& sequence,
+                                  const Monitor& monitor);
 
 }  // namespace vpr

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,8 +9,7 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "base/text.h"
-#include "sequence/selection.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "sequence/video_reader.h"
 #include "truth/times.h"
 
@@ -27,7 +25,7 @@ std::string text_of(const SequenceArgument& argument) {
 }
 
 // For sequences other than videos.
-size_t count_frames(const Sequence& sequence) {
+size_t count_frames(const SequenceSource& sequence) {
   if (!sequence.is_one_array()) return sequence.files.size();
   SequenceArgument argument = sequence.argument;
   argument.range.last = argument.range.last.value_or(NpyArray(argument.path).shape().at(0));
@@ -38,7 +36,7 @@ size_t count_frames(const Sequence& sequence) {
 std::optional<std::vector<int64_t>> find_times(const SequenceArgument& argument,
                                                const RateSource& source, const Monitor& monitor) {
   if (!source.times.empty()) return read_frame_times(source.times, monitor);
-  const Sequence sequence = open_sequence(argument);
+  const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
   if (!sequence.is_one_array() && is_named_by_time(sequence.files.front()))
     return times_of_names(sequence);
@@ -50,7 +48,7 @@ std::optional<std::vector<int64_t>> find_times(const SequenceArgument& argument,
 // Does not inspect every frame: for videos, returns the stated rate.
 std::optional<double> stated_rate(const SequenceArgument& argument, const RateSource& source,
                                   const Monitor& monitor) {
-  const Sequence sequence = open_sequence(argument);
+  const SequenceSource sequence = open_sequence(argument);
   if (source.times.empty() && sequence.kind == SequenceKind::video) {
     const double fps = VideoReader(argument, PixelFormat::grey).frames_per_second();
     if (!(fps > 0 && fps <= kMostFps)) return std::nullopt;
@@ -66,7 +64,7 @@ std::optional<double> stated_rate(const SequenceArgument& argument, const RateSo
 }
 
 void check_count(const SequenceArgument& argument, const RateSource& source, size_t times) {
-  const Sequence sequence = open_sequence(argument);
+  const SequenceSource sequence = open_sequence(argument);
   if (source.times.empty() || sequence.kind == SequenceKind::video) return;
   if (const size_t frames = count_frames(sequence); frames != times)
     throw Error(ErrorKind::data,
@@ -148,31 +146,30 @@ std::vector<int64_t> even_times(size_t frames, double fps) {
 SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
                            std::optional<double> fps, const Monitor& monitor) {
   if (!fps) {
-    argument.fps = stated_rate(argument, source, monitor);
+    argument.sequence.fps = stated_rate(argument, source, monitor);
     return argument;
   }
   const auto times = find_times(argument, source, monitor);
   if (!times)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: the times of its frames are unknown, which --fps needs. Use "
-                            "--recorded-fps, a video, images with times as names, or a "
-                            "data set with \"fps\"",
-                            text_of(argument)));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format(
+            "{}: the times of its frames are unknown, which --fps needs. Use --recorded-fps, a "
+            "video, images with times as names, or a data set with \"fps\"",
+            text_of(argument)));
   check_count(argument, source, times->size());
   const std::optional<double> own = median_fps(*times);
   if (own && *fps > kClearlyAbove * *own)
-    warn(monitor,
-         fmt::format("{}: has {:.3g} frames per second; --fps {} cannot add frames, and keeps "
-                     "each frame once",
-                     text_of(argument), *own, *fps));
-  Replay kept = thinned(*times, *fps);
+    warn(monitor, fmt::format("{}: has {:.3g} frames per second; --fps {} cannot add frames, and "
+                              "keeps each frame once",
+                              text_of(argument), *own, *fps));
+  Selection kept = thinned(*times, *fps);
   if (times->size() > kMostThinned * kept.frames())
     throw Error(ErrorKind::usage, fmt::format("{}: --fps {} keeps {} of its {}; use a larger value",
                                               text_of(argument), *fps, kept.frames(),
                                               counted(times->size(), "frame")));
-  if (kept.frames() < times->size())
-    argument.kept = std::make_shared<const Replay>(std::move(kept));
-  argument.fps = own ? std::optional(std::min(*own, *fps)) : std::nullopt;
+  if (kept.frames() < times->size()) argument.sequence.selection = std::move(kept);
+  argument.sequence.fps = own ? std::optional(std::min(*own, *fps)) : std::nullopt;
   return argument;
 }
 

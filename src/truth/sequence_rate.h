@@ -9,7 +9,7 @@
 
 #include "base/monitor.h"
 #include "sequence/live_source.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 

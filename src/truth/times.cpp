@@ -234,7 +234,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   return times;
 }
 
-std::vector<int64_t> times_of_names(const Sequence& sequence) {
+std::vector<int64_t> times_of_names(const SequenceSource& sequence) {
   FileLocation location;
   std::vector<int64_t> times;
   std::optional<TimeUnit> unit;

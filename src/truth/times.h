@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "truth/text_file.h"
 
 namespace vpr {
@@ -59,7 +59,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path);
 
 /// Times in nanoseconds from the names of a sequence's files, without their extensions. Throws as
 /// read_frame_times does.
-std::vector<int64_t> times_of_names(const Sequence& sequence);
+std::vector<int64_t> times_of_names(const SequenceSource& sequence);
 
 /// Times in nanoseconds, one per frame: from a list (read_time_list), from the names of the images
 /// of a folder, which must be numbers (1305031102.175304.png, 1403636579763555584.png), or from a

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "truth/builder.h"
 #include "truth/text_file.h"
 
@@ -34,7 +34,7 @@ bool is_zone(std::string_view field) {
 
 UtmSide read_side(GroundTruthBuilder& builder, const std::filesystem::path& path) {
   builder.at_file(path);
-  const Sequence sequence = open_sequence(parse_sequence_argument(path.string()));
+  const SequenceSource sequence = open_sequence(parse_sequence_argument(path.string()));
   if (sequence.kind != SequenceKind::images)
     builder.fail("is not a folder or list of images named @east@north@...");
   UtmSide side;
@@ -42,8 +42,8 @@ UtmSide read_side(GroundTruthBuilder& builder, const std::filesystem::path& path
     const auto name = parse_utm_name(file.filename().string());
     if (!name)
       builder.fail(
-          fmt::format("{} is not named @east@north@...; scripts/convert/exif.py lists the "
-                      "GPS positions of JPEG images",
+          fmt::format("{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
+                      "positions of JPEG images",
                       file.filename().string()));
     if (side.zone.empty()) side.zone = name->zone;
     if (!name->zone.empty() && name->zone != side.zone)
@@ -89,8 +89,7 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
   builder.require_train_frames(sequence, train.poses.size());
   if (!query.zone.empty() && !train.zone.empty() && query.zone != train.zone)
     builder.fail(
-        fmt::format("lies in UTM zone {}, but the query in {}: their distances are "
-                    "nothing",
+        fmt::format("lies in UTM zone {}, but the query in {}: their distances are nothing",
                     train.zone, query.zone));
   return fmt::format("UTM coordinates in file names: {}{}",
                      match_poses(builder, sequence, query.poses, train.poses, kUsualRadius),

@@ -80,7 +80,7 @@ TEST_CASE("live frames have the results of the whole fused query") {
   const Result whole = read_result(folder / "r.json").result;
   const auto followed = ok(asked({"--follow", "--quiet"}));
   const Words lines = lines_of(followed.out);
-  REQUIRE(lines.size() == whole.query_frames);
+  REQUIRE(lines.size() == whole.query.frames);
   for (size_t window = 0; window < whole.best.size(); ++window) {
     const Json line = Json::parse(lines[window + 9]);
     CHECK(lines[window + 9] ==

@@ -33,11 +33,11 @@ Words offline_lines(const std::string& query, Words words, const Words& names) {
   const TemporaryFolder folder;
   run_ok("vpr-query", words_of(query, joined(words, {"-o", folder / "r.json", "--quiet"})));
   const Result result = read_result(folder / "r.json").result;
-  REQUIRE(result.query_frames == names.size());
+  REQUIRE(result.query.frames == names.size());
   const size_t length = result.window_length();
   Words lines;
   for (size_t frame = 0; frame < names.size(); ++frame) {
-    const auto& gaps = result.query_unreadable;
+    const auto& gaps = result.query.unreadable;
     const bool is_gap = std::find(gaps.begin(), gaps.end(), frame) != gaps.end();
     const bool has_window = frame + 1 >= length && result.best[frame + 1 - length];
     lines.push_back(to_line(live_line({frame, names[frame], !is_gap},

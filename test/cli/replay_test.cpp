@@ -194,7 +194,7 @@ TEST_CASE("a resampled query has the results of the query, frame by frame") {
     const std::string result = out / (std::string(warp) + ".json");
     ok(single(result, {"--warp", warp, "--seed", "3"}));
     const Json report = evaluate(result);
-    const Replay shown = replay(warp, expected.size(), 3);
+    const Selection shown = warped(warp, expected.size(), 3);
     CHECK(report["warp"] == Json{{"name", warp}, {"seed", 3}, {"frames", expected.size()}});
     CHECK(has(report["protocol"]["ground_truth"], "query replayed "));
     std::string replayed;

@@ -9,7 +9,7 @@
 #include "examples.h"
 #include "match/plain.h"
 #include "printed.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -121,11 +121,12 @@ TEST_CASE("with OpenFABMAP's words, every recognition of the second lap is corre
   FabmapDatabase database;
   database.tree = loop.tree;
   for (const WordSet& frame : loop.pretrain) database.pretrain.add(frame);
-  add_group(database, {"lap", false, Words(40)}, std::span(loop.frames).subspan(0, 40));
+  add_group(database, {{"lap", 40, Words(40)}}, std::span(loop.frames).subspan(0, 40));
   index_views(database);
   SequenceWords query;
-  query.frames.assign(loop.frames.begin() + 40, loop.frames.begin() + 80);
-  REQUIRE(query.frames[5].empty());
+  query.words.assign(loop.frames.begin() + 40, loop.frames.begin() + 80);
+  query.sequence.frames = query.words.size();
+  REQUIRE(query.words[5].empty());
   FabmapQuerySettings settings;
   settings.place_threshold = 0.6;
   double of_frame_5 = 0;

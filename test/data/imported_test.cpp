@@ -26,7 +26,7 @@ using Describe = std::function<cv::Mat(const cv::Mat& gray)>;  // to a row of CV
 
 cv::Mat describe(const fs::path& folder, const Describe& describe_frame) {
   std::vector<cv::Mat> rows(open_sequence({folder, {}}).files.size());
-  for_each_frame(open_sequence({folder, {}}), PixelFormat::grey, Unreadable::fail, {},
+  for_each_frame(open_sequence({folder, {}}), PixelFormat::gray, Unreadable::fail, {},
                  [&](size_t index, const cv::Mat& gray) { rows[index] = describe_frame(gray); });
   cv::Mat all;
   cv::vconcat(rows, all);
@@ -114,7 +114,7 @@ Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tol
   const TemporaryFolder folder;
   write(folder / "train.npy", train);
   write(folder / "query.npy", query);
-  const Sequence walked = open_sequence({folder / "train.npy", {}});
+  const SequenceSource walked = open_sequence({folder / "train.npy", {}});
   const double unit = descriptor_kind(kind).shape.element == ElementType::points16
                           ? coordinate_unit(kind, {&walked, 1}, {})
                           : 0;

@@ -13,8 +13,9 @@ namespace {
 
 TrainSequence named(const std::string& name, size_t frames) {
   TrainSequence sequence;
-  sequence.name = name;
-  for (size_t i = 0; i < frames; ++i) sequence.frame_names.push_back(std::to_string(i) + ".png");
+  sequence.sequence.name = name;
+  for (size_t i = 0; i < frames; ++i)
+    sequence.sequence.frame_names.push_back(std::to_string(i) + ".png");
   return sequence;
 }
 

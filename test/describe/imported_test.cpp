@@ -55,8 +55,8 @@ TEST_CASE("vectors become integers up to 127, with ties rounded to even") {
   CHECK(numbers(set.rows()[0]) == std::vector<int>{127, -64, 32, 0});  // 63.5 -> 64, 31.75
   CHECK(numbers(set.rows()[1]) == std::vector<int>{-127, 64, 32, 16});
   CHECK(numbers(set.rows()[2]) == std::vector<int>{127, 0, 2, -2});  // 0.5, 1.5, 2.5
-  CHECK(set.frames.names == std::vector<std::string>{"#0", "#1", "#2"});
-  CHECK(set.frames.unreadable.empty());
+  CHECK(set.sequence.frame_names == std::vector<std::string>{"#0", "#1", "#2"});
+  CHECK(set.sequence.unreadable.empty());
 }
 
 TEST_CASE("16-bit vectors are as long as scalar products in 32 bits allow") {
@@ -120,7 +120,7 @@ TEST_CASE("arrays of any type, order, range or folder yield the same rows") {
       REQUIRE(part.rows().size() == 232);
       for (size_t i = 0; i < part.rows().size(); ++i)
         REQUIRE(std::ranges::equal(part.rows()[i], whole.rows()[5 + 3 * i]));
-      CHECK(part.frames.names[2] == "#11");
+      CHECK(part.sequence.frame_names[2] == "#11");
     }
   }
   std::filesystem::create_directory(folder / "each");
@@ -130,8 +130,8 @@ TEST_CASE("arrays of any type, order, range or folder yield the same rows") {
                                    values.begin() + ptrdiff_t(30 * i + 30)),
                 i % 2 == 0 ? std::vector<size_t>{30} : std::vector<size_t>{1, 30});
   const DescriptorSet each = import({folder / "each", {2, std::nullopt, 1}});  // 2, 3, ... 10, 11
-  CHECK(each.frames.names.front() == "2.npy");
-  CHECK(each.frames.names.back() == "11.npy");
+  CHECK(each.sequence.frame_names.front() == "2.npy");
+  CHECK(each.sequence.frame_names.back() == "11.npy");
   CHECK(std::ranges::equal(each.rows().bytes, all.rows().subspan(2, 10).bytes));
   write_text(folder / "list.txt", "each/3.npy\neach/1.npy\n");
   CHECK(std::ranges::equal(import({folder / "list.txt", {}}).rows()[1], all.rows()[1]));
@@ -218,7 +218,7 @@ TEST_CASE("a missing row keeps its index, unless all rows are missing") {
   CHECK(refusal({path, {}}) ==
         path.string() + ": row 1 is missing (all NaN); use --skip-unreadable to ignore it");
   const DescriptorSet set = import({path, {}}, kNarrowVectorKind, Unreadable::skip);
-  CHECK(set.frames.unreadable == std::vector<size_t>{1});
+  CHECK(set.sequence.unreadable == std::vector<size_t>{1});
   CHECK(set.rows().size() == 3);
   CHECK(numbers(set.rows()[1]) == std::vector<int>{0, 0});
   write_array<double>(path, {kNan, kNan}, {1, 2});
@@ -230,7 +230,7 @@ TEST_CASE("the smallest and the largest numbers have directions, and distant poi
   for (const double size : {5e-324, 1e-310, 1.0, 1e300, 1.7e308}) {
     INFO(size);
     write_array(folder / "db.npy", std::vector<double>{size, 0, -size, size}, {2, 2});
-    const Sequence sequence = open_sequence({folder / "db.npy", {}});
+    const SequenceSource sequence = open_sequence({folder / "db.npy", {}});
     const double unit = coordinate_unit(kDirectionKind, {&sequence, 1}, {});
     const DescriptorSet set =
         import_descriptors(sequence, kDirectionKind, Unreadable::fail, {}, unit);

@@ -12,15 +12,15 @@ Result example() {
   SequenceQuerySettings settings;
   settings.window_length = 3;
   result.settings = settings;
-  result.query_frames = 10;
+  result.query.frames = 10;
   result.query_windows = 8;
-  result.targets = {{"ref", 10, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.targets = {{{"ref", 10}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
   result.best.resize(8);
   return result;
 }
 
 GroundTruth aligned(int tolerance) {
-  return read_ground_truth({"aligned", {}, tolerance}, {10, {{"ref", 10}}});
+  return read_ground_truth({"aligned", {}, tolerance}, {{"", 10}, {{"ref", 10}}});
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ TEST_CASE("best matches count over the windows that have a match") {
     result.best[window] = Match{window, 0, window, 0, 5};
   result.best[1] = Match{1, 0, 7, 0, 5};  // incorrect
   result.best[2] = std::nullopt;          // an unreadable frame
-  result.query_unreadable = {2};
+  result.query.unreadable = {2};
   result.best[5] = Match{5, 0, 7, 0, 5};  // anchors 7 and 9: ignored
   const BestMatchCounts best = count_recognitions(result, truth).best_match;
   CHECK(best.queries == 5);
@@ -101,7 +101,7 @@ TEST_CASE("a window without a match of an approximate method is incorrect") {
 
 TEST_CASE("a place before the first training anchor cannot be found, and is counted separately") {
   Result result = example();
-  result.targets.push_back({"short", 2, 0, true, 0.5, ThresholdScale::relative, 10, 100});
+  result.targets.push_back({{"short", 2}, 0, true, 0.5, ThresholdScale::relative, 10, 100});
   GroundTruth truth;
   truth.pairs.resize(10);
   // No window ends before frame 2, and none in the short sequence.

@@ -80,9 +80,9 @@ TEST_CASE("the closest hit of a window is its fix, at the anchor") {
   SequenceQuerySettings settings;
   settings.window_length = 3;
   result.settings = settings;
-  result.query_frames = 6;
+  result.query.frames = 6;
   result.query_windows = 4;
-  result.targets = {{"ref", 6, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.targets = {{{"ref", 6}, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
   result.hits = {
       {0, 0, 0, 0, 9}, {0, 0, 3, 0, 8}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 5}, {3, 0, 3, 0, 1}};
   GroundTruth truth;
@@ -112,17 +112,16 @@ TEST_CASE("best matches are fixes up to the threshold, inclusive") {
 TEST_CASE("distances traveled are sums of straight lines") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y,heading\n1,3,4,0\n0,0,0,0\n2,3,5.5,90\n");
-  CHECK(read_traveled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6.5});
+  CHECK(read_traveled(folder / "p.csv", {"", 3}, {}) == std::vector<double>{0, 5, 6.5});
   test::write_text(folder / "all.csv", "# a recording\nframe,x,y\n5,3,+4\n3,0,0\n9,1,1\n");
-  CHECK(read_traveled(folder / "all.csv@3:6:2", 2, {}) == std::vector<double>{0, 5});
+  CHECK(read_traveled(folder / "all.csv@3:6:2", {"", 2}, {}) == std::vector<double>{0, 5});
 }
 
 TEST_CASE("distances of a resampled query follow its frames") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n");
   const auto way = [&](const std::string& warp) {
-    const Replay shown = replay(warp, 3, 1);
-    return read_traveled(folder / "p.csv", shown.frames(), {}, shown);
+    return read_traveled(folder / "p.csv", selected(Sequence{"", 3}, warped(warp, 3, 1)), {});
   };
   CHECK(way("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
   CHECK(way("reversed") == std::vector<double>{0, 1, 6});
@@ -134,7 +133,7 @@ TEST_CASE("a missing pose of a frame causes one warning and no meters") {
   std::vector<std::string> warnings;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
-  CHECK(read_traveled(folder / "p.csv", 4, monitor).empty());
+  CHECK(read_traveled(folder / "p.csv", {"", 4}, monitor).empty());
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("no pose for 2 of 4 frames (the first is frame 1)") != std::string::npos);
 }
@@ -146,5 +145,5 @@ TEST_CASE("damaged positions are refused") {
                                    "frame,x,y\n0,0,0\n1,1\n", "frame,x,y\n0,0,0\n1,nan,1\n",
                                    "frame,x,y\n0,0,0\n-1,1,1\n", "frame,x,y\n0,0,0\n1,inf,1\n");
   test::write_text(folder / "p.csv", csv);
-  CHECK(test::error_kind([&] { read_traveled(folder / "p.csv", 2, {}); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_traveled(folder / "p.csv", {"", 2}, {}); }) == ErrorKind::data);
 }

@@ -188,8 +188,8 @@ TEST_CASE("windows of a matrix are evaluated at their anchors") {
   const test::TemporaryFolder folder;
   const ScoreMatrix matrix(write_matrix<double>(folder, {1, 2, 3, 4, 5, 6}, 2, 3), {});
   const ScoreLayout layout = layout_of(matrix, 4);
-  CHECK(layout.scope.query_frames == 5);
-  CHECK(layout.scope.sequences[0].frames == 6);
+  CHECK(layout.scope.query.frames == 5);
+  CHECK(layout.scope.sequences[0].sequence.frames == 6);
   const GroundTruth truth = truth_of(5, {{3, 3, 0}, {4, 5, 0}, {4, 1, 0}});
   const MatrixScan found = scan_matrix(matrix, truth, layout, {});
   CHECK(found.outcomes.queries[0].frame == 3);
@@ -204,7 +204,7 @@ TEST_CASE("the labels of a row equal those of single pairs") {
   RandomEngine engine(4);
   const ScoreMatrix matrix(write_matrix<float>(folder, std::vector<float>(8 * 24), 8, 24), {});
   ScoreLayout layout = layout_of(matrix, 3);
-  layout.scope.sequences = {{"a", 12, true}, {"b", 9, false}, {"c", 16, true}};
+  layout.scope.sequences = {{{"a", 12}, true}, {{"b", 9}, false}, {{"c", 16}, true}};
   layout.columns = {{0, 0, 10}, {2, 10, 14}};
   for (int round = 0; round < 50; ++round) {
     GroundTruth truth;

@@ -17,16 +17,16 @@ Result random_result(RandomEngine& engine) {
   SequenceQuerySettings settings;
   settings.window_length = 3;
   result.settings = settings;
-  result.query_frames = 10;
+  result.query.frames = 10;
   result.query_windows = 8;
-  result.targets = {{"ref", 12, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.targets = {{{"ref", 12}, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
   for (uint32_t window = 0; window < 8; ++window) {
     const bool found = uniform_below(engine, 5) != 0;
     result.best.push_back(found
                               ? std::optional(Match{window, 0, uint32_t(uniform_below(engine, 10)),
                                                     0, double(uniform_below(engine, 50))})
                               : std::nullopt);
-    if (!found && uniform_below(engine, 2) == 0) result.query_unreadable = {window};
+    if (!found && uniform_below(engine, 2) == 0) result.query.unreadable = {window};
   }
   return result;
 }
@@ -69,10 +69,10 @@ TEST_CASE("best matches have no ranks after the first") {
 TEST_CASE("a probability is a similarity, and a frame without words is incorrect") {
   Result result;
   result.settings = FabmapQuerySettings{};
-  result.query_frames = result.query_windows = 3;
+  result.query.frames = result.query_windows = 3;
   result.places = ResultPlaces{{"a", "b"}, 2, 0, {}};
   result.targets.resize(1);
-  result.targets[0].frames = 2;
+  result.targets[0].sequence.frames = 2;
   result.best = {Match{0, 0, 0, 0, 0.4}, std::nullopt, Match{2, 0, 1, 1, 0.9}};
   GroundTruth truth;
   truth.pairs = {
@@ -93,9 +93,9 @@ TEST_CASE("matches can be accepted by margin, and those without one never are") 
   SequenceQuerySettings settings;
   settings.window_length = 2;
   result.settings = settings;
-  result.query_frames = 5;
+  result.query.frames = 5;
   result.query_windows = 4;
-  result.targets = {{"ref", 9, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.targets = {{{"ref", 9}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
   result.best = {Match{0, 0, 0, 0, 40}, Match{1, 0, 1, 0, 10}, Match{2, 0, 7, 0, 5},
                  Match{3, 0, 3, 0, 50}};
   result.margins = {30, 20, 4, std::nullopt};  // sums over two frames

@@ -35,7 +35,7 @@ void query_sequences(const std::filesystem::path& folder) {
   DescriptorSet query;
   query.descriptors.kind = database.descriptors.kind;
   query.descriptors.append(rows.first(std::min(kQueryFrames, rows.size())));
-  query.frames.names.resize(query.rows().size());
+  query.sequence.frames = query.rows().size();
   QueryResources resources;
   resources.kernels = select_kernels();
   ensure_statistics(database, {});
@@ -53,8 +53,8 @@ void query_places(const std::filesystem::path& folder) {
   const FabmapDatabase database = read_fabmap_database(folder);
   SequenceWords query;
   for (size_t v = 0; v < std::min(kQueryFrames, database.views.views()); ++v)
-    query.frames.emplace_back(database.views.view(v).begin(), database.views.view(v).end());
-  query.names.resize(query.frames.size());
+    query.words.emplace_back(database.views.view(v).begin(), database.views.view(v).end());
+  query.sequence.frames = query.words.size();
   query_fabmap(database, query, "q", {}, 1, [](size_t, std::span<const double>) {}, {});
 }
 

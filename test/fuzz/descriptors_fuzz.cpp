@@ -6,7 +6,7 @@
 
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);
-  const Sequence sequence{{path, {}}, SequenceKind::descriptors, {path}};
+  const SequenceSource sequence{{path, {}}, SequenceKind::descriptors, {path}};
   for (const std::string_view kind :
        {kBitKind, kNarrowVectorKind, kVectorKind, kPointKind, kDirectionKind}) {
     DescriptorSet set;
@@ -18,9 +18,9 @@ void vpr::fuzz::run(std::string_view input) {
       continue;
     const DescriptorSpan span = set.span();
     const FrameDistances distances = frame_distances({&span, 1}, span);
-    std::vector<uint16_t> row(set.frames.count() + kStretchFrames);
+    std::vector<uint16_t> row(set.sequence.frames + kStretchFrames);
     const uint32_t query = 0;
-    distances.tile({&query, 1}, 0, set.frames.count(), row.data(), 0);
-    for (size_t i = 0; i < set.frames.count(); ++i) require(row[i] <= distances.largest);
+    distances.tile({&query, 1}, 0, set.sequence.frames, row.data(), 0);
+    for (size_t i = 0; i < set.sequence.frames; ++i) require(row[i] <= distances.largest);
   }
 }

@@ -15,13 +15,13 @@ extern const char* const kFuzzedFormat;
 namespace {
 
 void require_sound(const InspectedGroundTruth& found) {
-  require(found.truth.pairs.size() == found.scope.query_frames);
+  require(found.truth.pairs.size() == found.scope.query.frames);
   for (size_t query = 0; query < found.truth.pairs.size(); ++query) {
     const auto& pairs = found.truth.pairs[query];
     for (size_t i = 0; i < pairs.size(); ++i) {
       require(pairs[i].sequence < found.scope.sequences.size());
       require(pairs[i].first + size_t{pairs[i].further} <
-              found.scope.sequences[pairs[i].sequence].frames);
+              found.scope.sequences[pairs[i].sequence].sequence.frames);
       if (i > 0 && pairs[i].sequence == pairs[i - 1].sequence)
         require(pairs[i - 1].last() < pairs[i].first);
     }
@@ -33,8 +33,8 @@ void require_sound(const InspectedGroundTruth& found) {
 void read(const GroundTruthArgument& argument, size_t query_frames, size_t train_frames) {
   fuzz::refuses([&] {
     const InspectedGroundTruth found =
-        inspect_ground_truth(argument, {query_frames, {{"", train_frames}}});
-    if (found.truth.pairs.size() < 1000 && found.scope.sequences[0].frames < 1000)
+        inspect_ground_truth(argument, {{"", query_frames}, {{{"", train_frames}}}});
+    if (found.truth.pairs.size() < 1000 && found.scope.sequences[0].sequence.frames < 1000)
       require_sound(found);
   });
 }

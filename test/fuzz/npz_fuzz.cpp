@@ -34,7 +34,7 @@ void read_matrix(const std::filesystem::path& path) {
   GroundTruthArgument argument;
   argument.format = "matrix";
   argument.path = path;
-  inspect_ground_truth(argument, {kUnknownFrames, {{"", kUnknownFrames}}});
+  inspect_ground_truth(argument, {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ void seal(std::vector<fuzz::Part>& parts) {
 }
 
 void report(const Result& result) {
-  size_t frames = result.query_frames;
-  for (const auto& sequence : result.targets) frames += sequence.frames;
+  size_t frames = result.query.frames;
+  for (const auto& sequence : result.targets) frames += sequence.sequence.frames;
   if (frames > kMaxFrames) return;
   const JudgedBy by{GroundTruthArgument{"aligned", {}, 1}, {}, {}};
   report_json(report_of(evaluate_result(result, {}, by, {}), {}));

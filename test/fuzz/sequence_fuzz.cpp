@@ -2,8 +2,7 @@
 #include "base/npy.h"
 #include "base/text.h"
 #include "fuzz.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 
 using namespace vpr;
 

@@ -58,7 +58,7 @@ std::vector<std::string> frame_names(const Walk& walk) {
 SequenceDatabase make_database() {
   SequenceDatabase database;
   for (const Walk& walk : kTrain) {
-    database.sequences.push_back({walk.name, frame_names(walk), {}});
+    database.sequences.push_back({{walk.name, walk.frames, frame_names(walk)}});
     const std::vector<LdbCode> codes = describe(walk);
     database.descriptors.append(codes);
   }
@@ -69,7 +69,7 @@ SequenceDatabase make_database() {
 DescriptorSet make_query() {
   std::vector<LdbCode> codes = describe(kQuery);
   codes[kUnreadable] = {};
-  return ldb_set(codes, {frame_names(kQuery), {kUnreadable}});
+  return ldb_set(codes, {"", codes.size(), frame_names(kQuery), {kUnreadable}});
 }
 
 // One entry per query window, with its row of distances or biased scores.
@@ -129,7 +129,7 @@ FabmapDatabase make_fabmap_database(const Vocabulary& vocabulary) {
   database.tree = train_chow_liu(pretrain, static_cast<size_t>(vocabulary.words.rows), {});
   for (const WordSet& frame : pretrain) database.pretrain.add(frame);
   for (const Walk& walk : kTrain)
-    add_group(database, {walk.name, false, frame_names(walk)}, words_of(walk, vocabulary));
+    add_group(database, {{walk.name, walk.frames, frame_names(walk)}}, words_of(walk, vocabulary));
   index_views(database);
   return database;
 }
@@ -146,12 +146,13 @@ std::vector<FrameChecksum> posteriors(const FabmapDatabase& database, const Sequ
   FabmapQuerySettings settings;
   settings.variant = variant;
   std::vector<FrameChecksum> lines;
-  query_fabmap(database, query, "back", settings, 1,
-               [&](size_t frame, std::span<const double> posterior) {
-                 if (!posterior.empty())
-                   lines.push_back({query.names[frame], posterior_checksum(posterior)});
-               },
-               {});
+  query_fabmap(
+      database, query, "back", settings, 1,
+      [&](size_t frame, std::span<const double> posterior) {
+        if (!posterior.empty())
+          lines.push_back({query.sequence.frame_names[frame], posterior_checksum(posterior)});
+      },
+      {});
   return lines;
 }
 
@@ -201,7 +202,8 @@ TEST_CASE("FAB-MAP's words and posteriors equal the golden files") {
         lines.push_back({frame_names(walk)[frame], short_checksum(words[frame])});
     }
     check_golden("words", "Frame: the ids of its words.", lines);
-    const SequenceWords query{words_of(kQuery, vocabulary), frame_names(kQuery), {kUnreadable}};
+    const SequenceWords query{{"", kQuery.frames, frame_names(kQuery), {kUnreadable}},
+                              words_of(kQuery, vocabulary)};
     for (const FabmapVariant& variant : fabmap_variants()) {
       INFO(variant.name);
       check_golden(fmt::format("posteriors-{}", variant.name),

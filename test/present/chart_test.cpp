@@ -19,7 +19,7 @@ using test::svg_of;
 
 TEST_CASE("a heat map has a cell for every setting, darker for more hits") {
   Sweep sweep;
-  sweep.query_name = "walk";
+  sweep.query.name = "walk";
   for (const double threshold : {0.4, 0.5}) {
     CellCounts cell;
     cell.window = 10;

@@ -28,11 +28,11 @@ Judgement walk(const std::string& letters) {
   Judgement judgement;
   ScoreLayout& layout = judgement.layout;
   layout.window_length = 3;
-  layout.scope = {letters.size() + 2, {{"monday", 30, true}, {"friday", 20, true}}};
+  layout.scope = {{"", letters.size() + 2}, {{{"monday", 30}, true}, {{"friday", 20}, true}}};
   layout.columns = {{0, 0, 28}, {1, 28, 18}};
-  judgement.fixes.assign(layout.scope.query_frames, Fix::none);
+  judgement.fixes.assign(layout.scope.query.frames, Fix::none);
   judgement.outcomes.window_length = 3;
-  judgement.outcomes.query_frames = layout.scope.query_frames;
+  judgement.outcomes.query_frames = layout.scope.query.frames;
   for (size_t q = 0; q < letters.size(); ++q) {
     const bool is_right = letters[q] == 'r' || letters[q] == 'R';
     QueryOutcome query;
@@ -50,16 +50,16 @@ Judgement walk(const std::string& letters) {
 
 GroundTruth aligned(const Judgement& judgement) {
   GroundTruth truth;
-  for (uint32_t frame = 0; frame < judgement.layout.scope.query_frames; ++frame)
+  for (uint32_t frame = 0; frame < judgement.layout.scope.query.frames; ++frame)
     truth.pairs.push_back({{0, frame}});
   return truth;
 }
 
 Report report_of(const Judgement& judgement, const GroundTruth& truth) {
   Evaluation evaluation;
-  evaluation.query_name = "it's";
   evaluation.truth = truth;
   evaluation.judgement = judgement;
+  evaluation.judgement.layout.scope.query.name = "it's";
   evaluation.scores = {"mine", {}, 3, {}};
   return report_of(evaluation, {});
 }
@@ -201,7 +201,7 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
 
 TEST_CASE("a pixel shows the closest of its cells, for any partition of rows") {
   ScoreLayout layout;
-  layout.scope = {6, {{"a", 4, true}, {"b", 5, true}}};
+  layout.scope = {{"", 6}, {{{"a", 4}, true}, {{"b", 5}, true}}};
   layout.columns = {{0, 0, 4}, {1, 4, 5}};
   RowPixels pixels(layout, 3);  // pixels of 3 x 3 cells
   REQUIRE(pixels.grid().cells == 3);
@@ -220,7 +220,7 @@ TEST_CASE("a pixel shows the closest of its cells, for any partition of rows") {
 
 TEST_CASE("the chart of correct against incorrect starts at zero and names thresholds") {
   Sweep sweep;
-  sweep.query_name = "walk";
+  sweep.query.name = "walk";
   for (const double threshold : {0.4, 0.5, 0.6}) {
     CellCounts cell;
     cell.window = 10;

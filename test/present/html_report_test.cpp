@@ -13,7 +13,7 @@
 #include "present/gallery.h"
 #include "present/html_page.h"
 #include "present/score_matrix.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "support.h"
 
 using namespace vpr;
@@ -25,9 +25,9 @@ Judgement example(const std::string& letters, size_t window_length = 1) {
   Judgement judgement;
   ScoreLayout& layout = judgement.layout;
   layout.window_length = window_length;
-  layout.scope = {letters.size() + window_length - 1, {{"ref", 40, true}}};
+  layout.scope = {{"", letters.size() + window_length - 1}, {{{"ref", 40}, true}}};
   layout.columns = {{0, 0, 40 - window_length + 1}};
-  judgement.outcomes.query_frames = layout.scope.query_frames;
+  judgement.outcomes.query_frames = layout.scope.query.frames;
   judgement.outcomes.window_length = window_length;
   for (size_t q = 0; q < letters.size(); ++q) {
     const size_t frame = layout.anchor(q);
@@ -40,7 +40,7 @@ Judgement example(const std::string& letters, size_t window_length = 1) {
                                           false,
                                           {}});
   }
-  judgement.fixes.assign(layout.scope.query_frames, Fix::none);
+  judgement.fixes.assign(layout.scope.query.frames, Fix::none);
   judgement.single_best = single_best_curve(judgement.outcomes);
   return judgement;
 }
@@ -52,9 +52,9 @@ GroundTruth example_truth(const Judgement& judgement) {
 Evaluation evaluation_of(const Judgement& judgement, const GroundTruth& truth,
                          const std::string& method = "mine", const std::string& query = "walk") {
   Evaluation evaluation;
-  evaluation.query_name = query;
   evaluation.truth = truth;
   evaluation.judgement = judgement;
+  evaluation.judgement.layout.scope.query.name = query;
   evaluation.scores = {method, {}, judgement.layout.window_length, {}};
   return evaluation;
 }
@@ -124,7 +124,7 @@ TEST_CASE("thumbnails are small, and unreadable frames are gaps") {
   const test::TemporaryFolder folder;
   test::write_image(folder / "1.png", 1, 400, 300);
   test::write_text(folder / "2.png", "no image");
-  const Sequence sequence = open_sequence({folder.path(), {}});
+  const SequenceSource sequence = open_sequence({folder.path(), {}});
   const auto found = make_thumbnails(sequence, {0, 1, 9}, 100, {});
   REQUIRE(found.size() == 2);
   CHECK(found.at(0).name == "1.png");
@@ -153,7 +153,7 @@ TEST_CASE("a report is written again as it was read") {
   judgement.fixes[3] = Fix::unjudged;
   judgement.localisation = localise(judgement.fixes, {});
   Evaluation evaluation = evaluation_of(judgement, example_truth(judgement));
-  evaluation.scores.replay = replay("varying", 7, 3);
+  evaluation.scores.query.selection = warped("varying", 7, 3);
   evaluation.name = "mine";
   const Json json = report_json(report_of(evaluation, {}));
   CHECK(json["confidence"] == "margin");
@@ -167,11 +167,11 @@ TEST_CASE("a page has no external references, even with hostile names") {
   for (int i = 0; i < 6; ++i)
     test::write_image(folder / (std::to_string(i) + hostile), uint64_t(i));
   Judgement judgement = example("cwcwcw");
-  judgement.layout.scope.sequences[0] = {"</script><script>alert(2)</script>", 6, true};
+  judgement.layout.scope.sequences[0] = {{"</script><script>alert(2)</script>", 6}, true};
   judgement.layout.columns = {{0, 0, 6}};
   const GroundTruth truth = example_truth(judgement);
   const Evaluation evaluation = evaluation_of(judgement, truth, "<b>method</b>", "<i>query</i>");
-  const Sequence sequence = open_sequence({folder.path(), {}});
+  const SequenceSource sequence = open_sequence({folder.path(), {}});
   const std::string page = html_report(evaluation, report_of(evaluation, {}), {}, "<s>all</s>",
                                        {sequence, {sequence}}, {});
   CHECK(page.find("<s>all") == std::string::npos);
@@ -227,7 +227,8 @@ TEST_CASE("a page begins with its summary and states the protocol once") {
 TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
   Judgement judgement = example("cccccccc", 20);
   ScoreLayout& layout = judgement.layout;
-  layout.scope.sequences = {{"monday", 111, true}, {"unused", 50, false}, {"<tuesday>", 41, true}};
+  layout.scope.sequences = {
+      {{"monday", 111}, true}, {{"unused", 50}, false}, {{"<tuesday>", 41}, true}};
   layout.columns = {{0, 0, 92}, {2, 92, 22}};
   const std::string page = page_of(judgement, example_truth(example("cccccccc", 20)));
   const std::string timeline =
@@ -246,7 +247,7 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
 TEST_CASE("the cost of a page depends on its content, not on the claimed number of frames") {
   Judgement judgement = example("cwcwcwcw", 3);
   constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
-  judgement.layout.scope.sequences[0].frames = kClaimed;
+  judgement.layout.scope.sequences[0].sequence.frames = kClaimed;
   judgement.layout.columns = {{0, 0, kClaimed - 2}};
   const std::string page = page_of(judgement, example_truth(judgement));
   CHECK(count_of(page, "2000000000</text>") == 2);  // on the axes of timeline and matrix
@@ -300,11 +301,12 @@ TEST_CASE("a page of thinned sequences has the recordings' frames for saved labe
   Judgement judgement = example("cwcwcw");
   const GroundTruth truth = example_truth(judgement);
   CHECK(page_of(judgement, truth).find("\"query_sources\"") == std::string::npos);
-  Replay kept;
+  Selection kept;
   kept.recorded_frames = 20;
-  kept.fps = 5;
+  kept.thinned_fps = 5;
   kept.sources = {0, 3, 7, 9, 12, 19};
-  judgement.layout.scope.replay = judgement.layout.scope.sequences[0].kept = kept;
+  judgement.layout.scope.query.selection = kept;
+  judgement.layout.scope.sequences[0].sequence.selection = kept;
   const std::string page = page_of(judgement, truth);
   CHECK(page.find("\"query_sources\":[0,3,7,9,12,19]") != std::string::npos);
   CHECK(page.find("\"train_sources\":[[0,3,7,9,12,19]]") != std::string::npos);

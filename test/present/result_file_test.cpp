@@ -25,7 +25,7 @@ TEST_CASE("a result can be read back after writing") {
   CHECK(result.hits == expected.hits);
   CHECK(result.best == expected.best);
   CHECK(result.clusters->all == expected.clusters->all);
-  CHECK(result.query_unreadable == expected.query_unreadable);
+  CHECK(result.query.unreadable == expected.query.unreadable);
   CHECK(result.targets[0].max_distance == 30);
   CHECK_FALSE(result.targets[1].searched);
   CHECK(test::list_folder(folder.path()) ==
@@ -36,20 +36,20 @@ TEST_CASE("a result can be read back after writing") {
 TEST_CASE("a resampled query stores its selection, and an invalid one is refused") {
   const test::TemporaryFolder folder;
   Result expected = example_result();
-  expected.replay = Replay{"varying", 7, 9, {0, 0, 4, 8, 8}};
+  expected.query.selection = Selection{"varying", 7, 9, {0, 0, 4, 8, 8}};
   const Json json = write(folder / "r.json", expected, Existing::refuse);
   CHECK(json["query"]["warp"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
   const Result result = read_result(folder / "r.json").result;
-  REQUIRE(result.replay);
-  CHECK(result.replay->warp == "varying");
-  CHECK(result.replay->seed == 7);
-  CHECK(result.replay->recorded_frames == 9);
-  CHECK(result.replay->sources == expected.replay->sources);
-  for (const Replay& broken :
-       {Replay{"2", 1, 8, {0, 0, 4, 8, 8}}, Replay{"2", 1, 9, {0, 0, 4, 8}},
-        Replay{"2", 1, 9, {0, 0, 4, 8, 8, 8}}, Replay{"2", 1, 51, {0, 0, 4, 8, 8}}}) {
+  REQUIRE_FALSE(result.query.selection.is_all());
+  CHECK(result.query.selection.warp == "varying");
+  CHECK(result.query.selection.seed == 7);
+  CHECK(result.query.selection.recorded_frames == 9);
+  CHECK(result.query.selection.sources == expected.query.selection.sources);
+  for (const Selection& broken :
+       {Selection{"2", 1, 8, {0, 0, 4, 8, 8}}, Selection{"2", 1, 9, {0, 0, 4, 8}},
+        Selection{"2", 1, 9, {0, 0, 4, 8, 8, 8}}, Selection{"2", 1, 51, {0, 0, 4, 8, 8}}}) {
     Result other = example_result();
-    other.replay = broken;
+    other.query.selection = broken;
     write(folder / "r.json", other, Existing::replace);
     CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
   }
@@ -108,7 +108,7 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   settings.score = Score::standardized;
   settings.distance_threshold = -1.5;
   settings.threshold_scale = ThresholdScale::mean_z;
-  scored.targets[0] = {"a", 6, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
+  scored.targets[0] = {{"a", 6}, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
   scored.hits = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
   scored.best = {scored.hits[0], scored.hits[1], Match{2, 0, 0, 0, 17}, std::nullopt};
   scored.clusters->all[0].best_score = -4000;

@@ -21,7 +21,7 @@ CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts hits, Label
 
 Sweep example() {
   Sweep sweep;
-  sweep.query_name = "a walk, \"quoted\"";
+  sweep.query.name = "a walk, \"quoted\"";
   sweep.cells = {cell(5, 0.3, {4, 0, 0}, {1, 0, 0}, 0), cell(5, 0.4, {6, 0, 1}, {1, 0, 0}, 0),
                  cell(5, 0.5, {24, 8, 2}, {2, 0, 1}, 1)};
   sweep.recommendation = recommend(sweep.cells, ScoreOrder::distance);
@@ -42,7 +42,7 @@ TEST_CASE("a sweep as CSV has one row per cell, with hits and places") {
 
 TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
   Sweep sweep;
-  sweep.query_name = "q";
+  sweep.query.name = "q";
   CellCounts fabmap{3, 0.9, {}, {}};
   sweep.score = &probability_kind();
   fabmap.counts.hits = {5, 1, 0};

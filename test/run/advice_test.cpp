@@ -25,7 +25,7 @@ Result planned_result(std::optional<double> threshold) {
   result.settings = settings;
   result.query_windows = 20;
   Target& sequence = result.targets.emplace_back();
-  sequence.name = "walk";
+  sequence.sequence.name = "walk";
   sequence.windows = 10;
   sequence.threshold = threshold;
   for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Match{j, 0, 3, 0, 100 + 10.0 * j});

@@ -17,11 +17,11 @@ Result example() {
   SequenceQuerySettings settings;
   settings.window_length = 1;
   result.settings = settings;
-  result.query_name = "walk";
-  result.query_frames = result.query_windows = 4;
+  result.query.name = "walk";
+  result.query.frames = result.query_windows = 4;
   Target& target = result.targets.emplace_back();
-  target.name = "ref";
-  target.frames = target.windows = 4;
+  target.sequence = {"ref", 4};
+  target.windows = 4;
   result.hits = {{0, 0, 0, 0, 5}, {1, 0, 1, 0, 6}, {2, 0, 0, 0, 7}};
   for (const Match& hit : result.hits) result.best.emplace_back(hit);
   result.best.emplace_back();
@@ -39,7 +39,7 @@ std::vector<uint64_t> numbers(const LabelCounts& counts) {
 
 TEST_CASE("a result is evaluated and counted by one ground truth") {
   const Evaluation found = evaluate_result(example(), {}, kAligned, {});
-  CHECK(found.query_name == "walk");
+  CHECK(found.query().name == "walk");
   CHECK(found.truth.is_known);
   CHECK_FALSE(found.matrix);
   REQUIRE(found.result);
@@ -95,9 +95,10 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
   file.commit();
   ScoreSettings settings;
   settings.threshold = 7;
+  settings.query.name = "theirs";
   const auto matrix = [&] { return ScoreMatrix(folder / "s.npy", settings.format); };
-  const Evaluation alone = evaluate_scores(matrix(), settings, "theirs", kAligned, {});
-  CHECK(alone.query_name == "theirs");
+  const Evaluation alone = evaluate_scores(matrix(), settings, kAligned, {});
+  CHECK(alone.query().name == "theirs");
   CHECK_FALSE(alone.result);
   CHECK(alone.fingerprint == matrix().fingerprint({}));
   CHECK(alone.judgement.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});

@@ -31,8 +31,7 @@ FabmapDatabase make_database(size_t words, size_t views, const std::vector<size_
   std::vector<WordSet> frames;
   for (size_t v = 0; v < views; ++v) frames.push_back(random_words(words, 3, engine));
   for (const size_t v : unreadable) frames[v].clear();
-  ViewGroup group{"walk", false, std::vector<std::string>(views), unreadable};
-  add_group(database, group, frames);
+  add_group(database, {{"walk", views, {}, unreadable}}, frames);
   index_views(database);
   return database;
 }
@@ -47,7 +46,7 @@ FabmapDatabase without_unreadable(const FabmapDatabase& database) {
   for (size_t v = 0; v < database.views.views(); ++v)
     if (std::find(unreadable.begin(), unreadable.end(), v) == unreadable.end())
       frames.emplace_back(database.views.view(v).begin(), database.views.view(v).end());
-  add_group(fewer, {"walk", false, std::vector<std::string>(frames.size())}, frames);
+  add_group(fewer, {{"walk", frames.size()}}, frames);
   index_views(fewer);
   return fewer;
 }
@@ -82,7 +81,7 @@ TEST_CASE("undecodable views do not change the likelihoods of other views, for a
 
 TEST_CASE("frames without words are counted separately from undecodable ones") {
   FabmapDatabase database = make_database(50, 4, {1}, 1);
-  add_group(database, {"more", false, {"a", "b", "c"}, {2, 2}}, std::vector<WordSet>{{}, {3}, {}});
+  add_group(database, {{"more", 3, {"a", "b", "c"}, {2, 2}}}, std::vector<WordSet>{{}, {3}, {}});
   CHECK(featureless_frames(database) == std::vector<size_t>{0, 1});
 }
 
@@ -90,10 +89,9 @@ TEST_CASE("a resampled FAB-MAP query repeats the words of the recording") {
   const FabmapDatabase database = make_database(100, 12, {}, 3);
   RandomEngine engine(5);
   SequenceWords recording;
-  for (int f = 0; f < 45; ++f) recording.frames.push_back(random_words(100, 3, engine));
-  recording.names.resize(45);
-  recording.frames[9].clear();
-  recording.unreadable = {9};
+  recording.sequence = {"q", 45, std::vector<std::string>(45), {9}};
+  for (int f = 0; f < 45; ++f) recording.words.push_back(random_words(100, 3, engine));
+  recording.words[9].clear();
   FabmapQuerySettings settings;
   settings.posterior.motion_model = false;  // so that a frame does not depend on earlier ones
   const auto best_of = [&](const SequenceWords& words) {
@@ -102,15 +100,15 @@ TEST_CASE("a resampled FAB-MAP query repeats the words of the recording") {
   const Result plain = best_of(recording);
   for (const WarpRule& rule : warp_rules()) {
     INFO(rule.name);
-    const Result result = best_of(replayed(recording, std::string(rule.name), 2));
-    REQUIRE(result.replay);
-    REQUIRE(result.best.size() == result.replay->frames());
+    const Result result = best_of(selected(recording, warped(std::string(rule.name), 45, 2)));
+    REQUIRE_FALSE(result.query.selection.is_all());
+    REQUIRE(result.best.size() == result.query.selection.frames());
     for (size_t k = 0; k < result.best.size(); ++k) {
-      const auto& expected = plain.best[result.replay->sources[k]];
+      const auto& expected = plain.best[result.query.selection.sources[k]];
       REQUIRE(result.best[k].has_value() == expected.has_value());
       if (expected) CHECK(result.best[k]->train == expected->train);
     }
   }
   settings.loop = true;
-  CHECK_THROWS_WITH(best_of(replayed(recording, "2", 1)), Catch::Contains("--loop"));
+  CHECK_THROWS_WITH(best_of(selected(recording, warped("2", 45, 1))), Catch::Contains("--loop"));
 }

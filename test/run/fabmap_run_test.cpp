@@ -18,8 +18,8 @@ namespace {
 FabmapDatabase two_words() {
   FabmapDatabase database;
   database.tree = {{0, 1}, {0.5, 0.5}, {0.5, 0.5}, {0.5, 0.5}};
-  add_group(database, {"lift", true, {"a.jpg", "b.jpg"}}, std::vector<WordSet>{{0}, {1}});
-  add_group(database, {"walk", false, {""}}, std::vector<WordSet>{{0, 1}});
+  add_group(database, {{"lift", 2, {"a.jpg", "b.jpg"}}, true}, std::vector<WordSet>{{0}, {1}});
+  add_group(database, {{"walk", 1, {""}}}, std::vector<WordSet>{{0, 1}});
   index_views(database);
   return database;
 }
@@ -48,7 +48,7 @@ double share(const std::array<double, 4>& likelihoods, size_t which) {
 }
 
 /// Frame 2 cannot be decoded, frame 5 shows no word.
-SequenceWords query_words() { return {{{0}, {0}, {}, {0}, {1}, {}, {0}}, {}, {2}}; }
+SequenceWords query_words() { return {{"q", 7, {}, {2}}, {{0}, {0}, {}, {0}, {1}, {}, {0}}}; }
 
 Result run(const FabmapDatabase& database, const FabmapQuerySettings& settings,
            const PosteriorObserver& observe = {}) {
@@ -84,14 +84,14 @@ TEST_CASE("posteriors of FAB-MAP equal values computed by hand, for every varian
 
 TEST_CASE("a FAB-MAP result holds places, best views and the probability of a new place") {
   const Result result = run(two_words(), by_hand());
-  CHECK(result.query_frames == 7);
-  CHECK(result.query_unreadable == std::vector<size_t>{2});
+  CHECK(result.query.frames == 7);
+  CHECK(result.query.unreadable == std::vector<size_t>{2});
   REQUIRE(result.places);
   CHECK(result.places->names == std::vector<std::string>{"lift", "walk#0"});
   CHECK(result.places->views == 3);
   CHECK(result.places->featureless == 1);
   REQUIRE(result.targets.size() == 1);
-  CHECK(result.targets[0].frames == 2);
+  CHECK(result.targets[0].sequence.frames == 2);
   REQUIRE(result.best.size() == 7);
   REQUIRE(result.best[0]);
   CHECK(result.best[0]->train == 0);

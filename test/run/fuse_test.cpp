@@ -29,14 +29,14 @@ struct Walks {
     const std::vector<std::vector<LdbCode>> train = {
         test::walk_codes(60, 1), test::walk_codes(70, 2), test::walk_codes(30, 5)};
     database = test::make_database(train);
-    database.sequences[0].unreadable = {31, 32};
+    database.sequences[0].sequence.unreadable = {31, 32};
     ensure_statistics(database, {});
     fuse_views(database, test::make_fabmap(database), "f");
     std::vector<LdbCode> codes = test::walk_codes(12, 3);
     codes.insert(codes.end(), train[0].begin() + 5, train[0].begin() + 25);
     codes.insert(codes.end(), train[1].begin() + 40, train[1].begin() + 65);
     query = test::make_query(codes);
-    query.frames.unreadable = {20};
+    query.sequence.unreadable = {20};
     for (const LdbCode& code : codes) query.words.push_back(test::words_of(code));
     query.words[20].clear();
     query.words[3].clear();
@@ -162,8 +162,7 @@ TEST_CASE("words decide between frames that look alike") {
   for (const LdbCode& code : test::walk_codes(40, 9, 300)) words.push_back(test::words_of(code));
   fabmap.views = {};
   fabmap.groups.clear();
-  const TrainSequence& sequence = walks.database.sequences.front();
-  add_group(fabmap, {sequence.name, false, sequence.frame_names}, words);
+  add_group(fabmap, {walks.database.sequences.front().sequence}, words);
   fabmap.tree = train_chow_liu(words, 40, {});
   index_views(fabmap);
   fuse_views(walks.database, std::move(fabmap), "f");
@@ -182,20 +181,25 @@ TEST_CASE("databases of other sequences are refused for fusion") {
     return test::error_kind([&] { fuse_views(walks.database, std::move(fabmap), "f"); });
   };
   CHECK_FALSE(refused([](FabmapDatabase&) {}));
-  CHECK(refused([](FabmapDatabase& f) { f.groups[1].name = "other"; }) == ErrorKind::data);
-  CHECK(refused([](FabmapDatabase& f) { f.groups[1].frame_names[4] = "x"; }) == ErrorKind::data);
-  CHECK(refused([](FabmapDatabase& f) { f.groups[1].frame_names.pop_back(); }) == ErrorKind::data);
-  CHECK(refused([](FabmapDatabase& f) { f.groups[0].unreadable = {31}; }) == ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) { f.groups[1].sequence.name = "other"; }) == ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) { f.groups[1].sequence.frame_names[4] = "x"; }) ==
+        ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) {
+          --f.groups[1].sequence.frames;
+          f.groups[1].sequence.frame_names.pop_back();
+        }) == ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) { f.groups[0].sequence.unreadable = {31}; }) ==
+        ErrorKind::data);
   // There are groups with other names, and frames of a place are views as well.
   CHECK_FALSE(refused([](FabmapDatabase& f) {
     FabmapDatabase more;
     more.tree = f.tree;
     more.vocabulary = f.vocabulary;
-    add_group(more, {"elsewhere", false, {"0"}}, std::vector<WordSet>{{1, 2}});
+    add_group(more, {{"elsewhere", 1, {"0"}}}, std::vector<WordSet>{{1, 2}});
     size_t view = 0;
     for (ViewGroup group : f.groups) {
       std::vector<WordSet> words;
-      for (size_t i = 0; i < group.frame_names.size(); ++i, ++view)
+      for (size_t i = 0; i < group.sequence.frames; ++i, ++view)
         words.emplace_back(f.views.view(view).begin(), f.views.view(view).end());
       group.is_place = true;
       add_group(more, group, words);

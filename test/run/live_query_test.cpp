@@ -50,7 +50,7 @@ struct Walks {
       gaps.push_back(frame);
     }
     query = test::make_query(codes);
-    query.frames.unreadable = gaps;
+    query.sequence.unreadable = gaps;
   }
 
   std::vector<size_t> gaps;

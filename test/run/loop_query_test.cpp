@@ -153,7 +153,7 @@ TEST_CASE("a gap in seconds uses time stamps") {
 
 TEST_CASE("unreadable frames of a sequence match nothing and are not matched") {
   DescriptorSet walk = make_query(two_laps());
-  walk.frames.unreadable = {5, 40};
+  walk.sequence.unreadable = {5, 40};
   for (const Score score : {Score::raw, Score::standardized}) {
     SequenceQuerySettings settings = loop_settings(3, 12);
     settings.score = score;

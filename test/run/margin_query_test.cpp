@@ -160,7 +160,7 @@ TEST_CASE("without windows outside the exclusion zone there is no margin and no 
 TEST_CASE("unreadable frames have no margin") {
   const Walks walks;
   DescriptorSet query = make_query(walks.query);
-  query.frames.unreadable = {30};
+  query.sequence.unreadable = {30};
   const Result result =
       query_by(test::make_database(walks.train), query, by_margin(5, std::nullopt));
   for (size_t window = 0; window < result.margins.size(); ++window)

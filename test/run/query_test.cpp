@@ -342,13 +342,12 @@ TEST_CASE("windows with sums that exceed the file format are refused") {
   DescriptorKind vectors{"vectors", "", {ElementType::int8, 2}, nullptr};
   const std::vector<uint8_t> bytes(200, 1);
   SequenceDatabase database;
-  database.sequences = {{"a", std::vector<std::string>(100), {}}};
+  database.sequences = {{{"a", 100}}};
   database.descriptors.kind = &vectors;
   database.descriptors.owned = bytes;
   DescriptorSet query;
   query.descriptors.kind = &vectors;
   query.descriptors.owned = bytes;
-  query.frames.names.resize(100);
   SequenceQuerySettings settings;
   settings.distance_threshold = 0.5;
   settings.window_length = 32769;
@@ -364,7 +363,7 @@ TEST_CASE("a resampled query repeats the rows of the recording, frame by frame")
   const SequenceDatabase database = make_database(train, 1);
   const auto record = [] {
     DescriptorSet recording = make_query(test::walk_codes(50, 3));
-    recording.frames.unreadable = {7, 30};
+    recording.sequence.unreadable = {7, 30};
     return recording;
   };
   const auto best_of = [&](const DescriptorSet& query) {
@@ -374,17 +373,17 @@ TEST_CASE("a resampled query repeats the rows of the recording, frame by frame")
     return query_all(database, query, settings).result;
   };
   const Result plain = best_of(record());
-  CHECK_FALSE(plain.replay);
+  CHECK(plain.query.selection.is_all());
   for (const WarpRule& rule : warp_rules()) {
     INFO(rule.name);
     const bool is_long_enough = rule.least_frames <= 50;
     REQUIRE(is_long_enough);
-    const Result result = best_of(replayed(record(), std::string(rule.name), 4));
-    REQUIRE(result.replay);
-    REQUIRE(result.query_frames == result.replay->frames());
-    for (size_t k = 0; k < result.query_frames; ++k) {
+    const Result result = best_of(selected(record(), warped(std::string(rule.name), 50, 4)));
+    REQUIRE_FALSE(result.query.selection.is_all());
+    REQUIRE(result.query.frames == result.query.selection.frames());
+    for (size_t k = 0; k < result.query.frames; ++k) {
       const auto& best = result.best[k];
-      const auto& expected = plain.best[result.replay->sources[k]];
+      const auto& expected = plain.best[result.query.selection.sources[k]];
       REQUIRE(best.has_value() == expected.has_value());
       if (!best) continue;
       CHECK(best->train == expected->train);
@@ -396,13 +395,13 @@ TEST_CASE("a resampled query repeats the rows of the recording, frame by frame")
 
 TEST_CASE(
     "an empty warp does not change a query, and too short queries are refused with the reason") {
-  const DescriptorSet same = replayed(make_query(test::walk_codes(3, 3)), "", 1);
-  CHECK_FALSE(same.frames.replay);
+  const DescriptorSet same = selected(make_query(test::walk_codes(3, 3)), warped("", 3, 1));
+  CHECK(same.sequence.selection.is_all());
   CHECK(ldb_codes(same) == test::walk_codes(3, 3));
   CHECK(test::error_text([] {
-          replayed(make_query(test::walk_codes(3, 3)), "kidnap", 1);
+          selected(make_query(test::walk_codes(3, 3)), warped("kidnap", 3, 1));
         }).find("41 frames") != std::string::npos);
-  const DescriptorSet one = replayed(make_query(test::walk_codes(1, 3)), "0.5", 1);
-  CHECK(one.frames.count() == 2);
-  CHECK(one.frames.names == std::vector<std::string>{"0", "0"});
+  const DescriptorSet one = selected(make_query(test::walk_codes(1, 3)), warped("0.5", 1, 1));
+  CHECK(one.sequence.frames == 2);
+  CHECK(one.sequence.frame_names == std::vector<std::string>{"0", "0"});
 }

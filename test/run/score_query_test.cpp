@@ -68,7 +68,7 @@ TEST_CASE("windows of several rates equal the definition, for distances and for 
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   SequenceDatabase database = make_database(train);
-  database.sequences[0].unreadable = {17};
+  database.sequences[0].sequence.unreadable = {17};
   const DescriptorSet query = make_query(test::walk_codes(50, 3));
   QueryResources resources;
   resources.kernels = select_kernels();
@@ -178,7 +178,7 @@ TEST_CASE("a sweep of scores has the counts of single queries") {
   const DescriptorSet query = make_query(codes);
   const TruthReader truth = [](const GroundTruthScope& scope) {
     GroundTruth all;
-    all.pairs.resize(scope.query_frames);
+    all.pairs.resize(scope.query.frames);
     for (size_t i = 0; i < all.pairs.size(); ++i)
       all.pairs[i].push_back({0, static_cast<uint32_t>(i), PlaceLabel::same});
     return all;

@@ -26,8 +26,8 @@ FabmapDatabase make_database(RandomEngine& engine) {
   for (const WordSet& frame : pretrain) database.pretrain.add(frame);
   std::vector<WordSet> walk;
   for (int f = 0; f < 20; ++f) walk.push_back(some_words(100, engine));
-  add_group(database, {"walk", false, std::vector<std::string>(20)}, walk);
-  add_group(database, {"lift", true, std::vector<std::string>(3)},
+  add_group(database, {{"walk", 20}}, walk);
+  add_group(database, {{"lift", 3}, true},
             std::vector<WordSet>{walk[3], some_words(100, engine), some_words(100, engine)});
   index_views(database);
   return database;
@@ -40,17 +40,17 @@ SequenceWords make_query(const FabmapDatabase& database, RandomEngine& engine) {
     WordSet words;
     for (const uint32_t word : database.views.view(f))
       if (uniform_below(engine, 6) != 0) words.push_back(word);
-    query.frames.push_back(words);
+    query.words.push_back(words);
   }
-  query.frames[7].clear();
-  query.unreadable = {7};
+  query.words[7].clear();
+  query.sequence = {"q", 20, {}, {7}};
   return query;
 }
 
 GroundTruth same_frames(const GroundTruthScope& scope) {
   GroundTruth truth;
-  truth.pairs.resize(scope.query_frames);
-  for (uint32_t f = 0; f < scope.query_frames; ++f)
+  truth.pairs.resize(scope.query.frames);
+  for (uint32_t f = 0; f < scope.query.frames; ++f)
     if (f != 5) truth.pairs[f].push_back({0, f, f == 9 ? PlaceLabel::ignore : PlaceLabel::same});
   return truth;
 }
@@ -63,10 +63,10 @@ SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
   settings.window_length = length;
   result.settings = settings;
   result.query_windows = windows;
-  result.query_frames = windows + length - 1;
+  result.query.frames = windows + length - 1;
   GroundTruth truth;
-  truth.pairs.resize(result.query_frames);
-  for (uint32_t f = 0; f < result.query_frames; ++f) truth.pairs[f].push_back({0, f});
+  truth.pairs.resize(result.query.frames);
+  for (uint32_t f = 0; f < result.query.frames; ++f) truth.pairs[f].push_back({0, f});
   for (const uint32_t window : right) result.hits.push_back({window, 0, window, 0, 1});
   for (const uint32_t window : wrong) result.hits.push_back({window, 0, window + 50, 0, 1});
   return count_intervals(result, truth, 1);

@@ -20,15 +20,15 @@ std::vector<uint64_t> numbers(const LabelCounts& counts) {
 SequenceDatabase make_database() {
   SequenceDatabase database = test::make_database(
       {test::walk_codes(90, 10, 40), test::walk_codes(90, 11, 40), test::walk_codes(90, 12, 40)});
-  database.sequences[1].unreadable = {40};
+  database.sequences[1].sequence.unreadable = {40};
   return database;
 }
 
 GroundTruth make_truth(const GroundTruthScope& scope) {
   GroundTruth truth;
   truth.tolerance_frames = 2;
-  truth.pairs.resize(scope.query_frames);
-  for (uint32_t f = 0; f < scope.query_frames; ++f)
+  truth.pairs.resize(scope.query.frames);
+  for (uint32_t f = 0; f < scope.query.frames; ++f)
     truth.pairs[f].push_back({0, f + 10, f % 9 == 0 ? PlaceLabel::ignore : PlaceLabel::same});
   return truth;
 }
@@ -46,8 +46,8 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
       byte = static_cast<uint8_t>(byte ^ 1U << uniform_below(engine, 8));
     }
   DescriptorSet query = ldb_set(codes, {});
-  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
-  query.frames.unreadable = {30};
+  for (size_t i = 0; i < codes.size(); ++i) query.sequence.frame_names.push_back(std::to_string(i));
+  query.sequence.unreadable = {30};
   QueryResources resources;
   resources.kernels = select_kernels();
   for (const ThresholdScale scale : {ThresholdScale::relative, ThresholdScale::bits}) {
@@ -93,15 +93,16 @@ TEST_CASE("an empty grid is refused") {
 TEST_CASE("a sweep gives each warning of its settings once") {
   SequenceDatabase database = make_database();
   DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
-  for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
-  query.frames.unreadable = {30};
+  for (size_t i = 0; i < query.rows().size(); ++i)
+    query.sequence.frame_names.push_back(std::to_string(i));
+  query.sequence.unreadable = {30};
   QueryResources resources;
   resources.kernels = select_kernels();
   std::vector<std::string> said;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
   // Two of the training sequences have runs of at most 49 frames.
-  database.sequences[2].unreadable = {40};
+  database.sequences[2].sequence.unreadable = {40};
   sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
                   resources, monitor);
   const auto times = [&](const std::string& words) {
@@ -118,7 +119,8 @@ TEST_CASE("a sweep gives each warning of its settings once") {
 TEST_CASE("the hits of all window lengths share the memory limit") {
   const SequenceDatabase database = make_database();
   DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
-  for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
+  for (size_t i = 0; i < query.rows().size(); ++i)
+    query.sequence.frame_names.push_back(std::to_string(i));
   QueryResources resources;
   resources.kernels = select_kernels();
   SequenceQuerySettings bits;
@@ -141,9 +143,9 @@ TEST_CASE("intervals of constant counts are the counts") {
   SequenceQuerySettings settings;
   settings.window_length = 3;
   result.settings = settings;
-  result.query_frames = 12;
+  result.query.frames = 12;
   result.query_windows = 10;
-  result.targets = {{"ref", 30, 28, true, {}, ThresholdScale::bits, 0, {}}};
+  result.targets = {{{"ref", 30}, 28, true, {}, ThresholdScale::bits, 0, {}}};
   GroundTruth truth;
   truth.pairs.resize(12);
   for (uint32_t frame = 0; frame < 12; ++frame)
@@ -164,7 +166,7 @@ TEST_CASE("intervals of constant counts are the counts") {
   FabmapQuerySettings fabmap;
   result.clusters.reset();
   result.settings = fabmap;
-  result.query_windows = result.query_frames;
+  result.query_windows = result.query.frames;
   CHECK(count_intervals(result, truth, 7).block == 8);
   fabmap.window = 9;
   result.settings = fabmap;
@@ -189,7 +191,7 @@ TEST_CASE("a sweep by margin equals single queries by margin") {
   std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
   codes.erase(codes.begin(), codes.begin() + 10);
   DescriptorSet query = test::make_query(codes);
-  query.frames.unreadable = {30};
+  query.sequence.unreadable = {30};
   QueryResources resources;
   resources.kernels = select_kernels();
   SequenceQuerySettings base;

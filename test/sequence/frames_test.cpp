@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 #include "sequence/decode.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "support.h"
 
 using namespace vpr;
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Pass {
-  FrameList frames;
+  Sequence sequence;
   std::map<size_t, cv::Mat> images;
 };
 
@@ -31,11 +31,11 @@ Pass read_all(const SequenceArgument& argument, Unreadable unreadable = Unreadab
               const Monitor& monitor = {}) {
   Pass pass;
   std::mutex mutex;
-  pass.frames = for_each_frame(open_sequence(argument), PixelFormat::grey, unreadable, monitor,
-                               [&](size_t index, const cv::Mat& image) {
-                                 const std::lock_guard lock(mutex);
-                                 pass.images[index] = image.clone();
-                               });
+  pass.sequence = for_each_frame(open_sequence(argument), PixelFormat::gray, unreadable, monitor,
+                                 [&](size_t index, const cv::Mat& image) {
+                                   const std::lock_guard lock(mutex);
+                                   pass.images[index] = image.clone();
+                                 });
   return pass;
 }
 
@@ -90,11 +90,12 @@ TEST_CASE("frames of a folder are decoded as OpenCV does, at their own index and
   write_image(folder / "2.jpg", 2, 17, 90);
   write_image(folder / "10.bmp", 3, 1, 1);
   const Pass pass = read_all({folder.path(), {}});
-  CHECK(pass.frames.names == std::vector<std::string>{"1.png", "2.jpg", "10.bmp"});
+  CHECK(pass.sequence.frame_names == std::vector<std::string>{"1.png", "2.jpg", "10.bmp"});
   REQUIRE(pass.images.size() == 3);
   for (size_t i = 0; i < 3; ++i)
-    CHECK(same_pixels(pass.images.at(i),
-                      cv::imread((folder / pass.frames.names[i]).string(), cv::IMREAD_GRAYSCALE)));
+    CHECK(same_pixels(
+        pass.images.at(i),
+        cv::imread((folder / pass.sequence.frame_names[i]).string(), cv::IMREAD_GRAYSCALE)));
 }
 
 TEST_CASE("an undecodable frame is named, the first of several for any number of threads") {
@@ -112,8 +113,8 @@ TEST_CASE("an undecodable frame is named, the first of several for any number of
     const std::string text = error_text([&] { read_all({folder.path(), {}}); });
     CHECK(has(text, "/5.jpg"));
     const Pass pass = read_all({folder.path(), {}}, Unreadable::skip);
-    CHECK(pass.frames.count() == 22);
-    CHECK(pass.frames.unreadable == std::vector<size_t>{5, 16});
+    CHECK(pass.sequence.frames == 22);
+    CHECK(pass.sequence.unreadable == std::vector<size_t>{5, 16});
     CHECK(pass.images.size() == 20);
   }
 }
@@ -194,7 +195,7 @@ TEST_CASE("a file that is truncated during reading is reported as damaged, witho
       fs::resize_file(folder / "1.bmp", size);
     });
     try {
-      decode_image(folder / "1.bmp", PixelFormat::grey);
+      decode_image(folder / "1.bmp", PixelFormat::gray);
     } catch (const Error& error) {
       CHECK(error.kind() == ErrorKind::input);
     }
@@ -281,7 +282,7 @@ TEST_CASE("a video is read frame by frame, within its range") {
   for (size_t i = 0; i < 12; ++i)
     CHECK(std::abs(cv::mean(all.images.at(i))[0] - (20.0 * static_cast<double>(i) + 5)) < 4);
   const Pass part = read_all({path, {3, 10, 3}});
-  CHECK(part.frames.names == std::vector<std::string>{"#3", "#6", "#9"});
+  CHECK(part.sequence.frame_names == std::vector<std::string>{"#3", "#6", "#9"});
   for (size_t i = 0; i < 3; ++i) CHECK(same_pixels(part.images.at(i), all.images.at(3 + 3 * i)));
   CHECK(error_kind([&] { read_all({path, {0, 13, 1}}); }) == ErrorKind::usage);
   CHECK(error_kind([&] { read_all({path, {12, std::nullopt, 1}}); }) == ErrorKind::usage);

@@ -8,7 +8,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/json_fields.h"
 #include "base/text.h"
+#include "sequence/sequence.h"
 #include "support.h"
 
 using namespace vpr;
@@ -45,7 +47,7 @@ bool is_rising(const std::vector<uint32_t>& sources) {
 }
 
 std::vector<uint32_t> sources_of(const std::string& warp, size_t frames, uint64_t seed = 1) {
-  return replay(warp, frames, seed).sources;
+  return warped(warp, frames, seed).sources;
 }
 
 }  // namespace
@@ -64,11 +66,11 @@ TEST_CASE("the frame nearest to each tick is selected, each at most once") {
   CHECK(kept_at({9000, 9090, 9210, 20000, 20120, 20190}, 5) == std::vector<uint32_t>{0, 2, 3, 5});
   CHECK(kept_at({7}, 5) == std::vector<uint32_t>{0});
   CHECK(kept_at({}, 5).empty());
-  const Replay kept = thinned(std::vector<int64_t>{5, 6}, 2);
+  const Selection kept = thinned(std::vector<int64_t>{5, 6}, 2);
   CHECK(kept.recorded_frames == 2);
-  CHECK(kept.fps == 2);
+  CHECK(kept.thinned_fps == 2);
   CHECK(kept.warp.empty());
-  CHECK(replay_text(kept) == "thinned to 2 frames a second");
+  CHECK(selection_text(kept) == "thinned to 2 frames a second");
 }
 
 TEST_CASE("selected frames equal those of the reference implementation") {
@@ -93,16 +95,26 @@ TEST_CASE("a rate is the median of the intervals between frames") {
 }
 
 TEST_CASE("a resampled selection refers to frames of the recording") {
-  const Replay kept = thinned(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
-  const Replay both = replay_of_kept(kept, replay("reversed", 2, 1));
+  const Selection kept = thinned(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
+  const Selection both = composed(kept, warped("reversed", 2, 1));
   CHECK(both.sources == std::vector<uint32_t>{2, 0});
   CHECK(both.recorded_frames == 4);
-  CHECK(replay_text(both) == "thinned to 5 frames a second, replayed by reversed, seed 1");
+  CHECK(selection_text(both) == "thinned to 5 frames a second, replayed by reversed, seed 1");
 }
 
-TEST_CASE("selected frames in a file must increase and exist") {
-  const auto read = [](const std::vector<int32_t>& sources, uint64_t frames) {
-    return kept_frames(sources, frames, 5).has_value();
+TEST_CASE("Thinned frames of a file must rise and exist") {
+  const auto read = [](const std::vector<int32_t>& rows, uint64_t recorded) {
+    const Json json = {
+        {"name", "a"}, {"frames", rows.size()}, {"thinned", {{"fps", 5.0}, {"frames", recorded}}}};
+    const auto sequence = [&] {
+      Sequence found = read_sequence({json, "a.json"}, 10);
+      Sequence* const all = &found;
+      read_sources(
+          {&all, 1}, [&] { return rows; }, [] { throw Error(ErrorKind::data, "do not fit"); });
+      return found;
+    };
+    if (error_kind(sequence)) return false;
+    return std::ranges::equal(sequence().selection.sources, rows);
   };
   CHECK(read({0, 2, 4}, 5));
   CHECK_FALSE(read({0, 2, 5}, 5));
@@ -118,7 +130,7 @@ TEST_CASE("every kind of warp has its documented properties, for any length and 
       for (const uint64_t seed : {1, 2, 7}) {
         if (frames < rule.least_frames) continue;
         INFO(rule.name << " of " << frames << " frames, seed " << seed);
-        const Replay one = replay(std::string(rule.name), frames, seed);
+        const Selection one = warped(std::string(rule.name), frames, seed);
         CHECK(one.recorded_frames == frames);
         CHECK(one.seed == seed);
         CHECK(one.warp == rule.name);
@@ -194,18 +206,18 @@ TEST_CASE("varying uses every speed, never skips more than a frame, and depends 
 TEST_CASE("an unknown warp is refused with a list of the known ones") {
   for (const char* pace : {"0", "-1", "0.09", "10.1", "nan", "inf", "1e9"}) {
     INFO(pace);
-    CHECK_THROWS_WITH(replay(pace, 10, 1), Catch::Contains("from 0.1 to 10"));
+    CHECK_THROWS_WITH(warped(pace, 10, 1), Catch::Contains("from 0.1 to 10"));
     CHECK_THROWS_AS(check_warp(pace), Error);
   }
   CHECK_THROWS_WITH(check_warp("varing"),
                     Catch::Contains("did you mean varying?") && Catch::Contains("kidnap"));
   CHECK_THROWS_AS(check_warp("2x"), Error);
-  CHECK_THROWS_WITH(replay("kidnap", 3, 1), Catch::Contains("41 frames or more, found 3"));
+  CHECK_THROWS_WITH(warped("kidnap", 3, 1), Catch::Contains("41 frames or more, found 3"));
   CHECK_NOTHROW(check_warp("kidnap"));
 }
 
 TEST_CASE("unreadable frames are unreadable wherever they are repeated") {
-  const Replay slow = replay("0.5", 4, 1);
-  CHECK(replayed_frames(slow, std::vector<size_t>{1, 3}) == std::vector<size_t>{2, 3, 6, 7});
-  CHECK(replayed_frames(replay("2", 4, 1), std::vector<size_t>{1}).empty());
+  const Selection slow = warped("0.5", 4, 1);
+  CHECK(selected_frames(slow, std::vector<size_t>{1, 3}) == std::vector<size_t>{2, 3, 6, 7});
+  CHECK(selected_frames(warped("2", 4, 1), std::vector<size_t>{1}).empty());
 }

@@ -1,12 +1,10 @@
 // Image sequences: folders, lists, ranges and names.
-#include "sequence/sequence.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
 #include "base/text.h"
-#include "sequence/sequence_argument.h"
+#include "sequence/sequence_source.h"
 #include "support.h"
 
 using namespace vpr;
@@ -15,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<std::string> file_names(const Sequence& sequence) {
+std::vector<std::string> file_names(const SequenceSource& sequence) {
   std::vector<std::string> names;
   for (const fs::path& file : sequence.files) names.push_back(file.filename().string());
   return names;
@@ -107,7 +105,7 @@ TEST_CASE("a list yields its files in its own order, relative to its folder") {
   write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
   fs::create_directory(folder / "a");
   write_text(folder / "a/1.png", "");
-  const Sequence sequence = open_sequence({folder / "list.txt", {}});
+  const SequenceSource sequence = open_sequence({folder / "list.txt", {}});
   CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
 }
 
@@ -115,7 +113,7 @@ TEST_CASE("a byte order mark before a list is not part of a name") {
   const TemporaryFolder folder;
   write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
   write_text(folder / "1.png", "");
-  const Sequence sequence = open_sequence({folder / "list.txt", {}});
+  const SequenceSource sequence = open_sequence({folder / "list.txt", {}});
   CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
 }
 

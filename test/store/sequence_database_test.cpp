@@ -18,7 +18,8 @@ namespace {
 SequenceDatabase example() {
   SequenceDatabase database;
   database.descriptor.illumination_invariant = true;
-  database.sequences = {{"one", {"1.png", "2.png", "3.png"}, {1}}, {"t/two", {"#0", "#1"}, {}}};
+  database.sequences = {{{"one", 3, {"1.png", "2.png", "3.png"}, {1}}},
+                        {{"t/two", 2, {"#0", "#1"}}}};
   database.descriptors.append(random_codes(5, 1));
   database.thresholds = {{2, 0.9, {ClosestWindows{700, 1, 1, 0}, std::nullopt}}};
   for (TrainSequence& sequence : database.sequences) {
@@ -49,9 +50,9 @@ TEST_CASE("a database can be read back after writing") {
   const SequenceDatabase database = read_sequence_database(write_example(folder));
   CHECK(database.descriptor.illumination_invariant);
   REQUIRE(database.sequences.size() == 2);
-  CHECK(database.sequences[0].unreadable == std::vector<size_t>{1});
-  CHECK(database.sequences[1].name == "t/two");
-  CHECK(database.sequences[1].frame_names == std::vector<std::string>{"#0", "#1"});
+  CHECK(database.sequences[0].sequence.unreadable == std::vector<size_t>{1});
+  CHECK(database.sequences[1].sequence.name == "t/two");
+  CHECK(database.sequences[1].sequence.frame_names == std::vector<std::string>{"#0", "#1"});
   const std::vector<LdbCode> codes = random_codes(5, 1);
   CHECK(std::ranges::equal(database.descriptors.rows().bytes, DescriptorRows(codes).bytes));
   CHECK(std::ranges::equal(database.descriptors.rows()[4], codes[4]));
@@ -149,7 +150,7 @@ TEST_CASE("half-widths and overlapping sequences are read back, and refused if i
     write(folder / "d.vprdb", database, Existing::replace);
     return read_sequence_database(folder / "d.vprdb");
   };
-  const size_t frames = example().sequences[0].frame_count();
+  const size_t frames = example().sequences[0].sequence.frames;
   REQUIRE(example().sequences.size() == 2);
   const SequenceDatabase database = stored(1, {{0, 1}});
   CHECK(database.sequences[0].half_width == 1);

@@ -141,12 +141,12 @@ TEST_CASE("the shipped walks at other speeds have exact ground truth, and a deto
     if (name.ends_with(".csv")) write_text(folder / name, text);
   // Percent of frames that show no place of the training walk.
   const auto unknown = [&](const std::string& walk) {
-    const GroundTruthScope scope = {frames[walk], {{"trained", frames["trained"]}}};
+    const GroundTruthScope scope = {{"", frames[walk]}, {{"trained", frames["trained"]}}};
     const GroundTruth truth =
         read_ground_truth({"pairs", folder / (walk + ".ground_truth.csv"), 0}, scope);
     size_t none = 0;
-    for (size_t q = 0; q < scope.query_frames; ++q) none += truth.has_match(q) ? 0 : 1;
-    return 100.0 * static_cast<double>(none) / static_cast<double>(scope.query_frames);
+    for (size_t q = 0; q < scope.query.frames; ++q) none += truth.has_match(q) ? 0 : 1;
+    return 100.0 * static_cast<double>(none) / static_cast<double>(scope.query.frames);
   };
   for (const char* walk : {"same", "slow", "fast", "varying", "carried"}) {
     INFO(walk);

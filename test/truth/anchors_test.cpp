@@ -30,7 +30,7 @@ TEST_CASE("anchors are detected by the file's name, and are pairs under any othe
   files.text("pairs.csv", "query,reference\n0,0\n2,2\n");
   CHECK(files.read("anchors.csv", 3, 3) == "S.. .S. ..S");
   CHECK(files.read("pairs.csv", 3, 3) == "S.. ... ..S");
-  CHECK(read_ground_truth({"", files.folder / "anchors.csv"}, {3, {{"ref", 3}}}).protocol ==
+  CHECK(read_ground_truth({"", files.folder / "anchors.csv"}, {{"", 3}, {{"ref", 3}}}).protocol ==
         "anchors: 2 anchors, interpolated linearly, without places before and after them, within 0 "
         "frames");
 }
@@ -45,7 +45,7 @@ TEST_CASE("pairs that may be anchors cause a warning") {
       CHECK(sentence.find("some.csv labels 2 of 20 query frames") != std::string::npos);
       ++count;
     };
-    read_ground_truth({format, files.folder / "some.csv"}, {frames, {{"ref", 99}}}, monitor);
+    read_ground_truth({format, files.folder / "some.csv"}, {{"", frames}, {{"ref", 99}}}, monitor);
     return count;
   };
   CHECK(warnings("query,reference\n0,0\n10,12\n", 20, "") == 1);
@@ -91,7 +91,7 @@ TEST_CASE("anchors may name several sequences and have the query's range") {
   const Files files;
   files.text("anchors.csv", "query,sequence,reference\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
   const GroundTruth truth =
-      read_ground_truth({"", files.folder / "anchors.csv"}, {3, {{"a", 3}, {"b", 3}}});
+      read_ground_truth({"", files.folder / "anchors.csv"}, {{"", 3}, {{"a", 3}, {"b", 3}}});
   CHECK(truth.label(1, 0, 1) == PlaceLabel::same);
   CHECK(truth.label(1, 1, 1) == PlaceLabel::same);
   CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
@@ -119,7 +119,7 @@ TEST_CASE("anchors that decrease, repeat or are out of range are refused with th
   // Without known numbers of frames, as many as the anchors need.
   files.text("anchors.csv", "query,reference\n1,2\n3,4\n");
   const auto found = inspect_ground_truth({"", files.folder / "anchors.csv"},
-                                          {kUnknownFrames, {{"", kUnknownFrames}}});
-  CHECK(found.scope.query_frames == 4);
-  CHECK(found.scope.sequences[0].frames == 5);
+                                          {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
+  CHECK(found.scope.query.frames == 4);
+  CHECK(found.scope.sequences[0].sequence.frames == 5);
 }

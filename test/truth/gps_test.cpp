@@ -98,7 +98,7 @@ TEST_CASE("a side without fixes for most frames causes a warning") {
   std::vector<std::string> warnings;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
-  read_ground_truth(argument, {3, {{"ref", 4}}}, monitor);
+  read_ground_truth(argument, {{"", 3}, {{"ref", 4}}}, monitor);
   REQUIRE_FALSE(warnings.empty());
   CHECK(warnings.front().find("2 of 3 frames have no fix") != std::string::npos);
 }

@@ -15,11 +15,11 @@ TEST_CASE("pairs are joined to runs and detected by content") {
   const Files files;
   files.text("g.txt", "query,reference,label\n0,2,\n0,1,\n0,1,\n1,0,ignore\n");
   CHECK(files.read("g.txt", 2, 4) == ".SS. i...");
-  const auto found =
-      inspect_ground_truth({"", files.folder / "g.txt"}, {kUnknownFrames, {{"", kUnknownFrames}}});
+  const auto found = inspect_ground_truth({"", files.folder / "g.txt"},
+                                          {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
   CHECK(found.format == "pairs");
-  CHECK(found.scope.query_frames == 2);
-  CHECK(found.scope.sequences[0].frames == 3);
+  CHECK(found.scope.query.frames == 2);
+  CHECK(found.scope.sequences[0].sequence.frames == 3);
   CHECK(found.findings[size_t(FindingKind::duplicate)].count == 1);
 }
 
@@ -41,25 +41,26 @@ TEST_CASE("ranges of pairs are those of the query") {
 TEST_CASE("aligned sequences may have different sampling") {
   GroundTruthArgument argument{"aligned", {}, 1};
   argument.options.reference_step = 2.5;  // 0, 2.5, 5 become 0, 3, 5
-  CHECK(draw(read_ground_truth(argument, {3, {{"ref", 7}}}), 3, 7) == "SS..... ..SSS.. ....SSS");
+  CHECK(draw(read_ground_truth(argument, {{"", 3}, {{"ref", 7}}}), 3, 7) ==
+        "SS..... ..SSS.. ....SSS");
   argument.options.reference_step = 0;
   CHECK(test::error_kind([&] {
-          read_ground_truth(argument, {3, {{"ref", 7}}});
+          read_ground_truth(argument, {{"", 3}, {{"ref", 7}}});
         }) == ErrorKind::usage);
 }
 
 TEST_CASE("presets are aligned within their tolerance, with the step of their data set") {
   const auto reach = [](const std::string& name, size_t query, size_t train) {
-    const GroundTruth truth = read_ground_truth({name}, {query, {{"ref", train}}});
+    const GroundTruth truth = read_ground_truth({name}, {{"", query}, {{"ref", train}}});
     return std::pair(draw(truth, query, train).substr(0, train), truth.protocol);
   };
   CHECK(reach("nordland-exact", 3, 12).first == "S...........");
   CHECK(reach("nordland-patch-netvlad", 3, 12).first == "SSS.........");
   CHECK(reach("nordland-25m", 3, 12).first == "SSSSSSSSSSS.");
-  const GroundTruth tenth = read_ground_truth({"nordland-vpr-bench"}, {3, {{"ref", 22}}});
+  const GroundTruth tenth = read_ground_truth({"nordland-vpr-bench"}, {{"", 3}, {{"ref", 22}}});
   CHECK(draw(tenth, 3, 22) ==
         "SS.................... .........SSS.......... ...................SSS");
-  const GroundTruth alike = read_ground_truth({"nordland-vpr-bench"}, {3, {{"ref", 4}}});
+  const GroundTruth alike = read_ground_truth({"nordland-vpr-bench"}, {{"", 3}, {{"ref", 4}}});
   CHECK(draw(alike, 3, 4) == "SS.. SSS. .SSS");
   CHECK(tenth.protocol.find("10 i") != std::string::npos);
   CHECK(alike.protocol.find("training frame i,") != std::string::npos);
@@ -145,7 +146,7 @@ TEST_CASE("invalid matrices are refused") {
   files.text("huge.npy", npy_header("|b1", {size_t{1} << 40, size_t{1} << 40}) + "x");
   CHECK(test::error_kind([&] {
           inspect_ground_truth({"matrix", files.folder / "huge.npy"},
-                               {kUnknownFrames, {{"", kUnknownFrames}}});
+                               {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
         }) == ErrorKind::data);
 }
 
@@ -183,7 +184,7 @@ TEST_CASE("files that scripts convert are refused with the script, by content or
 
 TEST_CASE("a truncated archive is refused") {
   const Files files;
-  const InspectedGroundTruth truth = inspect_ground_truth({"aligned"}, {3, {{"ref", 3}}});
+  const InspectedGroundTruth truth = inspect_ground_truth({"aligned"}, {{"", 3}, {{"ref", 3}}});
   write_truth(find_format("matrix"), truth, files.folder / "a.npz");
   const std::string whole = test::read_text(files.folder / "a.npz");
   for (size_t size = 4; size < whole.size(); ++size) {

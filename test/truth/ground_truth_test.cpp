@@ -18,8 +18,8 @@ GroundTruth read(const std::string& csv, const GroundTruthScope& scope, int tole
   return read_ground_truth({"pairs", folder / "g.csv", tolerance}, scope);
 }
 
-const GroundTruthScope kOne = {5, {{"ref", 10}}};
-const GroundTruthScope kTwo = {5, {{"a", 10}, {"b, c", 4}}};
+const GroundTruthScope kOne = {{"", 5}, {{"ref", 10}}};
+const GroundTruthScope kTwo = {{"", 5}, {{"a", 10}, {"b, c", 4}}};
 
 }  // namespace
 
@@ -44,7 +44,7 @@ TEST_CASE("a tolerance extends pairs of the same place, not ignored pairs") {
 }
 
 TEST_CASE("pairs may use frame names if the scope has names") {
-  GroundTruthScope scope = {3, {{"ref", 3}}};
+  GroundTruthScope scope = {{"", 3}, {{"ref", 3}}};
   scope.query_names = [] { return std::vector<std::string>{"a.png", "b.png", "7.png"}; };
   scope.sequences[0].names = [] { return std::vector<std::string>{"x.jpg", "y.jpg", "y.png"}; };
   const GroundTruth truth = read("query,reference\na.png,2\nb,x\n2,y.png\nc/7.png,1\n", scope);
@@ -58,7 +58,7 @@ TEST_CASE("pairs may use frame names if the scope has names") {
   CHECK(error("c.png,0").find("line 2: query \"c.png\" is neither") != std::string::npos);
   // two candidates
   CHECK(error("a.png,y").find("reference \"y\" is neither") != std::string::npos);
-  scope.query_frames = 4;
+  scope.query.frames = 4;
   CHECK(error("a.png,0").find("one of 3 names, but the result has 4 frames") != std::string::npos);
   scope.query_names = nullptr;
   CHECK(error("a.png,0").find("--query and --train") != std::string::npos);
@@ -69,7 +69,8 @@ TEST_CASE("frame numbers that only a file states have an upper bound") {
   const auto error = [&](const std::string& format, const std::string& rows) {
     test::write_text(folder / "g.csv", "query,sequence,reference\n" + rows);
     return test::error_text([&] {
-      inspect_ground_truth({format, folder / "g.csv"}, {kUnknownFrames, {{"", kUnknownFrames}}});
+      inspect_ground_truth({format, folder / "g.csv"},
+                           {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
     });
   };
   std::string anchors;
@@ -92,7 +93,7 @@ TEST_CASE("the number of nearby poses is limited before the comparison") {
     GroundTruthArgument argument{"poses", folder / "p.csv"};
     argument.options.reference = folder / "p.csv";
     argument.options.radius_m = radius;
-    return test::error_text([&] { read_ground_truth(argument, {20000, {{"", 20000}}}); });
+    return test::error_text([&] { read_ground_truth(argument, {{"", 20000}, {{"", 20000}}}); });
   };
   CHECK(error(1).find("more than 134217728 pairs of frames lie within 1 m") != std::string::npos);
 }
@@ -136,12 +137,12 @@ TEST_CASE("damaged pairs are refused with the line") {
 }
 
 TEST_CASE("aligned: query frame i is training frame i, within the tolerance") {
-  const GroundTruth exact = read_ground_truth({"aligned", {}, 0}, {12, {{"ref", 10}}});
+  const GroundTruth exact = read_ground_truth({"aligned", {}, 0}, {{"", 12}, {{"ref", 10}}});
   CHECK(exact.label(3, 0, 3) == PlaceLabel::same);
   CHECK(exact.label(3, 0, 4) == PlaceLabel::different);
   CHECK(exact.has_match(9));
   CHECK_FALSE(exact.has_match(10));
-  const GroundTruth near = read_ground_truth({"aligned", {}, 2}, {14, {{"ref", 10}}});
+  const GroundTruth near = read_ground_truth({"aligned", {}, 2}, {{"", 14}, {{"ref", 10}}});
   CHECK(near.label(3, 0, 1) == PlaceLabel::same);
   CHECK(near.label(3, 0, 6) == PlaceLabel::different);
   CHECK(near.has_match(11));
@@ -150,8 +151,8 @@ TEST_CASE("aligned: query frame i is training frame i, within the tolerance") {
 }
 
 TEST_CASE("an unknown ground truth ignores every pair of the searched sequences") {
-  const GroundTruth truth =
-      unknown_ground_truth({2, {{"a", 3, true}, {"b", 4, false}, {"c", 1, true}, {"d", 0, true}}});
+  const GroundTruth truth = unknown_ground_truth(
+      {{"", 2}, {{{"a", 3}, true}, {{"b", 4}, false}, {{"c", 1}, true}, {{"d", 0}, true}}});
   CHECK_FALSE(truth.is_known);
   REQUIRE(truth.pairs.size() == 2);
   CHECK(truth.pairs[1].size() == 2);
@@ -171,19 +172,18 @@ void check_replayed(const std::string& argument, int tolerance,
     given.options.radius_m = 2;
     given.options.reference = folder / "poses.csv";
   }
-  const GroundTruthScope recorded = {60, {{"ref", 60}}};
+  const GroundTruthScope recorded = {{"", 60}, {{"ref", 60}}};
   const GroundTruth truth = read_ground_truth(given, recorded);
   for (const WarpRule& rule : warp_rules()) {
     INFO(argument << ", " << rule.name);
     GroundTruthScope scope = recorded;
-    scope.replay = replay(std::string(rule.name), 60, 3);
-    scope.query_frames = scope.replay->frames();
+    scope.query = selected(scope.query, warped(std::string(rule.name), 60, 3));
     const GroundTruth warped = read_ground_truth(given, scope);
-    REQUIRE(warped.pairs.size() == scope.query_frames);
+    REQUIRE(warped.pairs.size() == scope.query.frames);
     CHECK(warped.protocol.find("query replayed ") != std::string::npos);
-    for (size_t k = 0; k < scope.query_frames; ++k)
+    for (size_t k = 0; k < scope.query.frames; ++k)
       for (size_t r = 0; r < 60; ++r)
-        if (warped.label(k, 0, r) != truth.label(scope.replay->sources[k], 0, r))
+        if (warped.label(k, 0, r) != truth.label(scope.query.selection.sources[k], 0, r))
           FAIL("frame " << k << " of the replay, reference " << r);
   }
 }
@@ -201,7 +201,7 @@ TEST_CASE("a resampled frame has the labels of its recorded frame, in every form
   }
   test::write_text(folder / "pairs.csv", pairs);
   test::write_text(folder / "poses.csv", poses);
-  const GroundTruthScope scope = {60, {{"ref", 60}}};
+  const GroundTruthScope scope = {{"", 60}, {{"ref", 60}}};
   const InspectedGroundTruth truth =
       inspect_ground_truth({"pairs", folder / "pairs.csv", 0}, scope);
   Outputs outputs(Existing::refuse);

@@ -8,11 +8,11 @@ using namespace vpr;
 
 namespace {
 
-Replay kept_of(size_t recorded, std::vector<uint32_t> sources) {
-  Replay kept;
+Selection kept_of(size_t recorded, std::vector<uint32_t> sources) {
+  Selection kept;
   kept.recorded_frames = recorded;
   kept.sources = std::move(sources);
-  kept.fps = 5;
+  kept.thinned_fps = 5;
   return kept;
 }
 
@@ -52,20 +52,20 @@ TEST_CASE("selected frames keep their labels, and a place without any moves to t
   truth.pairs = {
       {{0, 2, PlaceLabel::same, 0}, {0, 5, PlaceLabel::ignore, 0}, {0, 8, PlaceLabel::ignore, 1}}};
   truth.tolerance_frames = 1;
-  GroundTruthScope scope{1, {{"a", 4}}};
+  GroundTruthScope scope{{"", 1}, {{"a", 4}}};
   SECTION("inside") {
-    scope.sequences[0].kept = kept_of(10, {0, 3, 5, 9});
-    keep_frames(truth, scope);
+    scope.sequences[0].sequence.selection = kept_of(10, {0, 3, 5, 9});
+    select_train_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == ".sii");
   }
   SECTION("adjacent, and the earlier one on a tie") {
-    scope.sequences[0].kept = kept_of(10, {0, 4, 6, 7});
-    keep_frames(truth, scope);
+    scope.sequences[0].sequence.selection = kept_of(10, {0, 4, 6, 7});
+    select_train_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == "s...");
   }
   SECTION("behind") {
-    scope.sequences[0].kept = kept_of(10, {5, 6, 7, 8});
-    keep_frames(truth, scope);
+    scope.sequences[0].sequence.selection = kept_of(10, {5, 6, 7, 8});
+    select_train_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == "s..i");
   }
   CHECK(truth.tolerance_frames == 0);
@@ -89,9 +89,9 @@ TEST_CASE("labels of selected frames equal those of the reference implementation
               {sequence, r, drawn == 0 ? PlaceLabel::same : PlaceLabel::ignore, 0});
     const std::string first = letters(truth, 0, recorded);
     const std::string second = letters(truth, 1, recorded);
-    GroundTruthScope scope{1, {{"a", sources.size()}, {"b", recorded}}};
-    scope.sequences[0].kept = kept_of(recorded, sources);
-    keep_frames(truth, scope);
+    GroundTruthScope scope{{"", 1}, {{"a", sources.size()}, {"b", recorded}}};
+    scope.sequences[0].sequence.selection = kept_of(recorded, sources);
+    select_train_frames(truth, scope);
     CHECK(letters(truth, 0, sources.size()) == plainly_kept(first, sources));
     CHECK(letters(truth, 1, recorded) == second);  // selects all
   }

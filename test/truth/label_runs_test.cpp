@@ -58,7 +58,7 @@ TEST_CASE("every written format can be read back, with the tolerance applied") {
   const Files files;
   files.text("g.csv", "query,reference,label\n0,0,\n0,1,\n1,3,\n1,1,ignore\n3,5,ignore\n3,0,\n");
   const InspectedGroundTruth truth =
-      inspect_ground_truth({"pairs", files.folder / "g.csv", 1}, {4, {{"ref", 6}}});
+      inspect_ground_truth({"pairs", files.folder / "g.csv", 1}, {{"", 4}, {{"ref", 6}}});
   const std::string all = "SSS... .iSSS. ...... SS...i";
   REQUIRE(draw(truth.truth, 4, 6) == all);
   std::string without_ignored = all;
@@ -82,7 +82,7 @@ TEST_CASE("a check counts the pairs that reading refuses") {
   const Files files;
   files.text("g.csv", "query,reference,label\n0,0,\n0,0,\n5,0,\n0,9,\n-1,0,\n1,1,ignore\n1,1,\n");
   const InspectedGroundTruth found =
-      inspect_ground_truth({"", files.folder / "g.csv"}, {2, {{"ref", 3}}});
+      inspect_ground_truth({"", files.folder / "g.csv"}, {{"", 2}, {{"ref", 3}}});
   CHECK(found.findings[size_t(FindingKind::out_of_range)].count == 3);
   CHECK(found.findings[size_t(FindingKind::out_of_range)].examples[0] ==
         "line 4: query 5 is out of range; there are 2 frames (0 to 1)");
@@ -95,7 +95,7 @@ TEST_CASE("overlapping labels are counted for the runs that they overlap") {
   // 0 to 9 is the same place, 2 to 12 is ignored, and then 5 to 8 and 5 to 11 are the same place
   // again.
   const GroundTruthArgument argument{"pairs", "made up"};
-  GroundTruthBuilder builder(argument, {1, {{"ref", 20}}}, InconsistentPairs::count, {});
+  GroundTruthBuilder builder(argument, {{"", 1}, {{"ref", 20}}}, InconsistentPairs::count, {});
   builder.add(0, 0, 0, 9, PlaceLabel::same);
   builder.add(0, 0, 2, 12, PlaceLabel::ignore);
   builder.add(0, 0, 5, 8, PlaceLabel::same);
@@ -142,7 +142,7 @@ TEST_CASE("a fingerprint depends on the label of every pair, not on its origin")
     if (!argument.path.empty()) argument.path = files.folder / argument.path.string();
     return ground_truth_fingerprint(read_ground_truth(argument, scope), scope);
   };
-  const GroundTruthScope one{3, {{"ref", 4}}};
+  const GroundTruthScope one{{"", 3}, {{"ref", 4}}};
   const std::string aligned = fingerprint({"aligned", {}, 1}, one);
   files.text("a.csv", "query,reference\n0,0\n1,1\n2,2\n");
   files.text("b.csv", "query,reference\n2,3\n2,1\n2,2\n1,2\n1,1\n1,0\n0,1\n0,0\n");
@@ -153,10 +153,11 @@ TEST_CASE("a fingerprint depends on the label of every pair, not on its origin")
   CHECK(fingerprint({"", "a.csv"}, one) != aligned);
   CHECK(fingerprint({"aligned", {}, 2}, one) != aligned);
   // Names have no effect, and neither have sequences that were not searched or have no pair.
-  CHECK(fingerprint({"aligned", {}, 1}, {3, {{"other", 9, false}, {"references", 4}}}) == aligned);
+  CHECK(fingerprint({"aligned", {}, 1}, {{"", 3}, {{{"other", 9}, false}, {"references", 4}}}) ==
+        aligned);
   files.text("s.csv", "query,sequence,reference\n0,ref,0\n1,ref,1\n2,ref,2\n");
-  CHECK(fingerprint({"", "s.csv", 1}, {3, {{"ref", 4}, {"more", 7}}}) == aligned);
-  CHECK(fingerprint({"", "s.csv", 1}, {3, {{"more", 7}, {"ref", 4}}}) != aligned);
+  CHECK(fingerprint({"", "s.csv", 1}, {{"", 3}, {{"ref", 4}, {"more", 7}}}) == aligned);
+  CHECK(fingerprint({"", "s.csv", 1}, {{"", 3}, {{"more", 7}, {"ref", 4}}}) != aligned);
   files.text("i.csv", "query,reference,label\n0,0,\n1,1,\n2,2,\n0,3,ignore\n");
   CHECK(fingerprint({"", "i.csv", 1}, one) != aligned);
 }
@@ -166,6 +167,6 @@ TEST_CASE("one large index does not make a file large") {
   files.text("g.csv", "query,reference\n4000000000,0\n");
   CHECK(test::error_kind([&] {
           inspect_ground_truth({"", files.folder / "g.csv"},
-                               {kUnknownFrames, {{"", kUnknownFrames}}});
+                               {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
         }) == ErrorKind::data);
 }

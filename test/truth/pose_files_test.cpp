@@ -59,7 +59,7 @@ TEST_CASE("ranges of pose files are those of the sequences") {
   CHECK(files.read(argument, 4, 2) == ".. .. S. .S");
   argument.path = files.folder / "all.csv@3:";
   argument.options.reference = files.folder / "all.csv";
-  CHECK(read_ground_truth(argument, {3, {{"ref", 6}}})
+  CHECK(read_ground_truth(argument, {{"", 3}, {{"ref", 6}}})
             .protocol.find("1 query and 1 training frames without a pose") != std::string::npos);
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("poses need a radius, and one that includes nearly all pairs causes a 
   files.text("p.csv", line);
   GroundTruthArgument argument{"", files.folder / "p.csv"};
   argument.options.reference = files.folder / "p.csv";
-  const GroundTruthScope scope{30, {{"ref", 30}}};
+  const GroundTruthScope scope{{"", 30}, {{"ref", 30}}};
   const std::string missing = test::error_text([&] { read_ground_truth(argument, scope); });
   CHECK(missing.find("--radius 2") != std::string::npos);
   CHECK(missing.find("radius_m") != std::string::npos);
@@ -225,7 +225,7 @@ TEST_CASE("folders of images with UTM names have a default radius of 25 m") {
   // Natural order sorts by the numbers in the names, as for the frames themselves.
   CHECK(files.read(argument, 1, 12) == "SSSSSSSSSSS.");
   CHECK(read_ground_truth({"", files.folder / "q", 0, {files.folder / "r", {}, {}, {}, {}, {}}},
-                          {1, {{"ref", 12}}})
+                          {{"", 1}, {{"ref", 12}}})
             .protocol.find("within 25 m, the radius of the benchmark") != std::string::npos);
   argument.options.radius_m = 2.4;
   CHECK(files.read(argument, 1, 12) == "SS..........");

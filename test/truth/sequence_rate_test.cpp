@@ -7,7 +7,7 @@
 
 #include "sequence/frames.h"
 #include "sequence/selection.h"
-#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
 #include "support.h"
 
 using namespace vpr;
@@ -55,23 +55,23 @@ TEST_CASE("names are times if they are clock readings") {
 TEST_CASE("a folder of images with times as names is thinned by time") {
   Recording seconds(
       {"1305031102.0.png", "1305031102.1.png", "1305031102.2.png", "1305031102.3.png"});
-  CHECK(seconds.rated({}, {}).fps == Approx(10));
-  CHECK(seconds.rated({}, {}).kept == nullptr);
+  CHECK(seconds.rated({}, {}).sequence.fps == Approx(10));
+  CHECK(seconds.rated({}, {}).sequence.selection.is_all());
   const SequenceArgument slow = seconds.rated({}, 5);
   CHECK(names_of(slow) == Names{"1305031102.0", "1305031102.2"});
-  CHECK(slow.fps == Approx(5));
+  CHECK(slow.sequence.fps == Approx(5));
   CHECK(names_of(seconds.rated({}, 5, "@1:")) == Names{"1305031102.1", "1305031102.3"});
-  CHECK(seconds.rated({}, {}, "@::2").fps == Approx(5));
+  CHECK(seconds.rated({}, {}, "@::2").sequence.fps == Approx(5));
   Recording nanoseconds(
       {"1403636579763555584.png", "1403636579813555584.png", "1403636579863555584.png"});
-  CHECK(nanoseconds.rated({}, {}).fps == Approx(20));
+  CHECK(nanoseconds.rated({}, {}).sequence.fps == Approx(20));
   CHECK(names_of(nanoseconds.rated({}, 10)) == Names{"1403636579763555584", "1403636579863555584"});
   CHECK(seconds.warnings.empty());
   // Its own rate or a higher one selects all frames.
-  CHECK(seconds.rated({}, 10).kept == nullptr);
+  CHECK(seconds.rated({}, 10).sequence.selection.is_all());
   const SequenceArgument fast = seconds.rated({}, 30);
-  CHECK(fast.kept == nullptr);
-  CHECK(fast.fps == Approx(10));
+  CHECK(fast.sequence.selection.is_all());
+  CHECK(fast.sequence.fps == Approx(10));
   REQUIRE(seconds.warnings.size() == 1);
   CHECK(seconds.warnings[0].find("has 10 frames per second; --fps 30 cannot add frames") !=
         std::string::npos);
@@ -83,14 +83,14 @@ TEST_CASE("times from a list, or a constant rate, thin a folder") {
   CHECK(names_of(walk.rated({walk.folder / "times.txt"}, 5)) == Names{"0", "2", "3", "5"});
   CHECK(names_of(walk.rated({{}, 10.0}, 5)) == Names{"0", "2", "4"});
   CHECK(names_of(walk.rated({{}, 30.0}, 10, "@1:")) == Names{"1", "4"});
-  CHECK(walk.rated({{}, 30.0}, {}, "@::2").fps == Approx(15));
+  CHECK(walk.rated({{}, 30.0}, {}, "@::2").sequence.fps == Approx(15));
   // A list takes precedence over the stated rate.
-  CHECK(walk.rated({walk.folder / "times.txt", 30.0}, {}).fps == Approx(10));
+  CHECK(walk.rated({walk.folder / "times.txt", 30.0}, {}).sequence.fps == Approx(10));
 }
 
 TEST_CASE("frames with unknown times, or times that do not increase, cannot be thinned") {
   Recording walk({"0.png", "1.png", "2.png"});
-  CHECK_FALSE(walk.rated({}, {}).fps);
+  CHECK_FALSE(walk.rated({}, {}).sequence.fps);
   CHECK(test::error_kind([&] { walk.rated({}, 5); }) == ErrorKind::usage);
   CHECK(test::error_text([&] { walk.rated({}, 5); }).find("the times of its frames are unknown") !=
         std::string::npos);
@@ -104,13 +104,13 @@ TEST_CASE("frames with unknown times, or times that do not increase, cannot be t
         std::string::npos);
   // In natural order these times decrease; without --fps they are not used.
   Recording falling({"1.9.png", "1.10.png"});
-  CHECK_FALSE(falling.rated({}, {}).fps);
+  CHECK_FALSE(falling.rated({}, {}).sequence.fps);
   CHECK(test::error_kind([&] { falling.rated({}, 5); }) == ErrorKind::data);
   Recording one({"12.5.png"});
-  CHECK_FALSE(one.rated({}, {}).fps);
+  CHECK_FALSE(one.rated({}, {}).sequence.fps);
   const SequenceArgument kept = one.rated({}, 5);
-  CHECK(kept.kept == nullptr);
-  CHECK_FALSE(kept.fps);
+  CHECK(kept.sequence.selection.is_all());
+  CHECK_FALSE(kept.sequence.fps);
 }
 
 TEST_CASE("a video is thinned by its own times, and frames keep their numbers") {
@@ -123,21 +123,21 @@ TEST_CASE("a video is thinned by its own times, and frames keep their numbers") 
   const auto names = [&](const std::string& range, std::optional<double> fps) {
     const SequenceArgument argument =
         with_rate(parse_sequence_argument(path + range), {}, fps, recording.monitor);
-    const FrameList frames =
+    const Sequence frames =
         for_each_frame(open_sequence(argument), PixelFormat::grey, Unreadable::fail,
                        recording.monitor, [](size_t, const cv::Mat&) {});
     if (fps) {
-      REQUIRE(frames.replay);
-      CHECK(frames.replay->fps == *fps);
+      REQUIRE_FALSE(frames.selection.is_all());
+      CHECK(frames.selection.thinned_fps == *fps);
       CHECK(frames.fps == Approx(*fps));
     }
-    return frames.names;
+    return frames.frame_names;
   };
   CHECK(names("", 5) == Names{"#0", "#4", "#8"});
   CHECK(names("@2:10", 5) == Names{"#2", "#6"});
   CHECK(names("@2:", 10) == Names{"#2", "#4", "#6", "#8", "#10"});
   CHECK(names("", {}).size() == 12);
-  CHECK(with_rate({path, {}}, {}, {}, {}).fps == Approx(20));
+  CHECK(with_rate({path, {}}, {}, {}, {}).sequence.fps == Approx(20));
 }
 
 TEST_CASE("live frames are thinned like those of a complete recording") {

@@ -41,7 +41,7 @@ struct Files {
       argument.options.reference = folder / argument.options.reference.string();
     if (!argument.options.soft.empty())
       argument.options.soft = folder / argument.options.soft.string();
-    return draw(read_ground_truth(argument, {query, {{"ref", train}}}), query, train);
+    return draw(read_ground_truth(argument, {{"", query}, {{"ref", train}}}), query, train);
   }
   std::string read(const std::string& name, size_t query, size_t train) const {
     return read(GroundTruthArgument{"", name}, query, train);

@@ -17,10 +17,13 @@
 
 namespace vpr {
 
-/// Reads the fields of one JSON object; anything unexpected is damage.
+/// Reads the fields of one JSON object; anything unexpected is damage. `message`: of the error,
+/// from `where` and the damage.
 class Fields {
  public:
-  Fields(const Json& json, const std::string& where) : json_(json), where_(where) {
+  Fields(const Json& json, const std::string& where,
+         std::string_view message = "{}: is damaged: {}; make it again")
+      : json_(json), where_(where), message_(message) {
     if (!json.is_object()) fail("a part is no object");
   }
   const Json& operator[](const std::string& key) const {
@@ -45,16 +48,17 @@ class Fields {
     if (!value.is_array()) fail(fmt::format("\"{}\" is no list", key));
     return value;
   }
-  Fields object(const std::string& key) const { return {(*this)[key], where_}; }
+  Fields object(const std::string& key) const { return {(*this)[key], where_, message_}; }
   const Json& json() const { return json_; }
   const std::string& where() const { return where_; }
   [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::data, fmt::format("{}: is damaged: {}; make it again", where_, what));
+    throw Error(ErrorKind::data, fmt::format(fmt::runtime(message_), where_, what));
   }
 
  private:
   const Json& json_;
   const std::string& where_;
+  std::string_view message_;
 };
 
 /// "fps": frames a second.

@@ -1,4 +1,4 @@
-#include "rate_flags.h"
+#include "selection_flags.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 
 namespace vpr {
 
-void add_rate_flags(const Command& command, RateFlags& flags, const std::string& sequences) {
+void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences) {
   command
       .add_option("--fps", flags.fps,
                   "thin " + sequences +
@@ -23,12 +23,12 @@ void add_rate_flags(const Command& command, RateFlags& flags, const std::string&
       .type_name("NUMBER");
 }
 
-void check_rates(const RateFlags& flags) {
+void check_rates(const SelectionFlags& flags) {
   if (flags.fps) check_fps(*flags.fps, "--fps");
   if (flags.recorded_fps) check_fps(*flags.recorded_fps, "--recorded-fps");
 }
 
-void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags) {
+void leave_times_to_rate(GroundTruthArgument& truth, const SelectionFlags& flags) {
   if (!flags.fps || truth.options.query_times.empty()) return;
   const auto formats = ground_truth_formats();
   const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
@@ -39,15 +39,17 @@ void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags) {
     truth.options.query_times.clear();
 }
 
-SequenceArgument rated(const SequenceArgument& argument, const RateFlags& flags,
-                       const std::filesystem::path& times, const Dataset* dataset,
-                       const Monitor& monitor) {
+SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags,
+                          const std::filesystem::path& times, const Dataset* dataset,
+                          const Session& session) {
   check_rates(flags);
   RateSource source{times, flags.recorded_fps};
   if (!source.recorded_fps && dataset != nullptr && dataset->frames_per_second > 0)
     source.recorded_fps = dataset->frames_per_second;
   if (!source.recorded_fps) source.recorded_fps = flags.otherwise;
-  return with_rate(argument, source, flags.fps, monitor);
+  argument.warp = flags.warp;
+  argument.seed = session.options.seed;
+  return with_rate(std::move(argument), source, flags.fps, session.monitor);
 }
 
 Flag add_warp_flag(const Command& command, std::string& warp, const std::string& about) {

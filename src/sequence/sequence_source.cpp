@@ -1,0 +1,382 @@
+#include "sequence/sequence_source.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/mapped_file.h"
+#include "base/text.h"
+
+namespace vpr {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 11> kImageExtensions = {
+    ".jpg", ".jpeg", ".jpe", ".png", ".bmp", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".webp"};
+constexpr std::array<std::string_view, 1> kArrayExtensions = {".npy"};
+constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+template <size_t N>
+bool has_extension(const fs::path& path, const std::array<std::string_view, N>& extensions) {
+  return std::find(extensions.begin(), extensions.end(), lower_extension(path)) != extensions.end();
+}
+
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+// "PATH@100", which is not a range.
+std::string range_question(const std::string& text) {
+  const size_t at = text.rfind('@');
+  std::error_code ignored;
+  if (at == std::string::npos || at + 1 == text.size() ||
+      text.find_first_not_of("0123456789:-", at + 1) != std::string::npos ||
+      !fs::exists(text.substr(0, at), ignored))
+    return "";
+  return fmt::format(". A range is FIRST:LAST[:STEP], as in {}@0:100", text.substr(0, at));
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+bool by_natural_name(const fs::path& a, const fs::path& b) {
+  return natural_less(a.filename().string(), b.filename().string());
+}
+
+std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(const fs::path&)) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (!is_hidden(it->path()) && wanted(it->path())) found.push_back(it->path());
+  if (error)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: can't be read: {}", folder.string(), error.message()));
+  std::sort(found.begin(), found.end(), by_natural_name);
+  return found;
+}
+
+// The files in a folder with one of the extensions.
+template <const auto& extensions>
+std::vector<fs::path> folder_files(const fs::path& folder) {
+  return folder_entries(folder, [](const fs::path& path) {
+    std::error_code ignored;
+    return has_extension(path, extensions) && !fs::is_directory(path, ignored);
+  });
+}
+
+bool is_array(const fs::path& path) { return has_extension(path, kArrayExtensions); }
+
+std::vector<fs::path> read_list(const fs::path& list) {
+  std::vector<fs::path> files;
+  const MappedFile file(list);
+  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+    if (line.empty() || line.starts_with('#')) continue;
+    if (line.find('\0') != std::string_view::npos)
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: is not a text file with one image path a line", list.string()));
+    files.push_back(list.parent_path() / fs::path(line));
+  }
+  return files;
+}
+
+// Throws Error(input) if the sequence has changed since its times were read.
+std::vector<fs::path> selected_files(std::vector<fs::path> files,
+                                     const SequenceArgument& argument) {
+  const Selection& selection = argument.sequence.selection;
+  if (!selection.is_all() && selection.recorded_frames != files.size())
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: had {} when their times were read, and has {} now", argument.path.string(),
+                    counted(selection.recorded_frames, "frame"), files.size()));
+  return selected(std::move(files), selection);
+}
+
+std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
+                                  const SequenceArgument& argument) {
+  const FrameRange& range = argument.range;
+  const uint64_t last = range.last.value_or(all.size());
+  if (range.first >= all.size() || last > all.size())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
+                            counted(all.size(), "frame"), range_text(range)));
+  std::vector<fs::path> files;
+  for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
+    files.push_back(all[i]);
+  return files;
+}
+
+constexpr uint64_t kMostFrames = 10'000'000;
+
+bool is_list(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 3> kExtensions = {".txt", ".lst", ".csv"};
+  return std::ranges::find(kExtensions, path.extension().string()) != kExtensions.end();
+}
+
+std::vector<std::string> listed_names(const SequenceArgument& argument) {
+  const MappedFile file(argument.path);
+  std::vector<std::string> all;
+  for (const std::string_view line : split_lines(without_byte_order_mark(file.text())))
+    if (!line.empty() && !line.starts_with('#')) all.emplace_back(line);
+  const uint64_t last = argument.range.last.value_or(all.size());
+  if (argument.range.first >= last || last > all.size())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has {}, and the range {} is none of it", argument.path.string(),
+                            counted(all.size(), "name"), range_text(argument.range)));
+  std::vector<std::string> names;
+  for (uint64_t i = argument.range.first; i < last; i += argument.range.step)
+    names.push_back(all[i]);
+  return names;
+}
+
+std::string_view file_name(std::string_view path) {
+  return path.substr(path.rfind('/') == std::string_view::npos ? 0 : path.rfind('/') + 1);
+}
+
+// The number of equal last components of two paths.
+size_t shared_components(std::string_view a, std::string_view b) {
+  const auto left = split(a, '/');
+  const auto right = split(b, '/');
+  size_t shared = 0;
+  while (shared < std::min(left.size(), right.size()) &&
+         left[left.size() - 1 - shared] == right[right.size() - 1 - shared])
+    ++shared;
+  return shared;
+}
+
+std::optional<size_t> parse_number(std::string_view text) {
+  uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number >= kMostFrames)
+    return std::nullopt;
+  return number;
+}
+
+/// A name that can be extended until it differs from others.
+struct SequenceName {
+  fs::path path;                   // absolute
+  std::vector<std::string> parts;  // own name first, then parents
+  size_t used = 1;                 // parts
+  bool with_extension = false;
+  std::string range;
+  bool with_range = false;
+};
+
+// Results are JSON, which is UTF-8: other bytes become %XX.
+std::string as_utf8(const std::string& text) {
+  if (is_utf8(text)) return text;
+  std::string escaped;
+  for (const char c : text)
+    escaped +=
+        (c & 0x80) != 0 ? fmt::format("%{:02X}", static_cast<uint8_t>(c)) : std::string(1, c);
+  return escaped;
+}
+
+SequenceName make_name(const SequenceArgument& argument) {
+  std::error_code error;
+  SequenceName name;
+  name.path = fs::absolute(argument.path, error).lexically_normal();
+  if (!name.path.has_filename()) name.path = name.path.parent_path();
+  name.range = range_text(argument.range);
+  const bool is_folder = fs::is_directory(name.path, error);
+  name.parts.push_back(as_utf8((is_folder ? name.path.filename() : name.path.stem()).string()));
+  for (fs::path parent = name.path.parent_path(); parent.has_filename();
+       parent = parent.parent_path())
+    name.parts.push_back(as_utf8(parent.filename().string()));
+  return name;
+}
+
+std::string name_text(const SequenceName& name) {
+  std::string text =
+      name.with_extension ? as_utf8(name.path.filename().string()) : name.parts.front();
+  for (size_t k = 1; k < name.used; ++k) text = fmt::format("{}/{}", name.parts[k], text);
+  return name.with_range ? text + name.range : text;
+}
+
+// Extends the names of a group by one step: ranges of one path, extensions of one folder, otherwise
+// a parent. Returns false if nothing is left to add.
+bool distinguish(std::vector<SequenceName>& names, const std::vector<size_t>& group) {
+  const SequenceName& first = names[group.front()];
+  bool same_path = group.size() > 1;
+  bool same_parents = group.size() > 1;
+  for (const size_t i : group) {
+    same_path = same_path && names[i].path == first.path;
+    same_parents = same_parents && names[i].path.parent_path() == first.path.parent_path();
+  }
+  bool changed = false;
+  for (const size_t i : group) {
+    SequenceName& name = names[i];
+    if (!same_path && same_parents && !name.with_extension) {
+      changed = name.with_extension = true;
+    } else if (!same_path && name.used < name.parts.size()) {
+      ++name.used;
+      changed = true;
+    } else if (!name.with_range && !name.range.empty()) {
+      changed = name.with_range = true;
+    }
+  }
+  return changed;
+}
+
+}  // namespace
+
+SequenceArgument parse_sequence_argument(const std::string& text) {
+  const size_t at = text.rfind('@');
+  if (at == std::string::npos || is_there(text)) return {text, {}};
+  const auto range = parse_range(std::string_view(text).substr(at + 1), text);
+  return range ? SequenceArgument{text.substr(0, at), *range} : SequenceArgument{text, {}};
+}
+
+std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arguments,
+                                        const std::vector<std::string>& taken) {
+  std::vector<SequenceName> names;
+  for (const SequenceArgument& argument : arguments) names.push_back(make_name(argument));
+  for (;;) {
+    std::map<std::string, std::vector<size_t>> equal;
+    for (size_t i = 0; i < names.size(); ++i) equal[name_text(names[i])].push_back(i);
+    bool is_unique = true;
+    for (const auto& [text, group] : equal) {
+      if (group.size() == 1 && std::find(taken.begin(), taken.end(), text) == taken.end()) continue;
+      is_unique = false;
+      if (!distinguish(names, group))
+        throw Error(ErrorKind::usage,
+                    fmt::format("two training sequences are called {} and have the same path and "
+                                "range; give each only once",
+                                text));
+    }
+    if (is_unique) break;
+  }
+  std::vector<std::string> texts;
+  for (const SequenceName& name : names) texts.push_back(name_text(name));
+  return texts;
+}
+
+bool is_frame_name(const fs::path& path) {
+  return !is_hidden(path) && has_extension(path, kImageExtensions);
+}
+
+SequenceSource open_sequence(const SequenceArgument& argument) {
+  const fs::path& path = argument.path;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    throw Error(ErrorKind::input, fmt::format("{}: no such {}{}", path.string(),
+                                              is_array(path) ? "file" : "folder, list or video",
+                                              range_question(path.string())));
+  SequenceSource sequence{argument, SequenceKind::images, {}};
+  std::vector<fs::path> files;
+  if (fs::is_directory(status)) {
+    files = folder_files<kImageExtensions>(path);
+    if (files.empty()) files = folder_files<kArrayExtensions>(path);
+    if (files.empty())
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: the folder holds no images (sub-folders are not searched)",
+                              path.string()));
+  } else if (has_extension(path, kListExtensions)) {
+    files = read_list(path);
+    if (files.empty())
+      throw Error(ErrorKind::input, fmt::format("{}: the list names no images", path.string()));
+    if (std::none_of(files.begin(), files.end(), is_there))
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: a list has one image path a line, and no line of this one names "
+                              "a file that is there (the first is {})",
+                              path.string(), files.front().string()));
+  } else if (has_extension(path, kImageExtensions)) {
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: is a single image; give its folder, a list or a video", path.string()));
+  } else if (is_array(path)) {
+    sequence.kind = SequenceKind::descriptors;
+    sequence.files = {path};
+    return sequence;
+  } else if (!fs::is_regular_file(status)) {
+    throw Error(
+        ErrorKind::input,
+        fmt::format(
+            "{}: is neither a folder nor a regular file{}", path.string(),
+            fs::is_character_file(status) ? "; vpr-query follows a camera with --follow" : ""));
+  } else if (fs::is_empty(path, error)) {  // a file in /proc, which would never end, has size 0
+    throw Error(ErrorKind::input, fmt::format("{}: is an empty file", path.string()));
+  } else {
+    sequence.kind = SequenceKind::video;
+    return sequence;
+  }
+  if (std::all_of(files.begin(), files.end(), is_array)) sequence.kind = SequenceKind::descriptors;
+  sequence.files = selected_files(apply_range(files, argument), argument);
+  return sequence;
+}
+
+std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
+  std::vector<SequenceArgument> arguments;
+  for (const fs::path& path : folder_entries(folder, [](const fs::path& p) {
+         std::error_code ignored;
+         return fs::is_directory(p, ignored);
+       }))
+    arguments.push_back({path, {}});
+  if (arguments.empty())
+    throw Error(ErrorKind::input,
+                fmt::format("{}: has no sub-folders; each would be a sequence", folder.string()));
+  return arguments;
+}
+
+std::vector<std::string> frame_names(const SequenceArgument& argument) {
+  if (is_list(argument.path)) return listed_names(argument);
+  const SequenceSource sequence = open_sequence(argument);
+  if (sequence.kind == SequenceKind::video || sequence.is_one_array())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: does not say what its frames are called; give a folder or a list",
+                            argument.path.string()));
+  std::vector<std::string> names;
+  for (const auto& path : sequence.files) names.push_back(path.generic_string());
+  return names;
+}
+
+FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)) {
+  for (size_t i = 0; i < names_.size(); ++i) {
+    const std::string_view name = file_name(names_[i]);
+    by_file_name_[std::string(name)].push_back(i);
+    by_stem_[std::string(name.substr(0, name.rfind('.')))].push_back(i);
+  }
+}
+
+std::optional<size_t> FrameNames::count() const {
+  return names_.empty() ? std::nullopt : std::optional(names_.size());
+}
+
+std::optional<size_t> FrameNames::find(std::string_view path) const {
+  if (names_.empty()) return parse_number(path);
+  const auto found = by_file_name_.find(file_name(path));
+  if (found == by_file_name_.end()) {
+    const auto stem = by_stem_.find(file_name(path));
+    if (stem == by_stem_.end() || stem->second.size() > 1) return std::nullopt;
+    return stem->second.front();
+  }
+  if (found->second.size() == 1) return found->second.front();
+  std::optional<size_t> best;
+  size_t most = 0;
+  bool is_tied = false;
+  for (const size_t i : found->second) {
+    if (names_[i] == path) return i;
+    const size_t shared = shared_components(names_[i], path);
+    is_tied = shared == most || (shared < most && is_tied);
+    if (shared <= most) continue;
+    most = shared;
+    best = i;
+  }
+  return is_tied ? std::nullopt : best;
+}
+
+}  // namespace vpr
