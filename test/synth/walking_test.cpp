@@ -235,7 +235,7 @@ TEST_CASE("stops and cuts that a walk does not reach are refused") {
   walk.cuts.clear();
   walk.paces = {{0, 0.05}};
   walk.stops = {{1, 3600}, {2, 3600}, {3, 3600}};
-  CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "at most 100000"));
+  CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "the maximum is 100000"));
 }
 
 TEST_CASE("speeds vary by the requested amount") {
