@@ -22,7 +22,7 @@ size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
   const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::descriptors) return ArrayRows(sequence).count();
   if (sequence.kind == SequenceKind::images) return sequence.files.size();
-  return for_each_frame(sequence, PixelFormat::grey, Unreadable::skip, monitor,
+  return for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
                         [](size_t, const cv::Mat&) {})
       .frames;
 }

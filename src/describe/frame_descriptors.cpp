@@ -23,7 +23,7 @@ template <auto describe_gray>
 DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
                           const FrameVisitor& visit, const Monitor& monitor) {
-  const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::grey;
+  const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::gray;
   const size_t row_bytes = kind.shape.row_bytes();
   std::mutex mutex;  // the length of a video is unknown before its end
   DescriptorSet set;

@@ -35,7 +35,7 @@ std::pair<Sequence, std::vector<T>> for_each_descriptors(const SequenceSource& s
                                                          const Monitor& monitor, Make&& make) {
   std::vector<T> values(source.files.size());
   std::mutex mutex;  // the length of a video is unknown before its end
-  Sequence sequence = for_each_frame(source, PixelFormat::grey, on_unreadable(skip_unreadable),
+  Sequence sequence = for_each_frame(source, PixelFormat::gray, on_unreadable(skip_unreadable),
                                      monitor, [&](size_t index, const cv::Mat& image) {
                                        T value = make(find_features(image, settings).descriptors);
                                        const std::lock_guard lock(mutex);

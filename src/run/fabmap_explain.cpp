@@ -72,9 +72,9 @@ FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
   FrameFeatures features;
   if (!sequence.files.empty()) {
     if (frame < sequence.files.size())
-      features.grey = decode_image(sequence.files[frame], PixelFormat::grey);
+      features.grey = decode_image(sequence.files[frame], PixelFormat::gray);
   } else {
-    for_each_frame(sequence, PixelFormat::grey, Unreadable::skip, monitor,
+    for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
                    [&](size_t index, const cv::Mat& image) {
                      if (index == frame) features.grey = image.clone();
                    });

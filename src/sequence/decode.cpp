@@ -147,7 +147,7 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
   try {
     const CodecScope scope(path);
     image =
-        cv::imdecode(bytes, format == PixelFormat::grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+        cv::imdecode(bytes, format == PixelFormat::gray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
   } catch (const cv::Exception& error) {
     if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos) fail_as_too_large(path);
     fail(error.err);

@@ -11,7 +11,7 @@ class Mat;
 namespace vpr {
 
 /// The format of decoded frames: 8 bits, one channel; or blue, green and red.
-enum class PixelFormat { grey, bgr };
+enum class PixelFormat { gray, bgr };
 
 /// 8 bits per channel, as decoded by OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR, with EXIF
 /// orientation applied. Throws Error(input), with the file, if it is missing, empty, damaged, or

@@ -312,7 +312,7 @@ bool GrowingFolder::has_rested(const std::string& name) {
 
 bool GrowingFolder::can_be_decoded(const std::string& name, const Monitor& monitor) {
   try {
-    decode_image(folder_ / name, PixelFormat::grey);
+    decode_image(folder_ / name, PixelFormat::gray);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) return true;
     closed_.erase(name);

@@ -15,7 +15,7 @@
 namespace vpr {
 
 cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
-  if (format != PixelFormat::grey || image.channels() != 3) return image.clone();
+  if (format != PixelFormat::gray || image.channels() != 3) return image.clone();
   cv::Mat grey;
   cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   return grey;
@@ -130,7 +130,7 @@ double VideoReader::shown_at_ms() const { return capture_.get(cv::CAP_PROP_POS_M
 double VideoReader::frames_per_second() const { return capture_.get(cv::CAP_PROP_FPS); }
 
 std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Monitor& monitor) {
-  VideoReader reader(argument, PixelFormat::grey);
+  VideoReader reader(argument, PixelFormat::gray);
   std::vector<int64_t> times;
   std::vector<int64_t> by_rate;
   bool do_rise = true;

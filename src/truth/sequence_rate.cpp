@@ -50,7 +50,7 @@ std::optional<double> stated_rate(const SequenceArgument& argument, const RateSo
                                   const Monitor& monitor) {
   const SequenceSource sequence = open_sequence(argument);
   if (source.times.empty() && sequence.kind == SequenceKind::video) {
-    const double fps = VideoReader(argument, PixelFormat::grey).frames_per_second();
+    const double fps = VideoReader(argument, PixelFormat::gray).frames_per_second();
     if (!(fps > 0 && fps <= kMostFps)) return std::nullopt;
     return fps / static_cast<double>(argument.range.step);
   }

@@ -189,7 +189,7 @@ TEST_CASE("every bit of ORB compares two pixels, the same ones in every frame") 
     const auto real = real_data(folder);
     if (!real) return;
     std::atomic<size_t> unlike = 0;
-    for_each_frame(open_sequence({*real, FrameRange{0, 20}}), PixelFormat::grey, Unreadable::fail,
+    for_each_frame(open_sequence({*real, FrameRange{0, 20}}), PixelFormat::gray, Unreadable::fail,
                    {}, [&](size_t, const cv::Mat& gray) { unlike += unexplained(gray, pairs); });
     CHECK(unlike == 0);
   }

@@ -124,7 +124,7 @@ TEST_CASE("a video is thinned by its own times, and frames keep their numbers") 
     const SequenceArgument argument =
         with_rate(parse_sequence_argument(path + range), {}, fps, recording.monitor);
     const Sequence frames =
-        for_each_frame(open_sequence(argument), PixelFormat::grey, Unreadable::fail,
+        for_each_frame(open_sequence(argument), PixelFormat::gray, Unreadable::fail,
                        recording.monitor, [](size_t, const cv::Mat&) {});
     if (fps) {
       REQUIRE_FALSE(frames.selection.is_all());
