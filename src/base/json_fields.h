@@ -166,6 +166,8 @@ struct IfSet {
     if (fields.has(key)) fields_from_json(fields[key], field.emplace(), fields, key);
   }
 };
+template <class T>
+IfSet(std::optional<T>&) -> IfSet<T>;
 
 /// A field that is absent where it has its usual value.
 template <class T>
@@ -180,6 +182,8 @@ struct Unless {
     if (fields.has(key)) fields_from_json(fields[key], field, fields, key);
   }
 };
+template <class T>
+Unless(T&, T) -> Unless<T>;
 
 /// A field that follows from the others: it is not read.
 template <class T>
@@ -189,6 +193,8 @@ struct Derived {
   void write(Json& json, const std::string& key) const { json[key] = fields_to_json(value); }
   void read(const Fields&, const std::string&) {}
 };
+template <class T>
+Derived(T) -> Derived<T>;
 
 /// The value of an optional, or null.
 Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
