@@ -317,7 +317,10 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
       const auto& [hits, places, mixed, distinct, best] = cell.counts;
       const Recommendation& choice = sweep.recommendation;
       const bool is_pareto = std::ranges::find(choice.pareto, c) != choice.pareto.end();
-      const auto of_places = [&](uint64_t count) { return places ? std::to_string(count) : ""; };
+      const bool has_places = places.has_value();
+      const auto of_places = [&](uint64_t count) {
+        return has_places ? std::to_string(count) : "";
+      };
       const LabelCounts judged = places.value_or(LabelCounts{});
       names.push_back(sweep.query.name);
       Table& row = rows.emplace_back();
