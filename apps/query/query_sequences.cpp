@@ -174,7 +174,10 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   has_scores       ? take_scores(sides, session, inputs)
   : settings->loop ? describe_own(sides, session, inputs, *settings)
                    : describe(sides, session, inputs, settings);
-  const auto& [given, database, query, source, known, times_ns] = sides;
+  const SequenceDatabase& database = sides.database;
+  const DescriptorSet& query = sides.query;
+  const QuerySource& source = sides.source;
+  const ResultContext& known = sides.context;
   const double describe_s = watch.elapsed_s();
   const std::string& name = source.sequence.name;
   SavedMatrix matrix;
@@ -184,7 +187,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
       return query_lsh(database, query, name, settings, resources, session.monitor);
     QueryPlan planned =
         settings->loop
-            ? plan_loop(database, query, name, settings, times_ns, resources, session.monitor)
+            ? plan_loop(database, query, name, settings, sides.times_ns, resources, session.monitor)
             : plan_query(database, query, name, settings, resources, session.monitor);
     const Result shape = make_result(planned);  // without matches
     if (source.ground_truth && inputs.matrix.ends_with(".png")) {
