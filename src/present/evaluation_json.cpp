@@ -1,6 +1,5 @@
 // Evaluation reports as JSON: one description of the fields, by which they are written and read.
 #include <charconv>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -145,17 +144,7 @@ struct SelectionForm {
 
   void write(Json& json, const std::string&) const { add_selection(json, selection); }
   void read(const Fields& fields, const std::string&) {
-    constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
-    if (fields.has("thinned")) {
-      const Fields thinned = fields.object("thinned");
-      selection.thinned_fps = read_fps(thinned);
-      selection.recorded_frames = thinned.count("frames", kMostFrames);
-    }
-    if (!fields.has("warp")) return;
-    const Fields warp = fields.object("warp");
-    selection.warp = warp.text("name");
-    selection.seed = warp.count("seed", kMost);
-    selection.recorded_frames = warp.count("frames", kMostFrames);
+    selection = read_selection(fields, [](const Selection&) { return kMostFrames; });
   }
 };
 

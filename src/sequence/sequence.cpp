@@ -9,25 +9,6 @@ namespace vpr {
 
 namespace {
 
-// Reads a selection without its frames.
-Selection read_selection(const Fields& fields, uint64_t frames) {
-  Selection selection;
-  if (fields.has("thinned")) {
-    const Fields thinned = fields.object("thinned");
-    selection.thinned_fps = read_fps(thinned);
-    selection.recorded_frames = thinned.count("frames", kMostThinned * frames);
-  }
-  if (fields.has("warp")) {
-    const Fields warp = fields.object("warp");
-    selection.warp = warp.text("name");
-    selection.seed = warp.count("seed", std::numeric_limits<uint64_t>::max());
-    const uint64_t thinning = selection.thinned_fps > 0 ? kMostThinned : 1;
-    selection.recorded_frames =
-        warp.count("frames", thinning * static_cast<uint64_t>(kFastestPace) * frames);
-  }
-  return selection;
-}
-
 bool needs_sources(const Selection& selection) {
   return !selection.warp.empty() || selection.thinned_fps > 0;
 }
@@ -65,6 +46,23 @@ void add_selection(Json& json, const Selection& selection) {
     json["thinned"] = {{"fps", selection.thinned_fps}, {"frames", selection.recorded_frames}};
 }
 
+Selection read_selection(const Fields& fields,
+                         const std::function<uint64_t(const Selection&)>& max_recorded) {
+  Selection selection;
+  if (fields.has("thinned")) {
+    const Fields thinned = fields.object("thinned");
+    selection.thinned_fps = read_fps(thinned);
+    selection.recorded_frames = thinned.count("frames", max_recorded(selection));
+  }
+  if (fields.has("warp")) {
+    const Fields warp = fields.object("warp");
+    selection.warp = warp.text("name");
+    selection.seed = warp.count("seed", std::numeric_limits<uint64_t>::max());
+    selection.recorded_frames = warp.count("frames", max_recorded(selection));
+  }
+  return selection;
+}
+
 Json sequence_json(const Sequence& sequence, const Json& own) {
   Json json = {{"name", sequence.name}, {"frames", sequence.frames}};
   json.update(own);
@@ -84,7 +82,11 @@ Sequence read_sequence(const Fields& fields, uint64_t most_frames) {
       sequence.unreadable.push_back(frame.get<size_t>());
     }
   if (fields.has("fps")) sequence.fps = read_fps(fields);
-  sequence.selection = read_selection(fields, sequence.frames);
+  sequence.selection = read_selection(fields, [&](const Selection& selection) {
+    const uint64_t thinning = selection.thinned_fps > 0 ? kMostThinned : 1;
+    const uint64_t warping = selection.warp.empty() ? 1 : static_cast<uint64_t>(kFastestPace);
+    return thinning * warping * sequence.frames;
+  });
   return sequence;
 }
 

@@ -35,6 +35,12 @@ Sequence selected(Sequence recorded, const Selection& selection);
 /// Adds "warp" and "thinned", but not the frames.
 void add_selection(Json& json, const Selection& selection);
 
+/// Reads the output of add_selection. `max_recorded`: the largest valid number of recorded frames,
+/// for a selection whose rate, and whose warp if it has one, are set. Throws Error(data) for
+/// damage.
+Selection read_selection(const Fields& fields,
+                         const std::function<uint64_t(const Selection&)>& max_recorded);
+
 /// A sequence in a file: "name" and "frames" (their number), then the keys of `own`, then
 /// everything else that is known except the frames' names, "unreadable" and the selected frames.
 Json sequence_json(const Sequence& sequence, const Json& own);
