@@ -7,11 +7,14 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "match/given_distances.h"
 #include "match/plain.h"
 
 namespace vpr {
 namespace {
+
+constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the second-level cache
 
 constexpr std::array<DistanceKind, 6> kKinds = {{
     {"hamming",
@@ -80,9 +83,8 @@ void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorSha
 
 uint64_t total_of_row(const FrameDistances& distances, size_t query) {
   if (distances.row_total) return distances.row_total(query);
-  std::vector<uint16_t> row(distances.train_frames + kStretchFrames);
-  const auto asked = static_cast<uint32_t>(query);
-  distances.tile({&asked, 1}, 0, distances.train_frames, row.data(), 0);
+  std::vector<uint16_t> row;
+  compute_row(distances, query, row);
   return row_sum(distances, row);
 }
 
@@ -96,8 +98,6 @@ uint64_t total_of_pairs(const FrameDistances& distances) {
 }
 
 }  // namespace
-
-std::span<const DistanceKind> distance_kinds() { return kKinds; }
 
 const DistanceKind& distance_of(ElementType element) {
   const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
@@ -132,6 +132,17 @@ uint16_t largest_distance(const DescriptorShape& shape) {
 
 uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b) {
   return distance_of(rows.shape.element).pair(rows[a], rows[b]);
+}
+
+void compute_row(const FrameDistances& distances, size_t query, std::vector<uint16_t>& row) {
+  const size_t frames = distances.train_frames;
+  const auto asked = static_cast<uint32_t>(query);
+  row.resize(frames + kStretchFrames);
+  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
+    const size_t first = chunk * kChunkFrames;
+    const size_t last = std::min(first + kChunkFrames, frames);
+    distances.tile({&asked, 1}, first, last, row.data() + first, 0);
+  });
 }
 
 uint64_t row_sum(const FrameDistances& distances, std::span<const uint16_t> row) {

@@ -97,8 +97,7 @@ struct DistanceKind {
   FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 };
 
-/// One entry per element type.
-std::span<const DistanceKind> distance_kinds();
+/// The entry of an element type.
 const DistanceKind& distance_of(ElementType element);
 
 /// The distances of a query to training sequences, for the kind of their descriptors, which must be
@@ -159,6 +158,10 @@ uint16_t largest_distance(const DescriptorShape& shape);
 
 /// The distance of two frames of one sequence.
 uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b);
+
+/// Computes the distances of a query frame to all training frames. Threads share long rows. `row`
+/// gets one entry per training frame, and kStretchFrames without a meaning behind them.
+void compute_row(const FrameDistances& distances, size_t query, std::vector<uint16_t>& row);
 
 /// The sum of a row's distances to readable training frames; `row` has one entry per training
 /// frame.

@@ -17,23 +17,11 @@ constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache s
 
 using Distances = std::array<uint16_t, 2 * kRowStride>;
 
-// The distances of a query frame to all training frames.
-void compare_row(StandardizedState& state, size_t frame) {
-  const size_t frames = state.distances.train_frames;
-  const auto query = static_cast<uint32_t>(frame);
-  state.row.resize(frames + kStretchFrames);
-  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
-    const size_t first = chunk * kChunkFrames;
-    const size_t last = std::min(first + kChunkFrames, frames);
-    state.distances.tile({&query, 1}, first, last, state.row.data() + first, 0);
-  });
-}
-
 double centre_of(StandardizedState& state, size_t frame) {
   if (!state.settings.centre) return state.typical_distance;
   if (state.distances.row_total || state.distances.readable_frames == 0)
     return row_mean(state.distances, frame);
-  compare_row(state, frame);
+  compute_row(state.distances, frame, state.row);
   return static_cast<double>(row_sum(state.distances, state.row)) /
          static_cast<double>(state.distances.readable_frames);
 }

@@ -42,10 +42,10 @@ double first_variance(const GivenQuery& made) {
   const std::vector<FrameRun> queries = readable_runs(made.query.span());
   const FrameDistances distances = frame_distances(train, made.query.span());
   if (queries.empty() || distances.readable_frames == 0) return 0;
-  const auto query = static_cast<uint32_t>(queries.front().first);
+  const size_t query = queries.front().first;
   const double mean = row_mean(distances, query);
-  std::vector<uint16_t> row(distances.train_frames + kStretchFrames);
-  distances.tile({&query, 1}, 0, distances.train_frames, row.data(), row.size());
+  std::vector<uint16_t> row;
+  compute_row(distances, query, row);
   double squares = 0;
   for (const FrameRun& run : distances.train_runs)
     for (size_t i = run.first; i < run.first + run.count; ++i)
