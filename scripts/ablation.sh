@@ -47,7 +47,7 @@ echo '| | corridor, c_l 5 | 10 | 20 | slow corridor, 20 | 40 | Nordland, 10 | 20
 echo '|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|'
 variant 'raw distances' raw
 variant '`standardized`' standardized
-variant '1 off: rows not centred' standardized '"centre": false'
+variant '1 off: rows not centered' standardized '"center": false'
 variant '2 off: no components' standardized '"components": 0'
 variant '3 off: nothing learned' standardized '"learn": false'
 variant '3 off: no start' standardized '"start_weight": 0'

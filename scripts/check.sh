@@ -22,7 +22,7 @@ scripts/check_links.py
 [[ ${1:-} == --style ]] && exit 0
 
 # Static analysis reads sources without precompiled headers.
-analyse() {
+analyze() {
   cmake --preset tidy >/dev/null
   cmake --build --preset tidy --target generated_sources >/dev/null
   printf '%s\n' "$@" |
@@ -36,10 +36,10 @@ if [[ ${1:-} == --quick ]]; then
   mapfile -t changed < <(git diff --name-only --diff-filter=d "${base:-HEAD~1}" -- 'src/*.cpp' 'apps/*.cpp')
   [[ ${#changed[@]} -gt 20 ]] &&
     echo "clang-tidy: ${#changed[@]} files have changed; not analyzed: ${changed[*]:20}"
-  [[ ${#changed[@]} -gt 0 ]] && analyse "${changed[@]:0:20}"
+  [[ ${#changed[@]} -gt 0 ]] && analyze "${changed[@]:0:20}"
   exit 0
 fi
 scripts/test.sh
 mapfile -t sources < <(git ls-files --cached --others --exclude-standard 'src/*.cpp' 'apps/*.cpp')
-analyse "${sources[@]}"
+analyze "${sources[@]}"
 echo "all checks passed"

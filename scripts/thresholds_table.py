@@ -139,14 +139,14 @@ def worlds():
     detour = [[1.5, 1.25], [11.25, 1.25], [11.25, 8], [15.25, 8], [15.25, 1.25], [28.75, 1.25], [28.75, 15]]
     for index in range(options.worlds):
         chance = random.Random(index)
-        hour, metres = [], 0
-        while metres < 4320:  # an hour at 1.2 m/s
+        hour, meters = [], 0
+        while meters < 4320:  # an hour at 1.2 m/s
             there, back = (chance.choice([route, detour + [[2, 15]]]) for _ in range(2))
             for path in (there, back[::-1]):
                 for corner in path:
                     if hour and hour[-1] == corner:
                         continue
-                    metres += sum(abs(a - b) for a, b in zip(hour[-1], corner)) if hour else 0
+                    meters += sum(abs(a - b) for a, b in zip(hour[-1], corner)) if hour else 0
                     hour.append(corner)
         light = [{"daylight": 0.7, "warmth": 0.2, "noise": 4}, {"daylight": 0.3, "warmth": -0.1, "noise": 5}]
         query = {"use": "query", "floor": "ground"}
@@ -285,8 +285,8 @@ def auto_table(pool, pairs):
         cells = []
         for decision in decisions:
             found, share = safe[group, decision], shares[group, decision]
-            recognised = f", {100 * sum(share) / len(share):.0f} %" if share else ""
-            cells.append(f"{sum(found)} of {len(found)}{recognised}")
+            recognized = f", {100 * sum(share) / len(share):.0f} %" if share else ""
+            cells.append(f"{sum(found)} of {len(found)}{recognized}")
         print(f"| {group} | " + " | ".join(cells) + " |", flush=True)
 
 
@@ -298,7 +298,7 @@ def walk_table(pool, pairs):
         cells[group, decision, rule][verdict] += 1
         if share is not None:
             shares[group, decision, rule].append(share)
-    print("| set, decision | rule | holds | no hit | wrong | none found | recognised |")
+    print("| set, decision | rule | holds | no hit | wrong | none found | recognized |")
     print("|---|---|---:|---:|---:|---:|---:|")
     for group, decision, rule in sorted(cells):
         counted, share = cells[group, decision, rule], shares[group, decision, rule]

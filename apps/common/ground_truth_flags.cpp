@@ -70,10 +70,10 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   add_path("--ground-truth-reference", options.reference,
            "poses, tum, kitti, euroc, gps, utm: those of the training sequence; anchors: for a "
            "tolerance "
-           "in metres");
+           "in meters");
   add_number(
       command, "--radius", flags.options.radius_m,
-      "poses, tum, kitti, euroc, gps, utm, anchors: the same place within so many metres (utm: "
+      "poses, tum, kitti, euroc, gps, utm, anchors: the same place within so many meters (utm: "
       "default 25)");
   add_number(command, "--angle", flags.options.angle_deg,
              "and with headings that differ by at most so many degrees (default: any)");

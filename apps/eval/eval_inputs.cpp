@@ -144,13 +144,13 @@ ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
 }
 
 /// Warns where the scores find more places in the other order: --distance instead of --similarity.
-void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
-  const uint64_t queries = judged_queries(judgement.outcomes);
-  const auto found = recall_at(judgement.outcomes, 1);
-  if (!found || !judgement.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
+void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
+  const uint64_t queries = judged_queries(judgment.outcomes);
+  const auto found = recall_at(judgment.outcomes, 1);
+  if (!found || !judgment.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
     return;
   const double other =
-      static_cast<double>(judgement.all_pairs->worst_correct) / static_cast<double>(queries);
+      static_cast<double>(judgment.all_pairs->worst_correct) / static_cast<double>(queries);
   constexpr double kClear = 0.05;  // of the queries: more than chance
   if (other < 2 * *found || other < *found + kClear) return;
   warn(monitor,
@@ -160,12 +160,12 @@ void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judg
 }
 
 /// Warns where the best score of all may be what vpr-query writes where there is none.
-void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
-  const auto& points = judgement.single_best.points;
+void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
+  const auto& points = judgment.single_best.points;
   if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.matrix.path.empty() ||
       points.empty())
     return;
-  const double best = judgement.single_best.threshold(points.front());
+  const double best = judgment.single_best.threshold(points.front());
   const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
   const auto kinds = score_kinds();
   if (std::none_of(kinds.begin(), kinds.end(), is_missing)) return;
@@ -185,8 +185,8 @@ void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& eval
   settings.format.is_similarity = opened.matrix->kind() == ScoreOrder::similarity;
   evaluated.evaluation =
       evaluate_scores(std::move(*opened.matrix), settings, evaluated.by, session.monitor);
-  warn_reversed(session.monitor, inputs.scores, evaluated.evaluation.judgement);
-  warn_negative(session.monitor, inputs.scores, evaluated.evaluation.judgement);
+  warn_reversed(session.monitor, inputs.scores, evaluated.evaluation.judgment);
+  warn_negative(session.monitor, inputs.scores, evaluated.evaluation.judgment);
 }
 
 void require_inputs(const EvalInputs& inputs) {

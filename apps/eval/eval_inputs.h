@@ -70,7 +70,7 @@ struct ScoreInputs {
   std::string warp;                      ///< how the query was replayed; empty: it was not
   std::optional<uint64_t> query_frames;  ///< of the query, before --warp
   std::string name;                      ///< for tables; empty: the file's, or the method
-  std::string poses;                     ///< of the query, for metres
+  std::string poses;                     ///< of the query, for meters
 
   /// Whether there are scores, read or computed.
   bool any() const { return !source().empty(); }

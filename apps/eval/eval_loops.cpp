@@ -23,7 +23,7 @@ LoopRules rules_of(const EvalInputs& inputs) {
   if (!inputs.flags.options.radius_m)
     throw Error(
         ErrorKind::usage,
-        "--loops needs the radius in metres within which a loop is right, as in --radius 2");
+        "--loops needs the radius in meters within which a loop is right, as in --radius 2");
   if (inputs.loops.gap.empty())
     throw Error(ErrorKind::usage,
                 "--loops needs --gap, how long ago a place must have been left before it can be "
@@ -88,7 +88,7 @@ LoopsEvaluation evaluate(const EvalInputs& inputs) {
     found.list = read_loop_list(inputs.loops.path, found.trajectory, rules);
     require_order(inputs, found.list);
   }
-  found.judgement = judge_loops(found.list, found.trajectory, found.rules);
+  found.judgment = judge_loops(found.list, found.trajectory, found.rules);
   return found;
 }
 

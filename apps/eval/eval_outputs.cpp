@@ -43,7 +43,7 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
     if (is_on_earth.value_or(train.is_on_earth) != train.is_on_earth)
       throw Error(ErrorKind::data,
                   "--fixes-tum: some training sequences have latitudes and longitudes and others "
-                  "metres; give all in one way");
+                  "meters; give all in one way");
     is_on_earth = train.is_on_earth;
     for (auto& pose : train.poses) {
       if (!pose || !train.is_on_earth) continue;
@@ -52,7 +52,7 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
     }
     return train.poses;
   };
-  for (const auto& [sequence, searched, names] : evaluation.judgement.layout.scope.sequences) {
+  for (const auto& [sequence, searched, names] : evaluation.judgment.layout.scope.sequences) {
     Poses& poses = positions.emplace_back();
     const auto train = std::ranges::find(dataset.train, sequence.name, &NamedSequence::name);
     if (train != dataset.train.end() && !train->poses.empty())
@@ -83,7 +83,7 @@ void add_csv_options(const Command& app, CsvInputs& inputs) {
                  "write a row for every query: its best match and whether that is right")
       .type_name("FILE");
   app.add_option("--recognitions-csv", inputs.recognitions,
-                 "write a row for every recognised place: frames, hits and whether it is right")
+                 "write a row for every recognized place: frames, hits and whether it is right")
       .type_name("FILE");
 }
 
@@ -100,7 +100,7 @@ void claim_csv_outputs(const Session& session, const CsvInputs& inputs, bool has
 void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluation,
               const std::string& name) {
   if (!inputs.outcomes.empty())
-    rows.outcomes += outcomes_csv(evaluation.judgement, name, evaluation.query().name);
+    rows.outcomes += outcomes_csv(evaluation.judgment, name, evaluation.query().name);
   if (!inputs.recognitions.empty() && evaluation.result)
     rows.recognitions += recognitions_csv(*evaluation.result, name);
 }
@@ -183,7 +183,7 @@ void require_met(const ExpectInputs& inputs, const std::vector<CheckedValue>& va
 
 void add_trajectory_options(const Command& app, EvalInputs& inputs) {
   app.add_option("--fixes-tum", inputs.fixes,
-                 "write where each recognised frame is said to be as a TUM trajectory (time x y z "
+                 "write where each recognized frame is said to be as a TUM trajectory (time x y z "
                  "qx qy qz qw), as for evo; needs poses of training frames: --dataset, or "
                  "--ground-truth-reference")
       .type_name("FILE");

@@ -57,7 +57,7 @@ std::vector<std::optional<SequenceSource>> open_references(const std::vector<Nam
 
 FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset_path,
                          const Evaluation& evaluation) {
-  const GroundTruthScope& scope = evaluation.judgement.layout.scope;
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   FrameSources sources;
   std::optional<Dataset> dataset;
   if (!dataset_path.empty()) dataset = read_dataset(dataset_path);
@@ -80,8 +80,7 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
 
 MapPanel panel_of(const Evaluated& evaluated) {
   const Evaluation& evaluation = evaluated.evaluation;
-  return {title_with_settings(evaluated.report),
-          meanings_of(evaluation.judgement, evaluation.truth),
+  return {title_with_settings(evaluated.report), meanings_of(evaluation.judgment, evaluation.truth),
           evaluation.result && evaluation.result->result.places};
 }
 
@@ -100,7 +99,7 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
   if (found.is_gps && !(dataset.plan.empty() && dataset.place_poses.empty()))
     throw Error(ErrorKind::data,
                 fmt::format("{}: its \"poses\" are latitudes and longitudes, and \"plan\" and "
-                            "\"place_poses\" are in metres",
+                            "\"place_poses\" are in meters",
                             where));
   map.query = std::move(found.routes.front());
   map.train.assign(std::make_move_iterator(found.routes.begin() + 1),

@@ -301,7 +301,7 @@ void add_compare(Program& program, CompareInputs& inputs) {
                   "draw curves and paths of all as SVG and PNG into this folder")
       .type_name("FOLDER");
   add_setting(command, "--block", inputs.block,
-              "queries that are drawn together, since neighbours depend on each other (default: "
+              "queries that are drawn together, since neighbors depend on each other (default: "
               "the longest window, at least 10)");
   command.add_flag("--allow-different", inputs.allow_different,
                    "compare reports with different ground truths all the same; the output says so");

@@ -60,7 +60,7 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
       .type_name("N")
       .group(group);
   add_setting(app, "--threshold", inputs.threshold,
-              "best matches from this score on count as recognised along the path (default: that "
+              "best matches from this score on count as recognized along the path (default: that "
               "of recall at 100 % precision)")
       .group(group);
   add_warp_flag(app, inputs.warp,
@@ -73,7 +73,7 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
       .type_name("NUMBER");
   app.add_option(
          "--poses", inputs.poses,
-         "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too (default: "
+         "positions of the query's frames (CSV frame,x,y in meters): gaps in meters, too (default: "
          "those that the data set names); of --loops the trajectory, as TUM, KITTI, EuRoC or CSV")
       .group(group)
       .type_name("FILE");

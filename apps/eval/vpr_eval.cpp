@@ -110,7 +110,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const Stopwatch watch;
   const Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
-  const std::string summary = summary_sentence(evaluation.judgement, evaluation.truth.is_known,
+  const std::string summary = summary_sentence(evaluation.judgment, evaluation.truth.is_known,
                                                rate_of_frames(evaluation, inputs));
   const Json report =
       report_json(evaluated.report, run_of(evaluated, inputs, session.run), watch.elapsed_s());
@@ -123,8 +123,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   write_csv_rows(session, inputs.csv, rows);
   write_trajectory(session, inputs, evaluated, frames_per_second(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
-              evaluation.judgement.layout,
-              evaluation.result ? &evaluation.result->result : nullptr);
+              evaluation.judgment.layout, evaluation.result ? &evaluation.result->result : nullptr);
   std::string text = tables(evaluated, summary, inputs);
   if (inputs.format == TableFormat::text) text += met_sentence(inputs.expect, values);
   session.print_result(text, report);

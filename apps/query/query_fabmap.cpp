@@ -72,13 +72,13 @@ std::string advice(const Result& result) {
 
 std::string summary(const Result& result) {
   const ResultPlaces& places = *result.places;
-  std::set<uint32_t> recognised;
-  for (const Match& hit : result.hits) recognised.insert(hit.train);
+  std::set<uint32_t> recognized;
+  for (const Match& hit : result.hits) recognized.insert(hit.train);
   Table table;
   table.title =
       fmt::format("{}: {}, {} of {} of {}", query_title(result),
                   counted(result.query.frames, "frame"), counted(result.hits.size(), "recognition"),
-                  recognised.size(), counted(places.names.size(), "place"));
+                  recognized.size(), counted(places.names.size(), "place"));
   if (places.featureless > 0)
     table.title += fmt::format("; {} without features", counted(places.featureless, "frame"));
   table.columns = {"query frames", "places", "recognitions", "probability"};

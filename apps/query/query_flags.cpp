@@ -123,7 +123,7 @@ void add_loop_flags(const Command& app, QueryLoop& loop, SequenceQuerySettings& 
 void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettings& settings) {
   const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
   group(add_setting(app, "--t-p", settings.place_threshold,
-                    "probability above which a view is recognised (default 0.99)"));
+                    "probability above which a view is recognized (default 0.99)"));
   group(add_setting(app, "--c-w", settings.window, "in so many frames in a row (default 1)"));
   group(add_setting(app, "--variant", settings.variant,
                     "how likelihoods are computed (default fabmap2)"))
@@ -134,7 +134,7 @@ void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettin
   group(add_setting(app, "--new-place-samples", settings.new_place_samples,
                     "pretraining frames to draw for it; 0: all (default)"));
   group(app.add_flag("--motion-model", settings.posterior.motion_model,
-                     "neighbours of what was likely before are likely now"));
+                     "neighbors of what was likely before are likely now"));
   group(app.add_option("--explain", inputs.explained_frame,
                        "list the words that speak for and against the best places of this frame, "
                        "and draw them in RESULT.explain.png"));

@@ -48,9 +48,9 @@ std::string rate_text(const Cluster& track) {
 Table places_table(const Result& result) {
   Table table;
   table.title =
-      fmt::format("{}: {} in {}, {} of {} recognised", query_title(result),
+      fmt::format("{}: {} in {}, {} of {} recognized", query_title(result),
                   counted(result.hits.size(), "hit"), counted(result.clusters->all.size(), "place"),
-                  recognised_windows(result), counted(result.query_windows, "window"));
+                  recognized_windows(result), counted(result.query_windows, "window"));
   const ScoreKind& kind = result.score();
   const size_t length = result.window_length();
   table.columns = {"sequence", "query frames", "train frames", "hits",

@@ -199,7 +199,7 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program(
-      "vpr-query", "Recognise the places of a query sequence in a database.",
+      "vpr-query", "Recognize the places of a query sequence in a database.",
       "  vpr-query corridor.vprdb --query tuesday\n"
       "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
       "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "

@@ -88,7 +88,7 @@ void add_fastable_command(Program& program, FastableCommand& given) {
   add_setting(fastable, "--safety-factor", given.settings.safety_factor,
               "multiplies the automatic thresholds (default 1)");
   fastable.add_flag("--illumination-invariant", given.settings.descriptor.illumination_invariant,
-                    "decode in colour and remove the light's colour first");
+                    "decode in color and remove the light's color first");
   fastable.add_flag("--skip-unreadable", given.settings.skip_unreadable,
                     "frames that can't be decoded keep their index and never match");
 }

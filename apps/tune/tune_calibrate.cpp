@@ -1,4 +1,4 @@
-// vpr-tune calibrate: a margin from a labelled walk, for walks without labels.
+// vpr-tune calibrate: a margin from a labeled walk, for walks without labels.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -65,7 +65,7 @@ void add_walk(const Command& command, TuneInputs& inputs) {
 
 void add_asked(const Command& command, CalibrateTune& tune) {
   command.add_option("--precision", tune.precision,
-                     "share of the recognised windows that is to be right (default 1)");
+                     "share of the recognized windows that is to be right (default 1)");
   command.add_option("--c-l", tune.windows, calibrated_lengths_help());
 }
 
@@ -78,7 +78,7 @@ CalibrateTune::CalibrateTune() {
 
 void add_calibrate(Program& program, CalibrateTune& tune) {
   const Command command = program.add_command(
-      "calibrate", "A margin from a short labelled walk, for vpr-query --config on others.",
+      "calibrate", "A margin from a short labeled walk, for vpr-query --config on others.",
       "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth aligned "
       "--tolerance 3 --fps 2 -o calibrated.json\n"
       "  vpr-query corridor.vprdb --query another/walk --config calibrated.json -o result.json\n"

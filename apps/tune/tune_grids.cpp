@@ -84,7 +84,7 @@ std::string window_length_help() {
 
 std::string calibrated_lengths_help() {
   return fmt::format(
-      "window lengths, of which the shortest is taken that recognises nearly most, as in 10,20 "
+      "window lengths, of which the shortest is taken that recognizes nearly most, as in 10,20 "
       "(default: those of {} that fit)",
       kCalibratedLengths);
 }

@@ -75,14 +75,14 @@ def run_floor(experiment, laboratory):
             report = laboratory.report("fastable", row["data"], row["query"], "--c-l", row["c_l"],
                                        "--t-r", row["t_r"])
         found = measures(report["counts"])
-        found["localised per cent"] = localised_per_cent(report)
+        found["localized per cent"] = localized_per_cent(report)
         ours.append((row, found))
     return ours
 
 
-def localised_per_cent(report):
+def localized_per_cent(report):
     """Share of the query's frames with a correct recognition."""
-    return round(100 * report["localisation"]["share"], 1)
+    return round(100 * report["localization"]["share"], 1)
 
 
 def run_maps(experiment, laboratory):
@@ -99,7 +99,7 @@ def run_maps(experiment, laboratory):
             counts = measures(report["counts"])
             found[f"{title} places"] = counts["distinct"]
             found[f"{title} {wrong}"] = counts[wrong]
-            found[f"{title} per cent of path"] = localised_per_cent(report)
+            found[f"{title} per cent of path"] = localized_per_cent(report)
             keep_result(WORK / f"map-{method}")
         target = ROOT / "out/figures" / f"{name}-{query}"
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -53,9 +53,9 @@ def runs_of(runs, folder):
         best = report.get("metrics", {}).get("single_best", {})
         rows.append([(name, os.path.relpath(path, folder)), *counts_of(report["counts"]),
                      report["best_match"]["rate"], best.get("average_precision"),
-                     best.get("recall_at_100_precision"), report["localisation"]["share"]])
+                     best.get("recall_at_100_precision"), report["localization"]["share"]])
     return table(["run", *COUNTS, "best match right", "average precision", "recall at 100 %",
-                  "localised"], rows)
+                  "localized"], rows)
 
 
 def comparison_of(name, path):

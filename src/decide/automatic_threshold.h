@@ -12,8 +12,8 @@
 
 namespace vpr {
 
-/// The mean distance of frames of one sequence that are no neighbours, in units of
-/// frame_distances: that of compute_statistics for this sequence alone, with its default neighbours
+/// The mean distance of frames of one sequence that are no neighbors, in units of
+/// frame_distances: that of compute_statistics for this sequence alone, with its default neighbors
 /// and 1000 samples.
 double typical_distance(const DescriptorSpan& sequence, const Monitor& monitor);
 

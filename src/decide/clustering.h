@@ -23,7 +23,7 @@ struct Match {
   bool operator==(const Match&) const = default;
 };
 
-/// Which hits are neighbours.
+/// Which hits are neighbors.
 struct ClusterSettings {
   int64_t eps = 2;            ///< Euclidean, in frames of the (train, query) plane; 0 to kMaxEps
   bool eps_inclusive = true;  ///< is a distance of exactly eps inside? (published program: no)

@@ -99,7 +99,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
 struct FabmapQuerySettings {
   std::string method = "fabmap";
   std::string variant = "fabmap2";
-  double place_threshold = 0.99;  ///< t_p: a view is recognised above (strict)
+  double place_threshold = 0.99;  ///< t_p: a view is recognized above (strict)
   uint64_t window = 1;            ///< c_w: in so many frames in a row
   WordModel word_model = WordModel::tree;
   NewPlaceModel new_place = NewPlaceModel::pretrain;

@@ -67,7 +67,7 @@ void cluster(Result& result, const Monitor& monitor) {
                                                     settings.clustering, monitor);
 }
 
-size_t recognised_windows(const Result& result) {
+size_t recognized_windows(const Result& result) {
   size_t windows = 0;
   for (size_t h = 0; h < result.hits.size(); ++h)
     if (h == 0 || result.hits[h].query != result.hits[h - 1].query) ++windows;

@@ -124,6 +124,6 @@ void cluster(Result& result, const Monitor& monitor = {});
 inline size_t anchor_of(size_t window, size_t window_length) { return window + window_length - 1; }
 
 /// Query windows with at least one hit.
-size_t recognised_windows(const Result& result);
+size_t recognized_windows(const Result& result);
 
 }  // namespace vpr

@@ -18,8 +18,8 @@ struct Gap {
   bool holds(size_t window) const { return first <= window && window < end; }
 };
 
-/// Windows that are recognised at some strength.
-struct Recognised {
+/// Windows that are recognized at some strength.
+struct Recognized {
   int64_t right = 0;
   int64_t wrong = 0;
 };
@@ -44,7 +44,7 @@ int64_t above_all(std::span<const CalibrationWindow> windows, const Gap& gap, in
 }
 
 // From the strictest on: how many windows become right and wrong at which strength.
-using Changes = std::map<int64_t, Recognised, std::greater<>>;
+using Changes = std::map<int64_t, Recognized, std::greater<>>;
 
 Changes changes_of(std::span<const CalibrationWindow> windows, const Gap& gap) {
   Changes changes;
@@ -63,7 +63,7 @@ Changes changes_of(std::span<const CalibrationWindow> windows, const Gap& gap) {
 std::optional<int64_t> reaching(std::span<const CalibrationWindow> windows, const Gap& gap,
                                 double precision, int64_t least) {
   std::optional<int64_t> chosen;
-  Recognised sum;
+  Recognized sum;
   for (const auto& [strength, change] : changes_of(windows, gap)) {
     if (strength < least) break;
     sum.right += change.right;

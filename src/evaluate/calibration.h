@@ -33,14 +33,14 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<CalibrationAdvice> =
     "calibrated", "no_right_hit", "none_is_safe"};
 
 struct CalibrationSettings {
-  /// Of the recognised windows, the share that is right: above 0, at most 1.
+  /// Of the recognized windows, the share that is right: above 0, at most 1.
   double precision = 1;
   int64_t least = 1;  ///< no smaller strength is chosen
   size_t block = 1;   ///< windows in a row that share frames: at least 1
   uint64_t seed = 1;  ///< of the bootstrap
 };
 
-/// False recognitions, each a run of windows in a row that are recognised wrongly, in a walk as
+/// False recognitions, each a run of windows in a row that are recognized wrongly, in a walk as
 /// long as the one of calibration.
 struct FalseRecognitions {
   uint64_t seen = 0;  ///< by thresholds that were chosen without the stretches in which they are
@@ -50,12 +50,12 @@ struct FalseRecognitions {
 struct Calibration {
   CalibrationAdvice advice = CalibrationAdvice::no_right_hit;
   std::optional<int64_t> strength;  ///< of the advice `calibrated`
-  uint64_t right = 0;               ///< windows recognised at this strength, without a wrong hit
+  uint64_t right = 0;               ///< windows recognized at this strength, without a wrong hit
   uint64_t wrong = 0;               ///< windows with a wrong hit
   FalseRecognitions expected;
 };
 
-/// The least strength at which the precision is reached and some window is recognised rightly. A
+/// The least strength at which the precision is reached and some window is recognized rightly. A
 /// window counts as wrong where it has a wrong hit, whatever else it has. For precision 1 it is
 /// just above all that windows reach wrongly, or would if their place were not trained; for less,
 /// only what they do reach counts. Windows must be in the order of the query; none are no window.

@@ -59,7 +59,7 @@ enum class Disputed { refuse, leave_out };
 /// each method's by its own confidence (Outcomes::confidence).
 /// Methods that are not paired have differences without intervals. Intervals are the central 95 %
 /// of `resamples` differences under the circular block bootstrap (Politis and Romano 1992):
-/// stretches of `block` neighbouring queries are drawn with replacement, the same for all methods
+/// stretches of `block` neighboring queries are drawn with replacement, the same for all methods
 /// (paired), and resamples without a value are left out. The same seed gives the same intervals.
 /// Throws Error(data) for fewer than two methods, no common frame, or, unless these are left out,
 /// methods that do not agree on which queries have a match.

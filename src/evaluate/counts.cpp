@@ -39,13 +39,13 @@ void count_clusters(Counts& counts, const std::vector<JudgedCluster>& judged) {
 }
 
 void count_hits(Counts& counts, const Result& result, const GroundTruth& truth) {
-  std::set<std::pair<uint32_t, uint32_t>> recognised;
+  std::set<std::pair<uint32_t, uint32_t>> recognized;
   for (const Match& hit : result.hits) {
     const PlaceLabel label = label_of(truth, hit, result.window_length());
     count(counts.hits, label);
-    if (label == PlaceLabel::same) recognised.insert({hit.target, hit.train});
+    if (label == PlaceLabel::same) recognized.insert({hit.target, hit.train});
   }
-  counts.distinct = recognised.size();
+  counts.distinct = recognized.size();
 }
 
 /// What the frames of one view, or one pair of views, are.

@@ -14,7 +14,7 @@ namespace vpr {
 struct LabelCounts {
   uint64_t correct = 0;
   uint64_t incorrect = 0;
-  uint64_t ignored = 0;  ///< pairs labelled ignore: neither
+  uint64_t ignored = 0;  ///< pairs labeled ignore: neither
 };
 
 /// Query windows by whether their best match is right.
@@ -36,7 +36,7 @@ struct Counts {
   LabelCounts hits;                     ///< judged at both anchors; of FAB-MAP frame and place
   std::optional<LabelCounts> clusters;  ///< judged at their representative's anchors
   uint64_t mixed_clusters = 0;          ///< correct ones of whose hits some are incorrect
-  uint64_t distinct = 0;  ///< correct clusters; without any, places recognised correctly at least
+  uint64_t distinct = 0;  ///< correct clusters; without any, places recognized correctly at least
                           ///< once
   BestMatchCounts best_match;
 };

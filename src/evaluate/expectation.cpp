@@ -168,7 +168,7 @@ std::vector<CheckedValue> check_expectations(const Json& report, const Json& exp
   if (!is_whole) require_schema(expected, "expected", where, ErrorKind::usage);
   Comparison comparison(where);
   static const std::vector<std::string> kParts = {"counts",       "best_match", "metrics",
-                                                  "localisation", "settings",   "protocol"};
+                                                  "localization", "settings",   "protocol"};
   const auto part_kind = [](const std::string& key) {
     return std::find(kParts.begin(), kParts.end(), key) - kParts.begin();
   };

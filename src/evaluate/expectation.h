@@ -17,7 +17,7 @@ struct CheckedValue {
 };
 
 /// Compares a report with `expected`: a "vpr.expected/1" file with any part of "counts",
-/// "best_match", "metrics" and "localisation" (numbers), of "settings" and of "protocol", or a
+/// "best_match", "metrics" and "localization" (numbers), of "settings" and of "protocol", or a
 /// whole earlier report. Of that the numbers count, the settings, the tolerance of the ground truth
 /// and its fingerprint (without one, its words); the name of a score matrix does not. A number
 /// is met exactly, or, written {"value": 52, "tolerance": 2}, within the tolerance, or, written

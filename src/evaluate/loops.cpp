@@ -169,17 +169,17 @@ bool has_near(const Trajectory& trajectory, const Cubes& cubes, double side, siz
               double radius_m) {
   const Cube own = cube_of(*trajectory.poses[query], side);
   if (is_any_near(trajectory, cubes, own, query, radius_m)) return true;
-  for (int neighbour = 0; neighbour < 27; ++neighbour) {
-    const Cube cube = {own[0] + neighbour % 3 - 1, own[1] + neighbour / 3 % 3 - 1,
-                       own[2] + neighbour / 9 - 1};
-    if (neighbour != 13 && is_any_near(trajectory, cubes, cube, query, radius_m)) return true;
+  for (int neighbor = 0; neighbor < 27; ++neighbor) {
+    const Cube cube = {own[0] + neighbor % 3 - 1, own[1] + neighbor / 3 % 3 - 1,
+                       own[2] + neighbor / 9 - 1};
+    if (neighbor != 13 && is_any_near(trajectory, cubes, cube, query, radius_m)) return true;
   }
   return false;
 }
 
 void check_rules(const LoopRules& rules, const Trajectory& trajectory) {
   if (!(rules.radius_m >= 0 && std::isfinite(rules.radius_m)))
-    throw Error(ErrorKind::usage, "the radius of loops must be a number of metres, 0 or more");
+    throw Error(ErrorKind::usage, "the radius of loops must be a number of meters, 0 or more");
   if (rules.gap.nanoseconds && trajectory.times_ns.empty())
     throw Error(ErrorKind::usage,
                 fmt::format("{}: has no times for a gap in seconds; give them with --times, or the "
@@ -187,20 +187,20 @@ void check_rules(const LoopRules& rules, const Trajectory& trajectory) {
                             trajectory.name));
 }
 
-std::vector<Revisit> find_revisits(const LoopJudgement& judgement) {
+std::vector<Revisit> find_revisits(const LoopJudgment& judgment) {
   std::vector<Revisit> revisits;
-  for (size_t frame = 0; frame < judgement.has_loop.size(); ++frame) {
-    if (!judgement.has_loop[frame]) continue;
+  for (size_t frame = 0; frame < judgment.has_loop.size(); ++frame) {
+    if (!judgment.has_loop[frame]) continue;
     if (revisits.empty() || revisits.back().last + 1 != frame) revisits.push_back({frame, frame});
     revisits.back().last = frame;
-    if (judgement.is_found[frame]) revisits.back().is_found = true;
+    if (judgment.is_found[frame]) revisits.back().is_found = true;
   }
   return revisits;
 }
 
-Curve curve_of_best(const LoopJudgement& judgement, ScoreOrder order) {
+Curve curve_of_best(const LoopJudgment& judgment, ScoreOrder order) {
   std::map<size_t, ScoredItem> best;
-  for (const JudgedLoop& judged : judgement.loops) {
+  for (const JudgedLoop& judged : judgment.loops) {
     if (judged.label == PlaceLabel::ignore) continue;
     const ScoredItem item{score_key(*judged.loop.score, order), judged.label == PlaceLabel::same};
     const auto [found, is_new] = best.emplace(judged.loop.query, item);
@@ -209,7 +209,7 @@ Curve curve_of_best(const LoopJudgement& judgement, ScoreOrder order) {
   std::vector<ScoredItem> items;
   for (const auto& [query, item] : best) items.push_back(item);
   sort_items(items);
-  return curve_of(items, judgement.frames_with_loop(), order);
+  return curve_of(items, judgment.frames_with_loop(), order);
 }
 
 constexpr size_t kFirstLine = 2;  // behind the header
@@ -299,23 +299,23 @@ std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> t
   return past;
 }
 
-uint64_t LoopJudgement::count(PlaceLabel label) const {
+uint64_t LoopJudgment::count(PlaceLabel label) const {
   return static_cast<uint64_t>(std::ranges::count(loops, label, &JudgedLoop::label));
 }
 
-uint64_t LoopJudgement::frames_with_loop() const {
+uint64_t LoopJudgment::frames_with_loop() const {
   return static_cast<uint64_t>(std::ranges::count(has_loop, true));
 }
 
-uint64_t LoopJudgement::frames_found() const {
+uint64_t LoopJudgment::frames_found() const {
   return static_cast<uint64_t>(std::ranges::count(is_found, true));
 }
 
-uint64_t LoopJudgement::revisits_found() const {
+uint64_t LoopJudgment::revisits_found() const {
   return static_cast<uint64_t>(std::ranges::count(revisits, true, &Revisit::is_found));
 }
 
-std::optional<Revisit> LoopJudgement::longest_missed() const {
+std::optional<Revisit> LoopJudgment::longest_missed() const {
   std::optional<Revisit> longest;
   for (size_t first = 0; first < has_loop.size(); ++first) {
     size_t end = first;
@@ -351,16 +351,16 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
   return has_loop;
 }
 
-LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
-                          const LoopRules& rules) {
+LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
+                         const LoopRules& rules) {
   check_rules(rules, trajectory);
-  LoopJudgement judgement;
-  judgement.has_loop = frames_with_loop(trajectory, rules);
-  judgement.is_found.resize(judgement.has_loop.size());
+  LoopJudgment judgment;
+  judgment.has_loop = frames_with_loop(trajectory, rules);
+  judgment.is_found.resize(judgment.has_loop.size());
   std::set<std::pair<size_t, size_t>> seen;
   for (const ListedLoop& loop : list.loops) {
     if (!seen.emplace(loop.query, loop.match).second) {
-      ++judgement.repeated;
+      ++judgment.repeated;
       continue;
     }
     JudgedLoop judged{loop, distance_between(trajectory, loop.query, loop.match)};
@@ -368,12 +368,12 @@ LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
                        ? PlaceLabel::ignore
                    : judged.distance_m <= rules.radius_m ? PlaceLabel::same
                                                          : PlaceLabel::different;
-    if (judged.label == PlaceLabel::same) judgement.is_found[loop.query] = true;
-    judgement.loops.push_back(judged);
+    if (judged.label == PlaceLabel::same) judgment.is_found[loop.query] = true;
+    judgment.loops.push_back(judged);
   }
-  judgement.revisits = find_revisits(judgement);
-  if (list.has_scores) judgement.curve = curve_of_best(judgement, rules.order);
-  return judgement;
+  judgment.revisits = find_revisits(judgment);
+  if (list.has_scores) judgment.curve = curve_of_best(judgment, rules.order);
+  return judgment;
 }
 
 std::vector<ListedLoop> loops_of(const Result& result) {

@@ -76,7 +76,7 @@ std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> t
 
 /// What is a loop.
 struct LoopRules {
-  double radius_m = 0;  ///< metres between the two positions at most, bounds included
+  double radius_m = 0;  ///< meters between the two positions at most, bounds included
   LoopGap gap;
   ScoreOrder order = ScoreOrder::similarity;  ///< of the list's scores
 };
@@ -98,7 +98,7 @@ struct Revisit {
 };
 
 /// A list against its trajectory.
-struct LoopJudgement {
+struct LoopJudgment {
   std::vector<JudgedLoop> loops;  ///< in the file's order; pairs that are repeated are left out
   size_t repeated = 0;
   std::vector<bool> has_loop;     ///< by frame: it is near an earlier one
@@ -117,7 +117,7 @@ struct LoopJudgement {
   std::optional<Revisit> longest_missed() const;
 };
 
-/// Metres between the positions of two frames that have poses.
+/// Meters between the positions of two frames that have poses.
 double distance_between(const Trajectory& trajectory, size_t a, size_t b);
 
 /// By frame, whether a frame at least the gap before is within the radius. Positions are sorted
@@ -127,8 +127,8 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
 
 /// Throws Error(usage) for a radius that is none, and for a gap in seconds where the trajectory has
 /// no times.
-LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
-                          const LoopRules& rules);
+LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
+                         const LoopRules& rules);
 
 /// The best match of each query window, as last frames of both and the score a frame; where a
 /// threshold or a margin was set, those that are hits. Of FAB-MAP all, by probability. Lines are

@@ -217,7 +217,7 @@ Counters count_incorrect(const ScoreMatrix& matrix, const GroundTruth& truth,
   return std::move(counters.front());
 }
 
-// Whether frames are labelled same or ignore, or at most `width` before or behind one that is.
+// Whether frames are labeled same or ignore, or at most `width` before or behind one that is.
 std::vector<uint8_t> near_place(const std::vector<PlaceLabel>& labels, size_t width) {
   std::vector<uint8_t> near(labels.size(), 0);
   size_t marked = 0;  // frames in front of it are done
@@ -281,14 +281,14 @@ Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const Scor
   return curve;
 }
 
-LabelledScan::LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
-                           size_t query_windows, const RowKernels& kernels)
+LabeledScan::LabeledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
+                         size_t query_windows, const RowKernels& kernels)
     : truth_(truth),
       widths_(elsewhere.widths),
       window_length_(window_length),
       untrained_(std::move(elsewhere), query_windows, kernels) {}
 
-void LabelledScan::operator()(std::span<const ScoreRow> row) {
+void LabeledScan::operator()(std::span<const ScoreRow> row) {
   const size_t anchor = window_length_ - 1;
   std::vector<ScoreRow> untrained;
   for (const ScoreRow& piece : row) {
@@ -309,7 +309,7 @@ void LabelledScan::operator()(std::span<const ScoreRow> row) {
   if (!untrained.empty()) untrained_(untrained);
 }
 
-std::vector<std::optional<uint32_t>> LabelledScan::result() const {
+std::vector<std::optional<uint32_t>> LabeledScan::result() const {
   return untrained_.result().margins;
 }
 

@@ -21,13 +21,13 @@ struct MatrixScan {
   uint64_t worst_correct = 0;       ///< queries whose worst score, first of ties, is right
 };
 
-/// References labelled ignore are passed over, as if they were not there: best match and rank are
+/// References labeled ignore are passed over, as if they were not there: best match and rank are
 /// those among the others. Ties go to the first column. A query without any score is unreadable.
 /// Throws as ScoreMatrix::for_each_row does.
 MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor);
 
-/// Every pair of a readable query that has a score and is not labelled ignore: accepted at a
+/// Every pair of a readable query that has a score and is not labeled ignore: accepted at a
 /// threshold or not, correct if it is the same place. Recall is over all pairs of the same place,
 /// those without a score included. `scan` is of the same matrix, truth and layout; its
 /// same_keys are used up.
@@ -41,12 +41,12 @@ Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const Scor
 /// By how much the best match of a query window would be better than the runner-up if neither the
 /// place of the window nor its surroundings were trained. Takes rows as MarginScan does. Windows
 /// are judged at their anchors; the surroundings are at most the width of a sequence before or
-/// after a frame labelled same or ignore.
-class LabelledScan {
+/// after a frame labeled same or ignore.
+class LabeledScan {
  public:
   /// `truth` must live as long as the scan.
-  LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
-               size_t query_windows, const RowKernels& kernels);
+  LabeledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
+              size_t query_windows, const RowKernels& kernels);
   void operator()(std::span<const ScoreRow> row);
   /// Per query window; none without a runner-up.
   std::vector<std::optional<uint32_t>> result() const;

@@ -61,7 +61,7 @@ constexpr Metric of_ranks(std::string_view key, std::string_view symbol, std::st
 
 constexpr Metric of_path(std::string_view key, std::string_view symbol, std::string_view meaning,
                          bool is_low_good, int digits,
-                         std::optional<double> (*compute)(const Localisation&)) {
+                         std::optional<double> (*compute)(const Localization&)) {
   return {.key = key,
           .symbol = symbol,
           .meaning = meaning,
@@ -93,19 +93,19 @@ constexpr std::array<Metric, 17> kMetrics = {
      .meaning = "share of stretches of the path whose R@1 is r or more",
      .of_stretches = recall_achievement},
     of_path("right", "right", "frames of the path with a right fix", false, 0,
-            [](const Localisation& path) { return number(path.right); }),
+            [](const Localization& path) { return number(path.right); }),
     of_path("wrong", "wrong", "frames of the path with a wrong fix", true, 0,
-            [](const Localisation& path) { return number(path.wrong); }),
+            [](const Localization& path) { return number(path.wrong); }),
     of_path("share", "share", "share of the path with a right fix", false, 4,
-            [](const Localisation& path) { return path.share(); }),
+            [](const Localization& path) { return path.share(); }),
     of_path("longest_gap_frames", "longest gap", "most consecutive frames without a right fix",
-            true, 0, [](const Localisation& path) { return number(path.longest_gap_frames); }),
+            true, 0, [](const Localization& path) { return number(path.longest_gap_frames); }),
     of_path("first_fix_frames", "first fix", "frames before the first right fix", true, 0,
-            [](const Localisation& path) { return number(path.first_fix_frames); }),
+            [](const Localization& path) { return number(path.first_fix_frames); }),
     of_path("longest_gap_m", "longest gap m", "longest way without a right fix, in meters", true, 2,
-            [](const Localisation& path) { return path.longest_gap_m; }),
+            [](const Localization& path) { return path.longest_gap_m; }),
     of_path("first_fix_m", "first fix m", "way before the first right fix, in meters", true, 2,
-            [](const Localisation& path) { return path.first_fix_m; })};
+            [](const Localization& path) { return path.first_fix_m; })};
 constexpr size_t kCurveMetrics = 6;
 constexpr size_t kPathMetrics = 7;
 
@@ -248,38 +248,38 @@ std::optional<double> recall_achievement(const std::vector<std::optional<double>
   return static_cast<double>(achieved) / static_cast<double>(known);
 }
 
-std::optional<double> Localisation::share() const {
+std::optional<double> Localization::share() const {
   if (frames == 0) return std::nullopt;
   return static_cast<double>(right) / static_cast<double>(frames);
 }
 
-Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m) {
-  assert(travelled_m.empty() || travelled_m.size() == fixes.size());
-  Localisation found;
+Localization localize(std::span<const Fix> fixes, std::span<const double> traveled_m) {
+  assert(traveled_m.empty() || traveled_m.size() == fixes.size());
+  Localization found;
   found.frames = fixes.size();
   found.wrong = static_cast<size_t>(std::count(fixes.begin(), fixes.end(), Fix::wrong));
-  const bool has_metres = !travelled_m.empty();
+  const bool has_meters = !traveled_m.empty();
   double gap_m = 0;
   size_t gap_begin = 0;  // first frame after the last right fix
-  double last_fix_m = has_metres ? travelled_m.front() : 0;
+  double last_fix_m = has_meters ? traveled_m.front() : 0;
   const auto end_gap = [&](size_t end, double here_m) {
     found.longest_gap_frames = std::max(found.longest_gap_frames, end - gap_begin);
-    if (has_metres) gap_m = std::max(gap_m, here_m - last_fix_m);
+    if (has_meters) gap_m = std::max(gap_m, here_m - last_fix_m);
   };
   for (size_t frame = 0; frame < fixes.size(); ++frame) {
     if (fixes[frame] != Fix::right) continue;
-    const double here_m = has_metres ? travelled_m[frame] : 0;
+    const double here_m = has_meters ? traveled_m[frame] : 0;
     if (found.right == 0) {
       found.first_fix_frames = frame;
-      if (has_metres) found.first_fix_m = here_m - travelled_m.front();
+      if (has_meters) found.first_fix_m = here_m - traveled_m.front();
     }
     ++found.right;
     end_gap(frame, here_m);
     gap_begin = frame + 1;
     last_fix_m = here_m;
   }
-  end_gap(fixes.size(), has_metres ? travelled_m.back() : 0);
-  if (has_metres) found.longest_gap_m = gap_m;
+  end_gap(fixes.size(), has_meters ? traveled_m.back() : 0);
+  if (has_meters) found.longest_gap_m = gap_m;
   return found;
 }
 

@@ -59,12 +59,12 @@ std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve);
 inline constexpr std::array<size_t, 4> kRecallAt = {1, 5, 10, 20};
 
 /// The share of judged queries that have a correct reference among their K best, ties to the first,
-/// references labelled ignore passed over (queries without a match are left out). K = 1 needs best
+/// references labeled ignore passed over (queries without a match are left out). K = 1 needs best
 /// matches only. None where there is no query to judge, or K > 1 and ranks are not known.
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
 
 /// The mean over judged queries of the share of right references among their K best, ties to the
-/// first, references labelled ignore passed over (Manning, Raghavan, Schuetze 2008, chapter 8).
+/// first, references labeled ignore passed over (Manning, Raghavan, Schuetze 2008, chapter 8).
 /// What is missing of K counts as wrong. K is 1 or more. None where there is no query to judge,
 /// ranks are not known, or K is above kMostRanked.
 std::optional<double> precision_at(const Outcomes& outcomes, size_t k);
@@ -89,11 +89,11 @@ std::optional<double> recall_achievement(const std::vector<std::optional<double>
                                          double target);
 
 /// A frame of the path: a correct recognition, an incorrect one, one that is not judged (a pair
-/// labelled ignore, which counts as none), or none.
+/// labeled ignore, which counts as none), or none.
 enum class Fix { none, right, wrong, unjudged };
 
-/// Metres are none where positions are not known.
-struct Localisation {
+/// Meters are none where positions are not known.
+struct Localization {
   size_t frames = 0;  ///< of the whole path, frames before the first whole window included
   size_t frames_with_match = 0;  ///< of which the ground truth has a match; set by judge
   size_t right = 0;
@@ -108,8 +108,8 @@ struct Localisation {
   std::optional<double> share() const;
 };
 
-/// `travelled_m`: way from the start to each frame, or empty. As long as `fixes` otherwise.
-Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m);
+/// `traveled_m`: way from the start to each frame, or empty. As long as `fixes` otherwise.
+Localization localize(std::span<const Fix> fixes, std::span<const double> traveled_m);
 
 /// A row of the table of metrics; one of the functions computes it.
 struct Metric {
@@ -122,7 +122,7 @@ struct Metric {
   std::optional<double> (*of_ranks)(const Outcomes& outcomes, size_t k) = nullptr;
   std::optional<double> (*of_stretches)(const std::vector<std::optional<double>>& recalls,
                                         double target) = nullptr;
-  std::optional<double> (*of_path)(const Localisation& path) = nullptr;
+  std::optional<double> (*of_path)(const Localization& path) = nullptr;
 };
 
 /// All metrics, in the order in which reports and help list them.

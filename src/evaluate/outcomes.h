@@ -60,7 +60,7 @@ Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder k
 enum class Verdict {
   correct,    ///< the best match shows the query's place
   incorrect,  ///< it does not, or nothing was found
-  ignored,    ///< it is a pair labelled ignore: neither
+  ignored,    ///< it is a pair labeled ignore: neither
   unreadable  ///< the query has no scores: not judged
 };
 
@@ -112,7 +112,7 @@ void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLay
 /// was decided by.
 void add_margins(Outcomes& outcomes, const Result& result);
 
-/// Best matches of a result, judged at anchors; a best match that is labelled ignore is `ignored`
+/// Best matches of a result, judged at anchors; a best match that is labeled ignore is `ignored`
 /// (what would have come next is not known). A readable window without one is incorrect.
 Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 

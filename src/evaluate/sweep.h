@@ -55,7 +55,7 @@ struct Recommendation {
   /// their place not trained, these count as incorrect hits, and the next looser threshold does not
   /// matter. Cells with an automatic threshold are passed over.
   std::optional<size_t> cell;
-  /// The error-free cell with most correct hits, where it lacks only an error-free neighbour:
+  /// The error-free cell with most correct hits, where it lacks only an error-free neighbor:
   /// advice next_errs or grid_ends.
   std::optional<size_t> near_miss;
   /// Of the window of `cell` or `near_miss`: the strictest threshold with an incorrect hit, or one

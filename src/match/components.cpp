@@ -60,7 +60,7 @@ struct Similarities {
   double trace = 0;
 };
 
-Similarities centred_similarities(const DescriptorRows& rows) {
+Similarities centered_similarities(const DescriptorRows& rows) {
   const size_t n = rows.size();
   Similarities similarities{n, std::vector<double>(n * n), 0};
   std::vector<double> means(n, 0);
@@ -197,7 +197,7 @@ TrainComponents compute_components(std::span<const DescriptorSpan> train, double
   components.shape = train.front().rows.shape;
   for (const size_t frame : components.landmarks)
     components.bytes.insert(components.bytes.end(), rows[frame].begin(), rows[frame].end());
-  const Similarities matrix = centred_similarities(components.rows());
+  const Similarities matrix = centered_similarities(components.rows());
   components.weights = leading_vectors(matrix);
   for (ComponentValues& values : components.weights)
     for (double& value : values) value = rounded(value * kWeightUnit) / kWeightUnit;

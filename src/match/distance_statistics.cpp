@@ -21,7 +21,7 @@ constexpr uint64_t kMostSamples = 1'000'000;
 constexpr uint32_t kFewestDistances = 2;
 
 /// The neighbors [first, last) of a sampled frame, including itself.
-struct Neighbours {
+struct Neighbors {
   size_t first = 0;
   size_t last = 0;
 };
@@ -29,7 +29,7 @@ struct Neighbours {
 /// The sampled frames as a query.
 struct Samples {
   std::vector<uint8_t> bytes;
-  std::vector<Neighbours> neighbours;
+  std::vector<Neighbors> neighbors;
 };
 
 /// Sums over the distances of one training frame.
@@ -43,10 +43,10 @@ void check_settings(const StatisticsSettings& settings) {
   if (settings.samples < 1 || settings.samples > kMostSamples)
     throw Error(ErrorKind::usage, fmt::format("statistics.samples must be from 1 to {}, found {}",
                                               kMostSamples, settings.samples));
-  if (!(settings.neighbour_share >= 0 && settings.neighbour_share <= 1))
+  if (!(settings.neighbor_share >= 0 && settings.neighbor_share <= 1))
     throw Error(ErrorKind::usage,
-                fmt::format("statistics.neighbour_share must be from 0 to 1, found {}",
-                            settings.neighbour_share));
+                fmt::format("statistics.neighbor_share must be from 0 to 1, found {}",
+                            settings.neighbor_share));
 }
 
 Samples make_samples(std::span<const DescriptorSpan> train, const StatisticsSettings& settings) {
@@ -57,13 +57,12 @@ Samples make_samples(std::span<const DescriptorSpan> train, const StatisticsSett
   for (const DescriptorSpan& sequence : train) {
     const size_t end = first + sequence.rows.size();
     const auto share = static_cast<uint64_t>(
-        std::floor(settings.neighbour_share * static_cast<double>(sequence.rows.size())));
-    const size_t reach =
-        std::min<uint64_t>(std::max(settings.neighbour_frames, share), end - first);
+        std::floor(settings.neighbor_share * static_cast<double>(sequence.rows.size())));
+    const size_t reach = std::min<uint64_t>(std::max(settings.neighbor_frames, share), end - first);
     for (; frame != frames.end() && *frame < end; ++frame) {
       const DescriptorRow row = sequence.rows[*frame - first];
       samples.bytes.insert(samples.bytes.end(), row.begin(), row.end());
-      samples.neighbours.push_back(
+      samples.neighbors.push_back(
           {*frame - std::min(reach, *frame - first), std::min(*frame + reach + 1, end)});
     }
     first = end;
@@ -92,18 +91,18 @@ size_t rows_a_tile(const FrameDistances& distances) {
 }
 
 // Compares training frames [first, first + count) with all samples.
-void sum_columns(const FrameDistances& distances, const std::vector<Neighbours>& neighbours,
+void sum_columns(const FrameDistances& distances, const std::vector<Neighbors>& neighbors,
                  size_t first, size_t count, ColumnSums* sums) {
   std::vector<uint16_t> values(kRows * kColumns);
   const size_t most_rows = rows_a_tile(distances);
-  for (size_t row = 0; row < neighbours.size(); row += most_rows) {
-    const size_t rows = std::min(most_rows, neighbours.size() - row);
+  for (size_t row = 0; row < neighbors.size(); row += most_rows) {
+    const size_t rows = std::min(most_rows, neighbors.size() - row);
     std::array<uint32_t, kRows> queries;
     std::iota(queries.begin(), queries.end(), static_cast<uint32_t>(row));
     distances.tile(std::span(queries).first(rows), first, first + count, values.data(), kColumns);
     TileSums tile;
     for (size_t r = 0; r < rows; ++r) {
-      const Neighbours& near = neighbours[row + r];
+      const Neighbors& near = neighbors[row + r];
       const size_t from = std::clamp(near.first, first, first + count) - first;
       const size_t to = std::clamp(near.last, first, first + count) - first;
       tile.add(values.data() + r * kColumns, 0, from);
@@ -130,7 +129,7 @@ double variance_of(const ColumnSums& sums) {
          (static_cast<double>(sums.count) * static_cast<double>(sums.count));
 }
 
-TrainStatistics summarise(const std::vector<ColumnSums>& sums, const std::vector<uint8_t>& readable,
+TrainStatistics summarize(const std::vector<ColumnSums>& sums, const std::vector<uint8_t>& readable,
                           uint16_t largest) {
   const auto is_known = [&](size_t i) {
     return readable[i] != 0 && sums[i].count >= kFewestDistances;
@@ -188,12 +187,12 @@ TrainStatistics compute_statistics(std::span<const DescriptorSpan> train,
   StepCounter counter(monitor, "statistics", parts);
   parallel_for(parts, monitor, [&](size_t part) {
     const size_t first = part * kColumns;
-    sum_columns(distances, samples.neighbours, first, std::min(kColumns, frames - first),
+    sum_columns(distances, samples.neighbors, first, std::min(kColumns, frames - first),
                 sums.data() + first);
     counter.add();
   });
   TrainStatistics statistics =
-      summarise(sums, readable_flags(distances.train_runs, frames), distances.largest);
+      summarize(sums, readable_flags(distances.train_runs, frames), distances.largest);
   statistics.settings = settings;
   return statistics;
 }

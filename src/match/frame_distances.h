@@ -143,12 +143,12 @@ uint16_t largest_point(const DescriptorShape& shape);
 
 /// The mean absolute difference of two images of one size, in 256ths of a gray level and rounded to
 /// nearest, ties up.
-FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-uint32_t grey_distance(DescriptorRow a, DescriptorRow b);
+FrameDistances gray_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
+uint32_t gray_distance(DescriptorRow a, DescriptorRow b);
 /// Exact for images whose number of pixels is a power of two.
-Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+Projector gray_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 /// 255 gray levels, for any shape.
-uint16_t largest_grey(const DescriptorShape& shape);
+uint16_t largest_gray(const DescriptorShape& shape);
 
 /// The common start of makers of distances: all members except those that compute distances.
 FrameDistances frames_to_compare(std::span<const DescriptorSpan> train,

@@ -17,9 +17,9 @@ constexpr int32_t kNothing = std::numeric_limits<int32_t>::min();
 constexpr double kMostWeight = 1;
 constexpr double kLargestScore = std::numeric_limits<uint16_t>::max();
 
-size_t neighbours_of(size_t frames, const StatisticsSettings& settings) {
-  return std::max(static_cast<size_t>(settings.neighbour_frames),
-                  static_cast<size_t>(settings.neighbour_share * static_cast<double>(frames)));
+size_t neighbors_of(size_t frames, const StatisticsSettings& settings) {
+  return std::max(static_cast<size_t>(settings.neighbor_frames),
+                  static_cast<size_t>(settings.neighbor_share * static_cast<double>(frames)));
 }
 
 // By matched training frame; kNothing for undecodable frames.
@@ -40,8 +40,8 @@ void leave_out(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size
   size_t first = 0;
   for (const FusedWalk& walk : basis.walks) {
     if (walk.sequence == sequence) {
-      const size_t from = own < walk.neighbours ? 0 : own - walk.neighbours;
-      const size_t to = std::min(own + walk.neighbours + 1, walk.frames);
+      const size_t from = own < walk.neighbors ? 0 : own - walk.neighbors;
+      const size_t to = std::min(own + walk.neighbors + 1, walk.frames);
       for (size_t i = from; i < to; ++i) likelihoods[first + i] = kNothing;
     }
     first += walk.frames;
@@ -140,14 +140,14 @@ Position position_of(size_t frame, std::span<const FusedWalk> walks) {
 bool are_near(size_t a, size_t b, std::span<const FusedWalk> walks) {
   const Position first = position_of(a, walks);
   return first.walk == position_of(b, walks).walk &&
-         std::max(a, b) - std::min(a, b) <= walks[first.walk].neighbours;
+         std::max(a, b) - std::min(a, b) <= walks[first.walk].neighbors;
 }
 
 // The probability that a random training frame is near this one.
 double chance(size_t frame, std::span<const FusedWalk> walks) {
   size_t all = 0;
   for (const FusedWalk& walk : walks) all += walk.frames;
-  const size_t near = 2 * walks[position_of(frame, walks).walk].neighbours + 1;
+  const size_t near = 2 * walks[position_of(frame, walks).walk].neighbors + 1;
   return std::min(1.0, static_cast<double>(near) / static_cast<double>(all));
 }
 
@@ -160,10 +160,10 @@ int32_t in_units(double nats) {
 }  // namespace
 
 FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double weight,
-                              const StatisticsSettings& neighbours) {
+                              const StatisticsSettings& neighbors) {
   FusionBasis basis{nullptr, weight, views->views, {}};
   for (size_t s = 0; s < views->frames.size(); ++s)
-    basis.walks.push_back({s, views->frames[s], neighbours_of(views->frames[s], neighbours)});
+    basis.walks.push_back({s, views->frames[s], neighbors_of(views->frames[s], neighbors)});
   basis.evidence = make_view_evidence(std::move(views));
   return basis;
 }

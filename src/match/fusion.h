@@ -39,7 +39,7 @@ std::vector<int32_t> view_likelihoods(const ViewEvidence& evidence, const WordSe
 struct FusedWalk {
   size_t sequence = 0;  ///< of the database
   size_t frames = 0;
-  size_t neighbours = 0;  ///< frames within this distance may show the same place
+  size_t neighbors = 0;  ///< frames within this distance may show the same place
 };
 
 /// The best training frame of a query frame for each method; unset without information.
@@ -94,7 +94,7 @@ struct FusionBasis {
 
 /// The fusion basis of all training frames. Neighbors are defined as for training statistics.
 FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double weight,
-                              const StatisticsSettings& neighbours);
+                              const StatisticsSettings& neighbors);
 
 /// The fusion basis of the sequences whose `keep` is not 0.
 FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep);

@@ -46,7 +46,7 @@ GivenUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   return units;
 }
 
-uint16_t quantised(double score, const GivenUnits& units, bool is_similarity) {
+uint16_t quantized(double score, const GivenUnits& units, bool is_similarity) {
   if (std::isnan(score)) return units.largest;
   const double above = is_similarity ? units.best - score : score - units.best;
   return static_cast<uint16_t>(
@@ -181,7 +181,7 @@ void GivenDistances::read(size_t query, size_t first, size_t count, uint16_t* ou
     const size_t piece = std::min(kPiece, count - done);
     file_.read_query(query, first + done, piece, numbers.data());
     for (size_t i = 0; i < piece; ++i)
-      out[done + i] = quantised(score_of(numbers[i]), units_, is_similarity());
+      out[done + i] = quantized(score_of(numbers[i]), units_, is_similarity());
   }
 }
 
@@ -215,15 +215,15 @@ FrameDistances given_distances(std::span<const DescriptorSpan> train, const Desc
   distances.largest = given->units().largest;
   distances.unit.size = given->units().unit;
   const auto stretches = std::make_shared<const std::vector<Stretch>>(stretches_of(train));
-  const auto centred = std::make_shared<const std::vector<Stretch>>(readable_stretches(train));
+  const auto centered = std::make_shared<const std::vector<Stretch>>(readable_stretches(train));
   distances.tile = [given, rows = query.rows, stretches](std::span<const uint32_t> queries,
                                                          size_t first, size_t last, uint16_t* out,
                                                          size_t stride) {
     for (size_t t = 0; t < queries.size(); ++t)
       read_row(*given, frame_number(rows[queries[t]]), *stretches, first, last, out + t * stride);
   };
-  distances.row_total = [given, rows = query.rows, centred](size_t frame) {
-    return sum_of(*given, frame_number(rows[frame]), *centred);
+  distances.row_total = [given, rows = query.rows, centered](size_t frame) {
+    return sum_of(*given, frame_number(rows[frame]), *centered);
   };
   const std::vector<DescriptorSpan> sequences(train.begin(), train.end());
   distances.of_query = [sequences](const DescriptorSpan& other) {

@@ -98,7 +98,7 @@ void take_row(PastState& state, size_t frame, const RowSums& sums) {
   state.pairs += sums.frames;
   state.squares += static_cast<double>(sums.squares) - static_cast<double>(sums.sum) * row_mean;
   const double mean_so_far = state.sum_of_means / static_cast<double>(state.rows);
-  state.offsets[frame] = static_cast<float>(state.settings.centre ? row_mean : mean_so_far);
+  state.offsets[frame] = static_cast<float>(state.settings.center ? row_mean : mean_so_far);
   state.mean[frame] = static_cast<float>(state.settings.start_bias * (row_mean - mean_so_far));
   state.views.least_change = state.settings.view_change * mean_so_far;
 }

@@ -176,14 +176,14 @@ uint32_t plain_point(DescriptorRow a, DescriptorRow b) {
   return static_cast<uint32_t>(std::floor(plain_point_unrounded(a, b) + 0.5));
 }
 
-double plain_grey_unrounded(DescriptorRow a, DescriptorRow b) {
+double plain_gray_unrounded(DescriptorRow a, DescriptorRow b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
   return 256 * sum / static_cast<double>(a.size());
 }
 
-uint32_t plain_grey(DescriptorRow a, DescriptorRow b) {
-  return static_cast<uint32_t>(std::floor(plain_grey_unrounded(a, b) + 0.5));
+uint32_t plain_gray(DescriptorRow a, DescriptorRow b) {
+  return static_cast<uint32_t>(std::floor(plain_gray_unrounded(a, b) + 0.5));
 }
 
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
@@ -203,14 +203,14 @@ uint32_t plain_window_distance(const DescriptorRows& train, size_t train_window,
   return sum;
 }
 
-PlainUpdates plain_updates(std::span<const DescriptorSpan> centred_over,
+PlainUpdates plain_updates(std::span<const DescriptorSpan> centered_over,
                            const DescriptorSpan& query, const ScoreBasis& basis,
                            const Monitor& monitor) {
   PlainUpdates updates;
   updates.row_means.assign(query.rows.size(), basis.typical_distance);
-  if (basis.settings.centre)
+  if (basis.settings.center)
     parallel_for(query.rows.size(), monitor,
-                 [&](size_t j) { updates.row_means[j] = mean_over(centred_over, query.rows, j); });
+                 [&](size_t j) { updates.row_means[j] = mean_over(centered_over, query.rows, j); });
   updates.common.resize(query.rows.size());
   parallel_for(query.rows.size(), monitor,
                [&](size_t j) { updates.common[j] = plain_common(query.rows, j, basis); });
@@ -230,17 +230,17 @@ std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
   const auto plain = distance_of(query.shape.element).plain;
   const uint16_t largest = largest_distance(query.shape);
   const double unit = common_unit(query.shape);
-  const auto centred = [&](size_t j) {
+  const auto centered = [&](size_t j) {
     return plain(train, query[j]) - updates.row_means[j] -
            unit * common_sum(basis.components, updates.common[j], frame);
   };
   if (basis.offline)
     for (const auto& view : updates.learned)
-      if (view) sums.add(centred(*view), forgetting);
+      if (view) sums.add(centered(*view), forgetting);
   std::vector<double> scores;
   for (size_t j = 0; j < query.size(); ++j) {
-    if (!basis.offline && updates.learned[j]) sums.add(centred(*updates.learned[j]), forgetting);
-    scores.push_back(standardized(centred(j), sums, settings, largest));
+    if (!basis.offline && updates.learned[j]) sums.add(centered(*updates.learned[j]), forgetting);
+    scores.push_back(standardized(centered(j), sums, settings, largest));
   }
   return scores;
 }

@@ -30,14 +30,14 @@ uint32_t plain_point(DescriptorRow a, DescriptorRow b);
 
 /// The mean absolute difference of two images with 8-bit gray levels, times 256, rounded to
 /// nearest, ties up.
-uint32_t plain_grey(DescriptorRow a, DescriptorRow b);
+uint32_t plain_gray(DescriptorRow a, DescriptorRow b);
 
 /// The distances before rounding and clamping.
 double plain_hamming_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_cosine_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_wide_cosine_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_point_unrounded(DescriptorRow a, DescriptorRow b);
-double plain_grey_unrounded(DescriptorRow a, DescriptorRow b);
+double plain_gray_unrounded(DescriptorRow a, DescriptorRow b);
 
 /// The reference distance of two frames, by the element type of their descriptors.
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
@@ -57,8 +57,8 @@ struct PlainUpdates {
   std::vector<std::optional<size_t>> learned;
 };
 
-/// `centred_over`: all training frames of the row mean, including unreadable ones.
-PlainUpdates plain_updates(std::span<const DescriptorSpan> centred_over,
+/// `centered_over`: all training frames of the row mean, including unreadable ones.
+PlainUpdates plain_updates(std::span<const DescriptorSpan> centered_over,
                            const DescriptorSpan& query, const ScoreBasis& basis,
                            const Monitor& monitor);
 

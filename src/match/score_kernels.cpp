@@ -57,16 +57,16 @@ struct Row {
     return sum;
   }
 
-  HWY_INLINE hn::Vec<FloatTag> Centred(size_t i) const {
+  HWY_INLINE hn::Vec<FloatTag> Centerd(size_t i) const {
     const FloatTag d;
     const auto whole = hn::PromoteTo(IntTag(), hn::LoadU(DistanceTag(), distances + i));
     return hn::Sub(hn::ConvertTo(d, whole), hn::Set(d, offset));
   }
 
-  HWY_INLINE hn::Vec<FloatTag> Less(hn::Vec<FloatTag> centred, hn::Vec<HalfTag> sums) const {
+  HWY_INLINE hn::Vec<FloatTag> Less(hn::Vec<FloatTag> centered, hn::Vec<HalfTag> sums) const {
     const FloatTag d;
     const auto whole = hn::ConvertTo(d, hn::PromoteTo(IntTag(), sums));
-    return hn::Sub(centred, hn::Mul(whole, hn::Set(d, common.unit)));
+    return hn::Sub(centered, hn::Mul(whole, hn::Set(d, common.unit)));
   }
 
   // Calls body(i, row minus the common part) for one vector of training frames at a time; returns
@@ -80,11 +80,11 @@ struct Row {
     for (; i + 2 * lanes <= count; i += 2 * lanes) {
       if constexpr (kCommon) {
         const auto sums = Sums(i);
-        body(i, Less(Centred(i), hn::LowerHalf(HalfTag(), sums)));
-        body(i + lanes, Less(Centred(i + lanes), hn::UpperHalf(HalfTag(), sums)));
+        body(i, Less(Centerd(i), hn::LowerHalf(HalfTag(), sums)));
+        body(i + lanes, Less(Centerd(i + lanes), hn::UpperHalf(HalfTag(), sums)));
       } else {
-        body(i, Centred(i));
-        body(i + lanes, Centred(i + lanes));
+        body(i, Centerd(i));
+        body(i + lanes, Centerd(i + lanes));
       }
     }
 #endif
@@ -92,12 +92,12 @@ struct Row {
   }
 
   HWY_INLINE float One(size_t i) const {
-    const float centred = static_cast<float>(distances[i]) - offset;
-    if constexpr (!kCommon) return centred;
+    const float centered = static_cast<float>(distances[i]) - offset;
+    if constexpr (!kCommon) return centered;
     int sum = 0;
     for (size_t k = 0; k < kMaxComponents; ++k)
       sum += common_product(common.loadings[k][i], common.weights[k]);
-    return centred - static_cast<float>(sum) * common.unit;
+    return centered - static_cast<float>(sum) * common.unit;
   }
 };
 

@@ -41,7 +41,7 @@ struct StandardizationSettings {
   uint64_t lag_views = 5;  ///< a keyframe is learned after this number of newer ones
   /// Number of training components that are subtracted in part from distances; at most 6. 0: none.
   uint64_t components = kMaxComponents;
-  bool centre = true;  ///< false: rows keep their mean
+  bool center = true;  ///< false: rows keep their mean
   bool learn = true;   ///< false: the training statistics only
   bool divide = true;  ///< false: every standard deviation is unknown_deviation
 };
@@ -56,7 +56,7 @@ void visit_fields(StandardizationSettings& settings, Visitor&& visit) {
   visit("view_change", settings.view_change);
   visit("lag_views", settings.lag_views);
   visit("components", settings.components);
-  visit("centre", settings.centre);
+  visit("center", settings.center);
   visit("learn", settings.learn);
   visit("divide", settings.divide);
 }

@@ -17,8 +17,8 @@ constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache s
 
 using Distances = std::array<uint16_t, 2 * kRowStride>;
 
-double centre_of(StandardizedState& state, size_t frame) {
-  if (!state.settings.centre) return state.typical_distance;
+double center_of(StandardizedState& state, size_t frame) {
+  if (!state.settings.center) return state.typical_distance;
   if (state.distances.row_total || state.distances.readable_frames == 0)
     return row_mean(state.distances, frame);
   compute_row(state.distances, frame, state.row);
@@ -28,7 +28,7 @@ double centre_of(StandardizedState& state, size_t frame) {
 
 void find_terms(StandardizedState& state, size_t frame) {
   FrameTerms& terms = state.terms[frame];
-  terms.offset = static_cast<float>(centre_of(state, frame));
+  terms.offset = static_cast<float>(center_of(state, frame));
   if (state.project)
     terms.common = common_weights(state.components, state.settings.components,
                                   state.project(state.distances.query.rows[frame]));

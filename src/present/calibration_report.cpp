@@ -39,7 +39,7 @@ Json length_json(const CalibratedLength& length) {
                {"margin", nullptr}};
   if (!found.strength) return json;
   json["margin"] = *length.settings.margin;
-  json["recognised"] = {{"right", found.right}, {"wrong", found.wrong}};
+  json["recognized"] = {{"right", found.right}, {"wrong", found.wrong}};
   json["false_recognitions"] = {{"block", length.block},
                                 {"seen", found.expected.seen},
                                 {"interval", interval_json(found.expected.interval)}};

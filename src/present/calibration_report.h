@@ -1,4 +1,4 @@
-// What a labelled walk says of thresholds, as JSON and as text.
+// What a labeled walk says of thresholds, as JSON and as text.
 #pragma once
 
 #include <optional>

@@ -126,7 +126,7 @@ std::string runs_svg(const Drawing& drawing) {
   std::string svg;
   for (const ChartRun& run : drawing.chart.runs) {
     const double left = drawing.at.x(run.begin);
-    svg += svg_rect(std::string(colour_of(run.meaning).name), left, top,
+    svg += svg_rect(std::string(color_of(run.meaning).name), left, top,
                     std::max(0.6, drawing.at.x(run.end) - left), kBarHeight);
   }
   return svg + svg_text(drawing.at.area.left - 8, top + 13, "end", drawing.chart.runs_label);
@@ -212,8 +212,8 @@ std::string box_path(const Drawing& drawing, const Series& series) {
 }
 
 std::string series_kind(const Series& series, size_t index) {
-  return series.meaning ? std::string(colour_of(*series.meaning).name)
-                        : fmt::format("series-{}", index % series_colours().size());
+  return series.meaning ? std::string(color_of(*series.meaning).name)
+                        : fmt::format("series-{}", index % series_colors().size());
 }
 
 // `path` of the marks of a series, in the layout or in a legend.
@@ -309,20 +309,20 @@ std::string image_svg(const Drawing& drawing) {
          svg_rect("frame", area.left, area.top, area.width, area.height);
 }
 
-std::string greys_svg(const Drawing& drawing) {
+std::string grays_svg(const Drawing& drawing) {
   const ChartImage& image = *drawing.chart.image;
-  if (!image.greys) return "";
+  if (!image.grays) return "";
   const ChartArea& area = drawing.at.area;
   const double y = area.bottom() + 56;
   const double width = std::max(area.width, 400.0);
   return fmt::format(
-             "<defs><linearGradient id=\"greys\"><stop stop-color=\"#000\"/><stop offset=\"1\" "
-             "stop-color=\"#fff\"/></linearGradient></defs><rect class=\"greys\" "
-             "fill=\"url(#greys)\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"12\"/>",
+             "<defs><linearGradient id=\"grays\"><stop stop-color=\"#000\"/><stop offset=\"1\" "
+             "stop-color=\"#fff\"/></linearGradient></defs><rect class=\"grays\" "
+             "fill=\"url(#grays)\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"12\"/>",
              area.left, y, width) +
-         svg_text(area.left, y + 29, "start", fmt::format("{:.6g}", image.greys->first)) +
-         svg_text(area.left + width / 2, y + 29, "middle", image.grey_label) +
-         svg_text(area.left + width, y + 29, "end", fmt::format("{:.6g}", image.greys->second));
+         svg_text(area.left, y + 29, "start", fmt::format("{:.6g}", image.grays->first)) +
+         svg_text(area.left + width / 2, y + 29, "middle", image.gray_label) +
+         svg_text(area.left + width, y + 29, "end", fmt::format("{:.6g}", image.grays->second));
 }
 
 std::string body_of(const Drawing& drawing) {
@@ -336,7 +336,7 @@ std::string body_of(const Drawing& drawing) {
   for (size_t s = 0; s < chart.series.size(); ++s)
     if (!is_behind(chart.series[s])) svg += series_svg(drawing, s);
   svg += labels_svg(drawing) + runs_svg(drawing);
-  if (chart.image) svg += greys_svg(drawing);
+  if (chart.image) svg += grays_svg(drawing);
   return svg;
 }
 
@@ -356,12 +356,12 @@ std::string file_style() {
       "text{font-family:sans-serif;font-size:13px;fill:#1c2430}.title{font-weight:600}"
       ".label{font-size:11px}.name{font-weight:600}.label,.name{paint-order:stroke;stroke:#fff;"
       "stroke-width:3px;stroke-linejoin:round}.axis{stroke:#d5d9e0;fill:none}"
-      ".border{fill:none}.frame,.greys{stroke:#5c6675}.frame{fill:none}\n";
-  for (const PaletteColour& row : palette())
+      ".border{fill:none}.frame,.grays{stroke:#5c6675}.frame{fill:none}\n";
+  for (const PaletteColor& row : palette())
     css += fmt::format(".{0}{{fill:#{1:06x}}}.line.{0}{{stroke:#{1:06x}}}\n", row.name, row.light);
-  for (size_t i = 0; i < series_colours().size(); ++i)
+  for (size_t i = 0; i < series_colors().size(); ++i)
     css += fmt::format(".series-{0}{{fill:{1}}}.line.series-{0}{{stroke:{1}}}\n", i,
-                       series_colours()[i]);
+                       series_colors()[i]);
   return css + fmt::format(
                    "path.line{{fill:none}}.border{{stroke:{}}}.all-pairs{{"
                    "stroke-dasharray:6 4}}\n",
@@ -371,7 +371,7 @@ std::string file_style() {
 }  // namespace
 
 Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark) {
-  return {std::string(colour_of(meaning).words), {}, style, meaning, mark};
+  return {std::string(color_of(meaning).words), {}, style, meaning, mark};
 }
 
 ChartImage chart_image(const cv::Mat& image, size_t cells) {

@@ -31,12 +31,12 @@ struct Series {
   std::string name;  ///< empty: not in the legend
   std::vector<std::pair<double, double>> points;
   SeriesStyle style = SeriesStyle::line_and_points;
-  std::optional<Meaning> meaning = {};  ///< whose colour it has; none: the next of series_colours
+  std::optional<Meaning> meaning = {};  ///< whose color it has; none: the next of series_colors
   SeriesMark mark = SeriesMark::disc;
   std::vector<std::string> labels = {};  ///< beside the points, in their order
 };
 
-/// A series that has the colour and, in the legend, the words of a meaning.
+/// A series that has the color and, in the legend, the words of a meaning.
 Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark = SeriesMark::disc);
 
 /// A mark on an axis.
@@ -69,11 +69,11 @@ struct ChartImage {
   size_t height = 1;
   double columns = 1;  ///< what it covers on the axes
   double rows = 1;
-  std::optional<std::pair<double, double>> greys = {};  ///< the values of black and of white
-  std::string grey_label = {};
+  std::optional<std::pair<double, double>> grays = {};  ///< the values of black and of white
+  std::string gray_label = {};
 };
 
-/// An image (grey or BGR, 8 bits) whose pixels are `cells` units of the axes a side, enlarged by
+/// An image (gray or BGR, 8 bits) whose pixels are `cells` units of the axes a side, enlarged by
 /// whole numbers so that it can be looked at.
 ChartImage chart_image(const cv::Mat& image, size_t cells);
 
@@ -91,7 +91,7 @@ struct Chart {
   ChartAxis x = {};
   ChartAxis y = {.label = {}, .from_zero = true};
   std::vector<Series> series = {};
-  bool is_plan = false;                  ///< a metre is as long on both axes, which are not drawn
+  bool is_plan = false;                  ///< a meter is as long on both axes, which are not drawn
   std::optional<ChartImage> image = {};  ///< both axes have ranges, and x's starts at 0
   std::vector<ChartRun> runs = {};
   std::string runs_label = {};

@@ -77,21 +77,21 @@ double lay_legend(const Chart& chart, ChartLayout& layout) {
   double x = 0;
   double y = 0;
   size_t row = 0;  // its first entry
-  const auto centre = [&] {
+  const auto center = [&] {
     for (; row < layout.legend.size(); ++row) layout.legend[row].x += (layout.width - x) / 2;
   };
   for (size_t s = 0; s < chart.series.size(); ++s) {
     if (chart.series[s].name.empty()) continue;
     const double width = text_width(chart.series[s].name, kLetters) + 44;
     if (x > 0 && x + width > layout.width - 20) {
-      centre();
+      center();
       x = 0;
       y += kLine;
     }
     layout.legend.push_back({s, x, y});
     x += width;
   }
-  centre();
+  center();
   return layout.legend.empty() ? 0 : y + kLine;
 }
 
@@ -211,7 +211,7 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
   area.top = (for_page ? 8 : 38) + (chart.y.label.empty() ? 0 : kLine + 6) + layout.names_height;
   double below = chart.is_plan ? 10 : 22 + (chart.x.label.empty() ? 0 : kLine + 4);
   if (!chart.runs.empty()) below += 30;
-  if (chart.image && chart.image->greys) below += 54;
+  if (chart.image && chart.image->grays) below += 54;
   const double legend_top = below + 14;
   if (!for_page) below = legend_top + lay_legend(chart, layout);
   if (!chart.image) area.height = chart.height - area.top - below - 6;

@@ -37,7 +37,7 @@ using Value = std::optional<double>;
 constexpr std::array<std::string_view, 3> kPathKeys = {"share", "wrong", "longest_gap_frames"};
 
 Value path_value(const Report& report, std::string_view key) {
-  return find_metric(key).of_path(report.localisation);
+  return find_metric(key).of_path(report.localization);
 }
 
 Json number_json(const Metric& metric, Value value) {
@@ -48,7 +48,7 @@ Json number_json(const Metric& metric, Value value) {
 std::string signed_number(Value value) { return value ? fmt::format("{:+.4f}", *value) : "-"; }
 
 // Whether the interval leaves chance out.
-std::string judgement_of(const ComparedValue& value) {
+std::string judgment_of(const ComparedValue& value) {
   if (!value.interval) return "";
   const bool is_higher = value.interval->low > 0;
   if (!is_higher && value.interval->high >= 0) return "";
@@ -72,7 +72,7 @@ constexpr std::array<PaperColumn, 9> kPaperColumns = {{{"recall_at", 1},
                                                        {kPathKeys[2]}}};
 
 Value value_of(const ComparisonReport& comparison, size_t report, const Metric& metric, size_t k) {
-  if (metric.of_path != nullptr) return metric.of_path(comparison.reports[report].localisation);
+  if (metric.of_path != nullptr) return metric.of_path(comparison.reports[report].localization);
   const std::string key = k > 0 ? fmt::format("{}_{}", metric.key, k) : std::string(metric.key);
   for (const ComparedValue& value : comparison.found.values)
     if (value.key == key && value.method == report) return value.value;
@@ -117,12 +117,12 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
                {"ground_truth", report.protocol.ground_truth},
                {"queries", comparison.found.own[r]},
                {"paired", comparison.is_paired(r)},
-               {"localisation", Json::object()},
+               {"localization", Json::object()},
                {"oracle", report.is_oracle},
                {"confidence", enum_name(report.outcomes.confidence)},
                {"fingerprint", report.provenance.evaluated()}};
   for (const std::string_view key : kPathKeys)
-    json["localisation"][std::string(key)] = number_json(find_metric(key), path_value(report, key));
+    json["localization"][std::string(key)] = number_json(find_metric(key), path_value(report, key));
   if (!report.walk().empty()) json["walk"] = report.walk();
   json["ground_truth_fingerprint"] = report.provenance.ground_truth;
   return json;
@@ -276,7 +276,7 @@ Json comparison_json(const ComparisonReport& comparison) {
        "query frames that all reports judge (neither unreadable nor ignored, and within reach of "
        "every report's windows); a report of another walk, as of a replay, is not paired, and "
        "measured over its own"},
-      {"localisation",
+      {"localization",
        "share of all frames of the path with a right fix, frames with a wrong fix, and most frames "
        "in a row without a right fix, as the reports say"},
       {"oracle",
@@ -287,7 +287,7 @@ Json comparison_json(const ComparisonReport& comparison) {
       {"metrics", "of best matches; those of queries without a match are incorrect where accepted"},
       {"interval",
        "central 95 % of the difference to the first report under the circular block bootstrap, "
-       "the same blocks of neighbouring queries for all reports"}};
+       "the same blocks of neighboring queries for all reports"}};
   json["provenance"] = fields_to_json(comparison.made_by);
   return json;
 }
@@ -346,7 +346,7 @@ Table comparison_table(const ComparisonReport& comparison) {
                           metric_cell(*value.metric, value.value), signed_number(value.difference),
                           signed_number(interval ? Value(interval->low) : std::nullopt),
                           signed_number(interval ? Value(interval->high) : std::nullopt),
-                          judgement_of(value)});
+                          judgment_of(value)});
   }
   return table;
 }
@@ -387,7 +387,7 @@ Table comparison_rows(const ComparisonReport& comparison) {
       const auto& interval = value.interval;
       add({value.key, text(metric, value.value), text(metric, value.difference),
            text(metric, interval ? Value(interval->low) : std::nullopt),
-           text(metric, interval ? Value(interval->high) : std::nullopt), judgement_of(value)});
+           text(metric, interval ? Value(interval->high) : std::nullopt), judgment_of(value)});
     }
     for (const std::string_view key : kPathKeys)
       add({std::string(key), text(find_metric(key), path_value(report, key)), "", "", "", ""});

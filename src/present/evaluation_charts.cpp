@@ -26,8 +26,8 @@ constexpr std::array<Meaning, 6> kMarkOrder = {Meaning::weak_unjudged, Meaning::
                                                Meaning::wrong,         Meaning::right};
 
 // A recognition, or a best match that is not recognized (weak).
-Meaning meaning_of(const Judgement& judgement, const QueryOutcome& query) {
-  const bool is_strong = is_recognised(judgement, query);
+Meaning meaning_of(const Judgment& judgment, const QueryOutcome& query) {
+  const bool is_strong = is_recognized(judgment, query);
   if (query.verdict == Verdict::correct) return is_strong ? Meaning::right : Meaning::weak_right;
   if (query.verdict == Verdict::incorrect) return is_strong ? Meaning::wrong : Meaning::weak_wrong;
   return is_strong ? Meaning::unjudged : Meaning::weak_unjudged;
@@ -45,10 +45,10 @@ void leave_out_empty(Chart& chart) {
 
 // The ground truth of about kMostTruth query frames, evenly spaced, as boxes; each frame stands for
 // those up to the next one.
-Series truth_series(const Judgement& judgement, const GroundTruth& truth,
+Series truth_series(const Judgment& judgment, const GroundTruth& truth,
                     const std::vector<FrameBand>& bands, const Monitor& monitor) {
   Series series = series_of(Meaning::truth, SeriesStyle::boxes);
-  const size_t frames = std::min(judgement.layout.scope.query.frames, truth.pairs.size());
+  const size_t frames = std::min(judgment.layout.scope.query.frames, truth.pairs.size());
   const size_t step = std::max<size_t>(1, (frames + kMostTruth - 1) / kMostTruth);
   for (size_t frame = 0; frame < frames; frame += step) {
     for (const FrameBand& band : bands) {
@@ -66,13 +66,13 @@ Series truth_series(const Judgement& judgement, const GroundTruth& truth,
   return series;
 }
 
-Chart recall_chart(const Report& report, const Judgement& judgement) {
+Chart recall_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"recall-at", evaluation_title(report), {"K"}};
   chart.y.label = "recall@K";
   Series& series = chart.series.emplace_back(
       Series{"recall@K", {}, SeriesStyle::line_and_points, Meaning::best_matches});
   for (size_t k = 1; k <= kRecallAt.back(); ++k)
-    series.points.emplace_back(k, *recall_at(judgement.outcomes, k));
+    series.points.emplace_back(k, *recall_at(judgment.outcomes, k));
   return chart;
 }
 
@@ -83,9 +83,9 @@ struct ScoreAxis {
 };
 
 /// Scores as thresholds are given: t_r as a mean frame distance or as mean z, t_p, or as they are.
-ScoreAxis score_axis(const Report& report, const Judgement& judgement) {
-  if (judgement.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
-  const auto length = static_cast<double>(judgement.layout.window_length);
+ScoreAxis score_axis(const Report& report, const Judgment& judgment) {
+  if (judgment.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
+  const auto length = static_cast<double>(judgment.layout.window_length);
   const QuerySettings* settings = report.query_settings();
   if (settings == nullptr) return {score_words(report), 1};
   if (report.has_places()) return {"the probability t_p", 1};
@@ -106,12 +106,12 @@ struct RankedMatch {
   const QueryOutcome* query = nullptr;
 };
 
-std::vector<RankedMatch> strictest_first(const Judgement& judgement) {
-  const Outcomes& outcomes = judgement.outcomes;
+std::vector<RankedMatch> strictest_first(const Judgment& judgment) {
+  const Outcomes& outcomes = judgment.outcomes;
   const ScoreOrder kind = confidence_order(outcomes);
   std::vector<RankedMatch> order;
   for (const QueryOutcome& query : outcomes.queries) {
-    const double value = score_of_key(confidence_key(query, judgement.outcomes.confidence), kind);
+    const double value = score_of_key(confidence_key(query, judgment.outcomes.confidence), kind);
     if (query.best && std::isfinite(value)) order.push_back({value, &query});
   }
   std::stable_sort(order.begin(), order.end(), [&](const RankedMatch& a, const RankedMatch& b) {
@@ -149,28 +149,28 @@ Chart precision_recall_chart(const std::string& title) {
   return chart;
 }
 
-Chart curve_chart(const Report& report, const Judgement& judgement) {
+Chart curve_chart(const Report& report, const Judgment& judgment) {
   Chart chart = precision_recall_chart(evaluation_title(report));
-  if (judgement.all_pairs)
-    chart.series.push_back(curve_series(Meaning::all_pairs, judgement.all_pairs->curve));
-  const bool by_score = judgement.outcomes.confidence == Confidence::score;
+  if (judgment.all_pairs)
+    chart.series.push_back(curve_series(Meaning::all_pairs, judgment.all_pairs->curve));
+  const bool by_score = judgment.outcomes.confidence == Confidence::score;
   chart.series.push_back(
-      curve_series(by_score ? Meaning::best_matches : Meaning::by_margin, judgement.single_best));
-  if (judgement.other_best)
+      curve_series(by_score ? Meaning::best_matches : Meaning::by_margin, judgment.single_best));
+  if (judgment.other_best)
     chart.series.push_back(
-        curve_series(by_score ? Meaning::by_margin : Meaning::best_matches, *judgement.other_best));
+        curve_series(by_score ? Meaning::by_margin : Meaning::best_matches, *judgment.other_best));
   leave_out_empty(chart);
   return chart;
 }
 
-Chart risk_chart(const Report& report, const Judgement& judgement) {
+Chart risk_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"risk-coverage", evaluation_title(report), {"coverage: best matches accepted"}};
   chart.y.label = "risk: share of mistakes among them";
   chart.x.range = chart.y.range = {0, 1};
-  Meaning meaning = judgement.outcomes.confidence == Confidence::score ? Meaning::best_matches
-                                                                       : Meaning::by_margin;
+  Meaning meaning = judgment.outcomes.confidence == Confidence::score ? Meaning::best_matches
+                                                                      : Meaning::by_margin;
   for (const Curve* curve :
-       {&judgement.single_best, judgement.other_best ? &*judgement.other_best : nullptr}) {
+       {&judgment.single_best, judgment.other_best ? &*judgment.other_best : nullptr}) {
     if (curve == nullptr || curve->to_find == 0) continue;
     Series& series = chart.series.emplace_back(series_of(meaning, SeriesStyle::line));
     series.points = risk_coverage_points(*curve);
@@ -179,19 +179,19 @@ Chart risk_chart(const Report& report, const Judgement& judgement) {
   return chart;
 }
 
-Chart margin_chart(const Report& report, const Judgement& judgement) {
+Chart margin_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"margins", evaluation_title(report)};
-  chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
+  chart.x = frame_axis({{"", 0, 0, 0, judgment.fixes.size()}}, "query frame", false);
   chart.y.label = "margin, a frame";
   for (const Meaning meaning : kMarkOrder) {
     Series series = series_of(meaning, SeriesStyle::points, SeriesMark::dot);
-    for (const QueryOutcome& query : judgement.outcomes.queries)
-      if (query.margin && meaning_of(judgement, query) == meaning)
+    for (const QueryOutcome& query : judgment.outcomes.queries)
+      if (query.margin && meaning_of(judgment, query) == meaning)
         series.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.margin);
     chart.series.push_back(series);
   }
   Series asked = series_of(Meaning::asked_margin, SeriesStyle::line);
-  for (const QueryOutcome& query : judgement.outcomes.queries)
+  for (const QueryOutcome& query : judgment.outcomes.queries)
     if (query.margin && query.asked_margin)
       asked.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.asked_margin);
   chart.series.push_back(asked);
@@ -200,26 +200,26 @@ Chart margin_chart(const Report& report, const Judgement& judgement) {
   return chart;
 }
 
-Chart timeline_chart(const Report& report, const Judgement& judgement, const GroundTruth& truth,
+Chart timeline_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth,
                      const Monitor& monitor) {
-  const std::vector<FrameBand> bands = frame_bands(judgement.layout);
+  const std::vector<FrameBand> bands = frame_bands(judgment.layout);
   Chart chart{"timeline", evaluation_title(report)};
-  chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
+  chart.x = frame_axis({{"", 0, 0, 0, judgment.fixes.size()}}, "query frame", false);
   chart.y = frame_axis(bands, reference_word(report), false);
-  chart.series.push_back(truth_series(judgement, truth, bands, monitor));
+  chart.series.push_back(truth_series(judgment, truth, bands, monitor));
   for (const Meaning meaning : kMarkOrder) {
     const bool is_strong =
         meaning == Meaning::right || meaning == Meaning::wrong || meaning == Meaning::unjudged;
     Series series =
         series_of(meaning, SeriesStyle::points, is_strong ? SeriesMark::disc : SeriesMark::dot);
-    for (const QueryOutcome& query : judgement.outcomes.queries)
-      if (query.best && meaning_of(judgement, query) == meaning)
+    for (const QueryOutcome& query : judgment.outcomes.queries)
+      if (query.best && meaning_of(judgment, query) == meaning)
         series.points.emplace_back(static_cast<double>(query.frame) + 0.5,
                                    static_cast<double>(position_of(bands, *query.best)) + 0.5);
     chart.series.push_back(series);
   }
   leave_out_empty(chart);
-  chart.runs = fix_runs(judgement.fixes);
+  chart.runs = fix_runs(judgment.fixes);
   chart.runs_label = "fixes";
   chart.width = 1000;
   return chart;
@@ -233,16 +233,16 @@ std::vector<Meaning> meanings_of(const Chart& chart) {
   return {found.begin(), found.end()};
 }
 
-Chart threshold_chart(const Report& report, const Judgement& judgement) {
-  const ScoreAxis axis = score_axis(report, judgement);
-  const bool is_distance = confidence_order(judgement.outcomes) == ScoreOrder::distance;
+Chart threshold_chart(const Report& report, const Judgment& judgment) {
+  const ScoreAxis axis = score_axis(report, judgment);
+  const bool is_distance = confidence_order(judgment.outcomes) == ScoreOrder::distance;
   Chart chart{"thresholds",
               evaluation_title(report),
               {is_distance ? "up to " + axis.label : axis.label + ", or more"}};
   chart.y.label = "best matches accepted";
   for (const Meaning meaning : kAccepted)
     chart.series.push_back(series_of(meaning, SeriesStyle::line));
-  const std::vector<RankedMatch> order = strictest_first(judgement);
+  const std::vector<RankedMatch> order = strictest_first(judgment);
   const auto threshold = [&](const RankedMatch& match) { return match.value / axis.divisor; };
   if (!order.empty() && threshold(order.front()) != threshold(order.back()))
     chart.x.range = {threshold(order.front()), threshold(order.back())};
@@ -260,12 +260,12 @@ Chart threshold_chart(const Report& report, const Judgement& judgement) {
   return chart;
 }
 
-std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgement& judgement,
+std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgment& judgment,
                                            size_t most) {
-  const ScoreAxis axis = score_axis(report, judgement);
+  const ScoreAxis axis = score_axis(report, judgment);
   std::vector<ThresholdStep> steps;
   ThresholdStep step;
-  for (const RankedMatch& match : strictest_first(judgement)) {
+  for (const RankedMatch& match : strictest_first(judgment)) {
     const double threshold = match.value / axis.divisor;
     if (!steps.empty() && steps.back().threshold == threshold) steps.pop_back();
     step.threshold = threshold;
@@ -281,21 +281,21 @@ std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgement
 
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor) {
-  const Judgement& judgement = evaluation.judgement;
+  const Judgment& judgment = evaluation.judgment;
   const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
-  return matrix_chart(judgement.layout,
-                      draw_scores(judgement, evaluation.truth, matrix, most_pixels, monitor),
+  return matrix_chart(judgment.layout,
+                      draw_scores(judgment, evaluation.truth, matrix, most_pixels, monitor),
                       reference_word(report), score_words(report));
 }
 
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
                      const std::filesystem::path& folder, const Monitor& monitor) {
-  const Judgement& judgement = evaluation.judgement;
-  std::vector<Chart> charts = {curve_chart(report, judgement), risk_chart(report, judgement)};
-  if (judgement.outcomes.has_ranks && judged_queries(judgement.outcomes) > 0)
-    charts.push_back(recall_chart(report, judgement));
-  charts.push_back(timeline_chart(report, judgement, evaluation.truth, monitor));
-  charts.push_back(margin_chart(report, judgement));
+  const Judgment& judgment = evaluation.judgment;
+  std::vector<Chart> charts = {curve_chart(report, judgment), risk_chart(report, judgment)};
+  if (judgment.outcomes.has_ranks && judged_queries(judgment.outcomes) > 0)
+    charts.push_back(recall_chart(report, judgment));
+  charts.push_back(timeline_chart(report, judgment, evaluation.truth, monitor));
+  charts.push_back(margin_chart(report, judgment));
   for (const Chart& chart : charts)
     if (!chart.series.empty()) draw_chart(chart, folder);
   Chart chart = matrix_chart(evaluation, report, kMatrixSide, monitor);

@@ -307,7 +307,7 @@ void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
 }
 
 template <class Visitor>
-void visit_fields(Localisation& path, Visitor&& visit) {
+void visit_fields(Localization& path, Visitor&& visit) {
   visit("frames", path.frames);
   visit("frames_with_match", path.frames_with_match);
   visit("right", path.right);
@@ -365,7 +365,7 @@ void visit_fields(Report& report, Visitor&& visit) {
   visit("by_view", IfSet{report.by_view});
   visit("recognitions", IfSet{report.recognitions});
   visit("metrics", report.metrics);
-  visit("localisation", report.localisation);
+  visit("localization", report.localization);
   visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
   visit("oracle", Unless{report.is_oracle, false});
   visit("curves", report.curves);

@@ -59,7 +59,7 @@ void define_places(Definitions& define) {
   define.insert(
       define.end(),
       {{"hits", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
-       {"distinct", "places recognised correctly at least once"},
+       {"distinct", "places recognized correctly at least once"},
        {"best_match",
         "the place of the likeliest view, the new place left out, ties to the first; a frame "
         "without words is wrong; rate = correct / (queries - ignored)"},
@@ -86,27 +86,27 @@ constexpr const char* kViewProtocol =
     "mean over query views of the share of their windows that is right";
 
 /// In words, what the metrics count.
-void define_metrics(Definitions& define, const Judgement& judgement, bool is_result) {
-  const bool has_ranks = judgement.outcomes.has_ranks;
+void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
+  const bool has_ranks = judgment.outcomes.has_ranks;
   define.emplace_back(
       "single_best",
       fmt::format("a {}; recall is over queries with a match; the best match of a query without "
                   "one is incorrect; {}",
-                  judgement.outcomes.confidence == Confidence::margin
+                  judgment.outcomes.confidence == Confidence::margin
                       ? "margin accepts best matches that have at least this margin"
                       : "threshold accepts best matches that score at least as good",
-                  has_ranks ? "references labelled ignore are passed over"
-                            : "a query whose best match is labelled ignore is left out"));
-  if (judgement.outcomes.has_margins)
+                  has_ranks ? "references labeled ignore are passed over"
+                            : "a query whose best match is labeled ignore is left out"));
+  if (judgment.outcomes.has_margins)
     define.emplace_back(
         "margin",
         "how much better the best match is than the best one elsewhere, in score a frame; a best "
         "match without one is never accepted by its margin");
-  if (judgement.all_pairs)
+  if (judgment.all_pairs)
     define.emplace_back(
         "all_pairs",
         "a threshold accepts pairs that score at least as good; recall is over all pairs of the "
-        "same place; pairs labelled ignore, and queries without any score, are left out");
+        "same place; pairs labeled ignore, and queries without any score, are left out");
   if (has_ranks)
     define.emplace_back(
         "precision_at",
@@ -119,49 +119,49 @@ void define_metrics(Definitions& define, const Judgement& judgement, bool is_res
   define.emplace_back(
       "ties", "equal scores are accepted together; the best match, and ranks, take the first");
   define.emplace_back(
-      "localisation",
+      "localization",
       is_result
           ? "a frame's fix is its closest recognition"
           : fmt::format("a frame's fix is its best match where it scores at least as good as "
                         "{}{}",
-                        judgement.threshold ? fmt::format("{:.6g}", *judgement.threshold)
-                                            : "any correct one before the first mistake",
-                        judgement.is_oracle ? ", a threshold chosen from the ground truth" : ""));
+                        judgment.threshold ? fmt::format("{:.6g}", *judgment.threshold)
+                                           : "any correct one before the first mistake",
+                        judgment.is_oracle ? ", a threshold chosen from the ground truth" : ""));
 }
 
 /// The same function of each curve.
 template <class T>
-ByAcceptance<T> by_acceptance(const Judgement& judgement, T (*function)(const Curve&)) {
-  ByAcceptance<T> all{function(judgement.single_best), {}, {}, {}};
-  const bool is_by_score = judgement.outcomes.confidence == Confidence::score;
-  if (judgement.other_best)
-    (is_by_score ? all.by_margin : all.by_score) = function(*judgement.other_best);
-  if (judgement.all_pairs) all.all_pairs = function(judgement.all_pairs->curve);
+ByAcceptance<T> by_acceptance(const Judgment& judgment, T (*function)(const Curve&)) {
+  ByAcceptance<T> all{function(judgment.single_best), {}, {}, {}};
+  const bool is_by_score = judgment.outcomes.confidence == Confidence::score;
+  if (judgment.other_best)
+    (is_by_score ? all.by_margin : all.by_score) = function(*judgment.other_best);
+  if (judgment.all_pairs) all.all_pairs = function(judgment.all_pairs->curve);
   return all;
 }
 
-ReportedMetrics metrics_of(const Judgement& judgement) {
-  const Outcomes& outcomes = judgement.outcomes;
+ReportedMetrics metrics_of(const Judgment& judgment) {
+  const Outcomes& outcomes = judgment.outcomes;
   ReportedMetrics found;
-  found.curves = by_acceptance(judgement, numbers_of);
+  found.curves = by_acceptance(judgment, numbers_of);
   if (outcomes.has_ranks) found.curves.single_best.tied_queries = tied_queries(outcomes);
-  if (judgement.all_pairs) {
-    found.curves.all_pairs->same_without_score = judgement.all_pairs->same_without_score;
-    found.curves.all_pairs->ignored = judgement.all_pairs->ignored;
+  if (judgment.all_pairs) {
+    found.curves.all_pairs->same_without_score = judgment.all_pairs->same_without_score;
+    found.curves.all_pairs->ignored = judgment.all_pairs->ignored;
   }
   if (outcomes.has_ranks) {
     found.precision_at.emplace();
     found.map_at.emplace();
   }
-  for (const size_t k : judgement.recall_at) {
+  for (const size_t k : judgment.recall_at) {
     if (k == 1 || outcomes.has_ranks) found.recall_at[k] = recall_at(outcomes, k);
     if (!outcomes.has_ranks || k > kMostRanked) continue;
     found.precision_at->emplace(k, precision_at(outcomes, k));
     found.map_at->emplace(k, mean_average_precision_at(outcomes, k));
   }
-  const auto recalls = local_recalls(outcomes, judgement.stretch_frames);
+  const auto recalls = local_recalls(outcomes, judgment.stretch_frames);
   ReportedAchievement& achievement = found.recall_achievement;
-  achievement.stretch_frames = judgement.stretch_frames;
+  achievement.stretch_frames = judgment.stretch_frames;
   achievement.stretches = static_cast<size_t>(
       std::ranges::count_if(recalls, [](const auto& recall) { return recall.has_value(); }));
   for (size_t t = 0; t < kRecallTargets.size(); ++t)
@@ -208,14 +208,14 @@ std::string Report::walk() const {
 }
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor) {
-  const Judgement& judgement = evaluation.judgement;
+  const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
   Report report;
   report.query = evaluation.query().name;
   report.name = evaluation.name;
   report.protocol = {truth.protocol, truth.tolerance_frames, {}};
   report.provenance.made_by = provenance_of(run);
-  report.provenance.ground_truth = ground_truth_fingerprint(truth, judgement.layout.scope, monitor);
+  report.provenance.ground_truth = ground_truth_fingerprint(truth, judgment.layout.scope, monitor);
   if (evaluation.result) {
     add_result(report, *evaluation.result);
     report.provenance.result = evaluation.fingerprint;
@@ -223,17 +223,17 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
     report.method = evaluation.scores.method;
     report.selection = evaluation.scores.query.selection;
     report.settings = evaluation.scores;
-    report.counts.best_match = best_match_counts(judgement.outcomes);
+    report.counts.best_match = best_match_counts(judgment.outcomes);
     define_scores(report.protocol.definitions, evaluation.scores.window_length);
     report.provenance.scores = evaluation.fingerprint;
   }
-  define_metrics(report.protocol.definitions, judgement, evaluation.result.has_value());
-  report.metrics = metrics_of(judgement);
-  report.localisation = judgement.localisation;
-  report.is_oracle = judgement.is_oracle;
-  report.curves = by_acceptance(judgement, reported_curve);
-  report.outcomes = judgement.outcomes;
-  report.fixes = judgement.fixes;
+  define_metrics(report.protocol.definitions, judgment, evaluation.result.has_value());
+  report.metrics = metrics_of(judgment);
+  report.localization = judgment.localization;
+  report.is_oracle = judgment.is_oracle;
+  report.curves = by_acceptance(judgment, reported_curve);
+  report.outcomes = judgment.outcomes;
+  report.fixes = judgment.fixes;
   return report;
 }
 

@@ -110,7 +110,7 @@ struct Report {
   std::optional<CountsByView> by_view;
   std::optional<std::vector<ReportedPlace>> recognitions;
   ReportedMetrics metrics;
-  Localisation localisation;
+  Localization localization;
   bool is_oracle = false;  ///< fixes are by a threshold from the ground truth
   ByAcceptance<ReportedCurve> curves;
   Outcomes outcomes;  ///< if it was read: without the references of best matches

@@ -56,8 +56,8 @@ std::string setting_text(const Json& settings, std::string_view symbol) {
   return found == settings.end() ? "" : fmt::format(", {} {}", symbol, text(*found));
 }
 
-size_t count_of(const Judgement& judgement, Fix fix) {
-  return static_cast<size_t>(std::count(judgement.fixes.begin(), judgement.fixes.end(), fix));
+size_t count_of(const Judgment& judgment, Fix fix) {
+  return static_cast<size_t>(std::count(judgment.fixes.begin(), judgment.fixes.end(), fix));
 }
 
 std::string time_of(size_t frame, std::optional<double> frames_per_second) {
@@ -65,9 +65,9 @@ std::string time_of(size_t frame, std::optional<double> frames_per_second) {
   return fmt::format(" ({:.1f} s)", static_cast<double>(frame) / *frames_per_second);
 }
 
-std::string first_of(const Judgement& judgement, bool is_judged,
+std::string first_of(const Judgment& judgment, bool is_judged,
                      std::optional<double> frames_per_second) {
-  const auto& fixes = judgement.fixes;
+  const auto& fixes = judgment.fixes;
   const auto first = std::find_if(fixes.begin(), fixes.end(), [&](Fix fix) {
     return is_judged ? fix == Fix::right : fix != Fix::none;
   });
@@ -79,18 +79,18 @@ std::string first_of(const Judgement& judgement, bool is_judged,
 
 // "12 before the first mistake, at a threshold chosen from the ground truth"; empty where there is
 // no mistake, or all best matches score the same.
-std::string oracle_words(const Judgement& judgement) {
-  const auto& points = judgement.single_best.points;
+std::string oracle_words(const Judgment& judgment) {
+  const auto& points = judgment.single_best.points;
   if (points.size() < 2 || points.back().incorrect == 0) return "";
-  const size_t right = count_of(judgement, Fix::right);
+  const size_t right = count_of(judgment, Fix::right);
   return fmt::format("; {} before the first mistake, at a threshold chosen from the ground truth",
                      right == 0 ? "none" : std::to_string(right));
 }
 
 // Of scores: "Best match right in 106 of 200 frames (53.0 %)".
-std::string best_match_words(const Judgement& judgement) {
-  const BestMatchCounts counts = best_match_counts(judgement.outcomes);
-  const std::string unit = judgement.layout.window_length > 1 ? "window" : "frame";
+std::string best_match_words(const Judgment& judgment) {
+  const BestMatchCounts counts = best_match_counts(judgment.outcomes);
+  const std::string unit = judgment.layout.window_length > 1 ? "window" : "frame";
   if (!counts.rate()) return fmt::format("No {} has a match in the ground truth", unit);
   const bool all_match = counts.without_match + counts.unreachable == 0;
   const std::string more = all_match ? "" : " with a match";
@@ -184,13 +184,13 @@ Table achievement_table(const Report& report) {
   return table;
 }
 
-Table localisation_table(const Report& report) {
+Table localization_table(const Report& report) {
   Table table;
-  table.title = fmt::format("Along the path ({})", report.protocol.definition("localisation"));
-  add_column(table, "frames", report.localisation.frames);
+  table.title = fmt::format("Along the path ({})", report.protocol.definition("localization"));
+  add_column(table, "frames", report.localization.frames);
   for (const Metric& metric : path_metrics())
-    if (!metric.key.ends_with("_m") || report.localisation.longest_gap_m)  // positions are known
-      add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localisation)));
+    if (!metric.key.ends_with("_m") || report.localization.longest_gap_m)  // positions are known
+      add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localization)));
   return table;
 }
 
@@ -239,7 +239,7 @@ std::string recognitions_text(const Report& report) {
 Table comparable_table(const Report& report) {
   Table table = report_table(report);
   const BestMatchCounts& best = report.counts.best_match;
-  const uint64_t frames = report.localisation.frames_with_match - best.ignored;
+  const uint64_t frames = report.localization.frames_with_match - best.ignored;
   add_column(table, "of frames", frames);
   add_column(
       table, "% of frames",
@@ -268,7 +268,7 @@ Table csv_row(const Report& report) {
       add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
                  curve_cell(*curve.numbers, m));
   for (const Table& more : {recall_table(report), ranking_table(report), achievement_table(report),
-                            localisation_table(report)})
+                            localization_table(report)})
     add_columns(table, more);
   return table;
 }
@@ -305,22 +305,21 @@ std::string score_words(const Report& report) {
                                          : enum_name(report.outcomes.kind));
 }
 
-std::string summary_sentence(const Judgement& judgement, bool is_judged,
+std::string summary_sentence(const Judgment& judgment, bool is_judged,
                              std::optional<double> frames_per_second) {
-  if (judgement.is_oracle) return best_match_words(judgement) + oracle_words(judgement) + ".";
-  const size_t right = count_of(judgement, Fix::right);
-  const size_t wrong = count_of(judgement, Fix::wrong);
-  const size_t unjudged = count_of(judgement, Fix::unjudged);
+  if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
+  const size_t right = count_of(judgment, Fix::right);
+  const size_t wrong = count_of(judgment, Fix::wrong);
+  const size_t unjudged = count_of(judgment, Fix::unjudged);
   const size_t all = right + wrong + unjudged;
   const auto some = [](size_t count) { return count == 0 ? "none" : std::to_string(count); };
-  std::string text = judgement.threshold ? best_match_words(judgement) + ". " : "";
-  text +=
-      fmt::format("Recognised in {} of {}", some(all), counted(judgement.fixes.size(), "frame"));
+  std::string text = judgment.threshold ? best_match_words(judgment) + ". " : "";
+  text += fmt::format("Recognized in {} of {}", some(all), counted(judgment.fixes.size(), "frame"));
   if (all > 0 && is_judged) {
     text += fmt::format(", {} of them wrong", some(wrong));
     if (unjudged > 0) text += fmt::format(", {} to be ignored", unjudged);
   }
-  text += first_of(judgement, is_judged, frames_per_second) + ".";
+  text += first_of(judgment, is_judged, frames_per_second) + ".";
   return is_judged ? text : text + " Nothing is judged without a ground truth.";
 }
 
@@ -375,7 +374,7 @@ std::vector<Table> metrics_tables(const Report& report) {
   if (report.metrics.recall_at.size() > 1) tables.push_back(recall_table(report));
   if (report.metrics.precision_at) tables.push_back(ranking_table(report));
   tables.push_back(achievement_table(report));
-  tables.push_back(localisation_table(report));
+  tables.push_back(localization_table(report));
   return tables;
 }
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "present/evaluation_report.h"
 #include "present/table.h"
 
@@ -28,12 +28,12 @@ std::string reference_word(const Report& report);
 /// What the scores of a report's matches are, with their unit.
 std::string score_words(const Report& report);
 
-/// Of a result: "Recognised in 17 of 111 frames, 3 of them wrong; the first right one at frame 21
+/// Of a result: "Recognized in 17 of 111 frames, 3 of them wrong; the first right one at frame 21
 /// (2.1 s)." With frames_per_second, which is above 0, the time from the first frame to it. Where
 /// the ground truth is not known, all recognitions count alike. Of scores: "Best match right in 53
 /// of 111 frames (47.7 %)", and recognitions only by a threshold that the user chose; one chosen
 /// from the ground truth is called that.
-std::string summary_sentence(const Judgement& judgement, bool is_judged,
+std::string summary_sentence(const Judgment& judgment, bool is_judged,
                              std::optional<double> frames_per_second);
 
 /// One row: the setting and the counts of a result, or a matrix of scores and its best matches.
@@ -42,7 +42,7 @@ Table report_table(const Report& report);
 /// One row: the counts of a report whose ground truth is not known.
 Table unjudged_table(const Report& report);
 
-/// Metrics of best matches and pairs, recall@K where there are ranks, and localisation, titled with
+/// Metrics of best matches and pairs, recall@K where there are ranks, and localization, titled with
 /// what their numbers count.
 std::vector<Table> metrics_tables(const Report& report);
 

@@ -40,7 +40,7 @@ constexpr int kTitleHeight = 28;
 const cv::Scalar kText(40, 40, 40);
 const cv::Scalar kPaper(245, 245, 245);
 
-cv::Scalar colour_of_point(bool speaks_for) {
+cv::Scalar color_of_point(bool speaks_for) {
   const cv::Vec3b bgr = bgr_of(speaks_for ? Meaning::right : Meaning::wrong);
   return {static_cast<double>(bgr[0]), static_cast<double>(bgr[1]), static_cast<double>(bgr[2])};
 }
@@ -61,11 +61,11 @@ Placement place_image(cv::Mat& canvas, const MarkedImage& image, int left, int t
               cv::LINE_AA);
   Placement placement;
   placement.origin = {static_cast<double>(left), static_cast<double>(top + kTitleHeight)};
-  if (image.grey.empty()) return placement;
-  placement.scale = std::min(static_cast<double>(kWidth) / image.grey.cols,
-                             static_cast<double>(kHeight) / image.grey.rows);
+  if (image.gray.empty()) return placement;
+  placement.scale = std::min(static_cast<double>(kWidth) / image.gray.cols,
+                             static_cast<double>(kHeight) / image.gray.rows);
   cv::Mat scaled;
-  cv::resize(image.grey, scaled, {}, placement.scale, placement.scale, cv::INTER_LINEAR);
+  cv::resize(image.gray, scaled, {}, placement.scale, placement.scale, cv::INTER_LINEAR);
   cv::cvtColor(scaled, scaled, cv::COLOR_GRAY2BGR);
   scaled = scaled(cv::Rect(0, 0, std::min(scaled.cols, kWidth), std::min(scaled.rows, kHeight)));
   scaled.copyTo(canvas(cv::Rect(left, top + kTitleHeight, scaled.cols, scaled.rows)));
@@ -75,10 +75,10 @@ Placement place_image(cv::Mat& canvas, const MarkedImage& image, int left, int t
 void mark(cv::Mat& canvas, const MarkedImage& image, const Placement& placement) {
   for (const MarkedPoint& point : image.points) {
     const cv::Point at = placement(point.at);
-    const cv::Scalar colour = colour_of_point(point.speaks_for);
-    cv::circle(canvas, at, 7, colour, 2, cv::LINE_AA);
+    const cv::Scalar color = color_of_point(point.speaks_for);
+    cv::circle(canvas, at, 7, color, 2, cv::LINE_AA);
     cv::putText(canvas, std::to_string(point.word), at + cv::Point(9, 4), cv::FONT_HERSHEY_SIMPLEX,
-                0.4, colour, 1, cv::LINE_AA);
+                0.4, color, 1, cv::LINE_AA);
   }
 }
 
@@ -92,7 +92,7 @@ void join(cv::Mat& canvas, const ImagePair& pair, const Placement& query, const 
                                  [&](const MarkedPoint& p) { return p.word == from.word; });
     if (to == pair.view.points.end()) continue;
     joined.push_back(from.word);
-    cv::line(canvas, query(from.at), view(to->at), colour_of_point(true), 1, cv::LINE_AA);
+    cv::line(canvas, query(from.at), view(to->at), color_of_point(true), 1, cv::LINE_AA);
   }
 }
 
@@ -128,7 +128,7 @@ Json explanation_json(const Explanation& explanation) {
 
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
                        const std::string& title) {
-  MarkedImage image{features.grey, {}, title};
+  MarkedImage image{features.gray, {}, title};
   const auto add = [&](const std::vector<WordEvidence>& words, bool speaks_for) {
     for (const WordEvidence& word : words)
       for (size_t i = 0; i < features.words.size(); ++i)

@@ -24,7 +24,7 @@ struct MarkedPoint {
 
 /// A frame, and where on it words were seen.
 struct MarkedImage {
-  cv::Mat grey;  ///< 8 bits; empty: left blank
+  cv::Mat gray;  ///< 8 bits; empty: left blank
   std::vector<MarkedPoint> points;
   std::string title;
 };
@@ -39,7 +39,7 @@ struct ImagePair {
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
                        const std::string& title);
 
-/// One row a pair. Words that speak for the place have the colour of what is right, and are joined
+/// One row a pair. Words that speak for the place have the color of what is right, and are joined
 /// by a line where both images show them; those against have that of what is wrong. BGR, 8 bits.
 cv::Mat draw_word_pairs(const std::vector<ImagePair>& pairs);
 

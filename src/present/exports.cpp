@@ -24,11 +24,11 @@ std::string prefix(const std::string& name, const std::string& query) {
 
 /// Where each query frame is said to be; nothing for frames without a fix.
 std::vector<std::optional<FrameMatch>> fix_matches(const Evaluation& evaluation) {
-  const Judgement& judgement = evaluation.judgement;
-  std::vector<std::optional<FrameMatch>> matches(judgement.fixes.size());
+  const Judgment& judgment = evaluation.judgment;
+  std::vector<std::optional<FrameMatch>> matches(judgment.fixes.size());
   if (!evaluation.result) {
-    for (const QueryOutcome& query : judgement.outcomes.queries)
-      if (judgement.fixes[query.frame] != Fix::none) matches[query.frame] = query.best;
+    for (const QueryOutcome& query : judgment.outcomes.queries)
+      if (judgment.fixes[query.frame] != Fix::none) matches[query.frame] = query.best;
     return matches;
   }
   const Result& result = evaluation.result->result;
@@ -67,17 +67,17 @@ std::string recognitions_csv_header() {
          "train_last_frame,hits,hits_right,hits_wrong,score,outcome\n";
 }
 
-std::string outcomes_csv(const Judgement& judgement, const std::string& name,
+std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                          const std::string& query_name) {
   const std::string start = prefix(name, query_name);
-  const Outcomes& outcomes = judgement.outcomes;
+  const Outcomes& outcomes = judgment.outcomes;
   std::string text;
   for (const QueryOutcome& query : outcomes.queries) {
     const std::string best =
         query.best
             ? fmt::format(
                   "{},{},{}",
-                  csv_field(judgement.layout.scope.sequences[query.best->sequence].sequence.name),
+                  csv_field(judgment.layout.scope.sequences[query.best->sequence].sequence.name),
                   query.best->reference, score_of_key(query.key, outcomes.kind))
             : ",,";
     text +=
@@ -86,7 +86,7 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
                     query.has_match        ? "yes"
                     : query.is_unreachable ? "unreachable"
                                            : "no",
-                    kFixWords[static_cast<size_t>(judgement.fixes[query.frame])],
+                    kFixWords[static_cast<size_t>(judgment.fixes[query.frame])],
                     query.rank ? std::to_string(*query.rank) : "",
                     query.margin ? fmt::format("{}", *query.margin) : "");
   }

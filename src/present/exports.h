@@ -14,7 +14,7 @@ namespace vpr {
 
 struct Evaluation;
 struct JudgedResult;
-struct Judgement;
+struct Judgment;
 
 /// Header lines, with their line feeds.
 std::string outcomes_csv_header();
@@ -22,7 +22,7 @@ std::string recognitions_csv_header();
 
 /// One row a query window (a frame): where it ends, its best match, and how right it is. `name` and
 /// `query` stand in front of each row. A field that is not known is empty.
-std::string outcomes_csv(const Judgement& judgement, const std::string& name,
+std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                          const std::string& query);
 
 /// One row a cluster of hits: the frames that its windows cover, and the frames at which it is
@@ -44,7 +44,7 @@ struct FrameClock {
 };
 
 /// A line "time x y z 0 0 0 1" (the TUM format) for each query frame that has a fix, right or
-/// wrong, and whose match has a position: where somebody is told to be. Positions are in metres
+/// wrong, and whose match has a position: where somebody is told to be. Positions are in meters
 /// (z is 0 on a plan), orientations not known. The first line is a comment.
 std::string fix_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
                            const FrameClock& clock);

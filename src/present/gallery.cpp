@@ -90,18 +90,18 @@ std::string strip(const std::string& title, const std::vector<size_t>& frames,
 
 }  // namespace
 
-std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const GroundTruth& truth,
+std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
                                         size_t most) {
-  const auto& queries = judgement.outcomes.queries;
-  const size_t apart = std::max(kLeastApart, judgement.layout.window_length);
+  const auto& queries = judgment.outcomes.queries;
+  const size_t apart = std::max(kLeastApart, judgment.layout.window_length);
   std::vector<GalleryItem> items;
   const auto choose = [&](GalleryKind kind, Verdict verdict, bool is_best_first) {
     std::vector<size_t> order;
     for (size_t q = 0; q < queries.size(); ++q)
       if (queries[q].verdict == verdict && queries[q].best) order.push_back(q);
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-      const uint64_t first = confidence_key(queries[a], judgement.outcomes.confidence);
-      const uint64_t second = confidence_key(queries[b], judgement.outcomes.confidence);
+      const uint64_t first = confidence_key(queries[a], judgment.outcomes.confidence);
+      const uint64_t second = confidence_key(queries[b], judgment.outcomes.confidence);
       return is_best_first ? first < second : first > second;
     });
     const size_t begin = items.size();
@@ -113,7 +113,7 @@ std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const Ground
         return same_query || (item.kind == kind && away < apart);
       });
       if (!is_near)
-        items.push_back({kind, q, true_match(truth, judgement.layout, queries[q].frame)});
+        items.push_back({kind, q, true_match(truth, judgment.layout, queries[q].frame)});
     }
   };
   const Verdict good = truth.is_known ? Verdict::correct : Verdict::ignored;
@@ -182,12 +182,12 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
   return found;
 }
 
-GalleryCards::GalleryCards(const Judgement& judgement, const GroundTruth& truth,
+GalleryCards::GalleryCards(const Judgment& judgment, const GroundTruth& truth,
                            const FrameSources& sources)
-    : judgement_(judgement),
+    : judgment_(judgment),
       sources_(sources),
       is_judged_(truth.is_known),
-      items_(choose_gallery(judgement, truth, kMostItems)) {}
+      items_(choose_gallery(judgment, truth, kMostItems)) {}
 
 void GalleryCards::read_frames(const Monitor& monitor) {
   std::set<size_t> query;
@@ -204,13 +204,13 @@ void GalleryCards::read_frames(const Monitor& monitor) {
     if (item.truth) want(*item.truth);
   }
   if (sources_.query)
-    query_ = make_thumbnails(*sources_.query, judgement_.layout.scope.query.selection, query,
+    query_ = make_thumbnails(*sources_.query, judgment_.layout.scope.query.selection, query,
                              kThumbnailSide, monitor);
   references_.resize(references.size());
   for (size_t s = 0; s < references.size(); ++s)
     if (sources_.references[s])
       references_[s] = make_thumbnails(*sources_.references[s],
-                                       judgement_.layout.scope.sequences[s].sequence.selection,
+                                       judgment_.layout.scope.sequences[s].sequence.selection,
                                        references[s], kThumbnailSide, monitor);
 }
 
@@ -233,15 +233,15 @@ std::string GalleryCards::note() const {
 }
 
 const QueryOutcome& GalleryCards::outcome_of(const GalleryItem& item) const {
-  return judgement_.outcomes.queries[item.query];
+  return judgment_.outcomes.queries[item.query];
 }
 
 std::vector<size_t> GalleryCards::frames_at(size_t anchor) const {
-  return strip_frames(anchor, judgement_.layout.window_length, kStripFrames);
+  return strip_frames(anchor, judgment_.layout.window_length, kStripFrames);
 }
 
 std::string GalleryCards::place(const FrameMatch& match) const {
-  return fmt::format("{} {}", judgement_.layout.scope.sequences[match.sequence].sequence.name,
+  return fmt::format("{} {}", judgment_.layout.scope.sequences[match.sequence].sequence.name,
                      match.reference);
 }
 
@@ -262,9 +262,9 @@ std::string GalleryCards::card(const GalleryItem& item) const {
       "<article class=\"card {0}{1}\" data-kind=\"{0}\" data-at=\"{4}\" "
       "tabindex=\"0\"><h3>{2}query {3}</h3>",
       kind, is_judged_ ? "" : " unjudged", verdict, outcome.frame, item.query);
-  html += fmt::format("<p>{} {:.6g}{}{}</p>", enum_name(judgement_.outcomes.kind),
-                      score_of_key(outcome.key, judgement_.outcomes.kind),
-                      is_recognised(judgement_, outcome) ? ", recognised" : ", not recognised",
+  html += fmt::format("<p>{} {:.6g}{}{}</p>", enum_name(judgment_.outcomes.kind),
+                      score_of_key(outcome.key, judgment_.outcomes.kind),
+                      is_recognized(judgment_, outcome) ? ", recognized" : ", not recognized",
                       item.truth || !is_judged_ ? "" : "; the ground truth has no match");
   html += strip(fmt::format("query {}", outcome.frame), frames_at(outcome.frame), query_);
   html += reference_strip("best match", *outcome.best);

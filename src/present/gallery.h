@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "sequence/selection.h"
 #include "sequence/sequence_source.h"
 
@@ -34,7 +34,7 @@ struct GalleryItem {
 /// known, the best and the weakest of all best matches. Of queries less than a window (or
 /// five frames) apart the first in this order is taken; ties go to the earlier query. A query
 /// stands for one kind only.
-std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const GroundTruth& truth,
+std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
                                         size_t most);
 
 /// At most `most` frames of the window that ends at `anchor`, evenly spaced, the anchor among them.
@@ -46,7 +46,7 @@ struct Thumbnail {
   std::vector<std::byte> jpeg;  ///< empty where the frame could not be read
 };
 
-/// At most `side` pixels a side, in colour. Of a folder or list only the wanted files are read, of
+/// At most `side` pixels a side, in color. Of a folder or list only the wanted files are read, of
 /// a video all frames. Frames that are not there are left out. Throws Error(input) as
 /// for_each_frame does for a sequence without any readable frame.
 std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& sequence,
@@ -69,7 +69,7 @@ struct FrameSources {
 /// The cards of the gallery, with the pictures that they need. What is given must stay alive.
 class GalleryCards {
  public:
-  GalleryCards(const Judgement& judgement, const GroundTruth& truth, const FrameSources& sources);
+  GalleryCards(const Judgment& judgment, const GroundTruth& truth, const FrameSources& sources);
 
   /// Throws as make_thumbnails does.
   void read_frames(const Monitor& monitor);
@@ -84,7 +84,7 @@ class GalleryCards {
   std::string reference_strip(const std::string& title, const FrameMatch& match) const;
   std::string card(const GalleryItem& item) const;
 
-  const Judgement& judgement_;
+  const Judgment& judgment_;
   const FrameSources& sources_;
   bool is_judged_;
   std::vector<GalleryItem> items_;

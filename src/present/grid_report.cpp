@@ -45,16 +45,16 @@ constexpr std::array<GridMetric, 5> kMetrics = {
      {"recall_at_100_precision", "R@100P of best matches",
       [](const Report& report) { return found_by(report, "recall_at_100_precision"); }},
      {"share", "Share of the path with a right fix",
-      [](const Report& report) { return Value(number(report.localisation.right)); }, true, true},
+      [](const Report& report) { return Value(number(report.localization.right)); }, true, true},
      {"wrong", "Share of the path with a wrong fix",
-      [](const Report& report) { return Value(number(report.localisation.wrong)); }, true, true,
+      [](const Report& report) { return Value(number(report.localization.wrong)); }, true, true,
       false}}};
 
 /// Frames that a report's shares are of: all, or those with a match. Without a window, a frame is
 /// not right; one whose best match is to be ignored is left out.
 double frames_of(const Report& report, const GridMetric& metric) {
-  if (metric.is_of_path) return number(report.localisation.frames);
-  return number(report.localisation.frames_with_match) - number(report.counts.best_match.ignored);
+  if (metric.is_of_path) return number(report.localization.frames);
+  return number(report.localization.frames_with_match) - number(report.counts.best_match.ignored);
 }
 
 Value value_of(const Report& report, const GridMetric& metric) {

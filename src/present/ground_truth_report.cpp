@@ -52,7 +52,7 @@ Table ground_truth_table(const InspectedGroundTruth& ground_truth,
   add("pairs to ignore", summary.ignored);
   add("most matches of one query", summary.most_matches);
   add("pairs out of range: damage", finding(FindingKind::out_of_range));
-  add("pairs labelled both same and ignore: damage", finding(FindingKind::contradiction));
+  add("pairs labeled both same and ignore: damage", finding(FindingKind::contradiction));
   add("pairs given more than once; they count once", finding(FindingKind::duplicate));
   add("queries without a match; counted apart", summary.queries_without_match);
   add("training frames that no query matches", summary.references_without_match);

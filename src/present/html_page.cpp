@@ -125,7 +125,7 @@ std::string legend_html(const std::vector<Meaning>& meanings) {
   std::string html;
   for (const Meaning meaning : meanings)
     html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
-                        colour_of(meaning).name, colour_of(meaning).words);
+                        color_of(meaning).name, color_of(meaning).words);
   return html;
 }
 
@@ -133,7 +133,7 @@ std::string legend_html(const std::vector<std::string>& series) {
   std::string html;
   for (size_t i = 0; i < series.size(); ++i)
     html += fmt::format("<span class=\"entry\"><span class=\"key series-{}\"></span>{}</span> ",
-                        i % series_colours().size(), html_escaped(series[i]));
+                        i % series_colors().size(), html_escaped(series[i]));
   return html;
 }
 

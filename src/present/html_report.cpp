@@ -34,8 +34,8 @@ constexpr std::string_view kDisagreements =
     "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
     "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
 
-bool by_margin(const Judgement& judgement) {
-  return judgement.outcomes.confidence == Confidence::margin;
+bool by_margin(const Judgment& judgment) {
+  return judgment.outcomes.confidence == Confidence::margin;
 }
 
 /// Charts side by side, with their legends.
@@ -52,28 +52,28 @@ std::string curves_html(const PageCharts& charts) {
 }
 
 /// "0.031", or "0.031 by score, 0.012 by margin" where there are both.
-std::string risk_areas(const Judgement& judgement) {
+std::string risk_areas(const Judgment& judgment) {
   const auto area = [](const Curve& curve) {
     const auto value = risk_coverage_area(curve).value;
     return value ? fmt::format("{:.3f}", *value) : std::string("not defined");
   };
-  const std::string single = area(judgement.single_best);
-  if (!judgement.other_best) return single;
-  const std::string other = area(*judgement.other_best);
-  return fmt::format("{} by score, {} by margin", by_margin(judgement) ? other : single,
-                     by_margin(judgement) ? single : other);
+  const std::string single = area(judgment.single_best);
+  if (!judgment.other_best) return single;
+  const std::string other = area(*judgment.other_best);
+  return fmt::format("{} by score, {} by margin", by_margin(judgment) ? other : single,
+                     by_margin(judgment) ? single : other);
 }
 
 PageCharts page_charts(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
-  const Judgement& judgement = evaluation.judgement;
-  PageCharts charts = {curve_chart(report, judgement), risk_chart(report, judgement),
-                       threshold_chart(report, judgement),
-                       timeline_chart(report, judgement, evaluation.truth, monitor),
+  const Judgment& judgment = evaluation.judgment;
+  PageCharts charts = {curve_chart(report, judgment), risk_chart(report, judgment),
+                       threshold_chart(report, judgment),
+                       timeline_chart(report, judgment, evaluation.truth, monitor),
                        matrix_chart(evaluation, report, kMatrixSide, monitor)};
   charts.curve.title = "Precision and recall";
-  charts.risk.title = "Risk and coverage: area " + risk_areas(judgement);
+  charts.risk.title = "Risk and coverage: area " + risk_areas(judgment);
   charts.thresholds.title =
-      by_margin(judgement) ? "What a margin recognizes" : "What a threshold recognizes";
+      by_margin(judgment) ? "What a margin recognizes" : "What a threshold recognizes";
   for (Chart* chart : {&charts.curve, &charts.risk, &charts.thresholds}) {
     chart->width = 650;
     chart->height = 450;
@@ -85,8 +85,8 @@ PageCharts page_charts(const Evaluation& evaluation, const Report& report, const
 }
 
 /// Margins along the path, with their legend; nothing where none are known.
-std::string margins_html(const Report& report, const Judgement& judgement) {
-  Chart chart = margin_chart(report, judgement);
+std::string margins_html(const Report& report, const Judgment& judgment) {
+  Chart chart = margin_chart(report, judgment);
   if (chart.series.empty()) return "";
   chart.title = "margin of every query frame's best match";
   chart.height = 300;
@@ -124,23 +124,23 @@ Json bands_json(const std::vector<FrameBand>& bands) {
   return json;
 }
 
-void add_queries(Json& data, const Judgement& judgement) {
+void add_queries(Json& data, const Judgment& judgment) {
   data["matches"] = Json::array();
   data["scores"] = Json::array();
   Json ranks = Json::array();
-  for (const QueryOutcome& query : judgement.outcomes.queries) {
+  for (const QueryOutcome& query : judgment.outcomes.queries) {
     data["matches"].push_back(
         query.best ? Json::array({query.best->sequence, query.best->reference}) : Json());
     data["scores"].push_back(
-        query.best ? Json(fmt::format("{:.6g}", score_of_key(query.key, judgement.outcomes.kind)))
+        query.best ? Json(fmt::format("{:.6g}", score_of_key(query.key, judgment.outcomes.kind)))
                    : Json());
     ranks.push_back(query.rank.value_or(0));
   }
-  if (judgement.outcomes.has_ranks) data["ranks"] = ranks;
-  std::string recognised(judgement.fixes.size(), '.');
-  for (const QueryOutcome& query : judgement.outcomes.queries)
-    if (is_recognised(judgement, query)) recognised[query.frame] = 'f';
-  data["recognised"] = recognised;
+  if (judgment.outcomes.has_ranks) data["ranks"] = ranks;
+  std::string recognized(judgment.fixes.size(), '.');
+  for (const QueryOutcome& query : judgment.outcomes.queries)
+    if (is_recognized(judgment, query)) recognized[query.frame] = 'f';
+  data["recognized"] = recognized;
 }
 
 // The margin that decided; null where none did, or each sequence has its own.
@@ -155,9 +155,9 @@ Json asked_margin(const Outcomes& outcomes) {
   return or_null(asked);
 }
 
-Json steps_json(const Report& report, const Judgement& judgement) {
+Json steps_json(const Report& report, const Judgment& judgment) {
   Json steps = Json::array();
-  for (const ThresholdStep& step : threshold_steps(report, judgement, kMostPoints))
+  for (const ThresholdStep& step : threshold_steps(report, judgment, kMostPoints))
     steps.push_back({step.threshold, step.accepted[0], step.accepted[1], step.accepted[2]});
   return steps;
 }
@@ -175,7 +175,7 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
 
 // A line of data for each query, the scales of all charts (from, to, begin and end of both axes in
 // units of the SVG), frames of the axes by bands, points of the curve, and counts by threshold.
-Json page_data(const Report& report, const Judgement& judgement, bool is_judged,
+Json page_data(const Report& report, const Judgment& judgment, bool is_judged,
                const PageCharts& charts) {
   Json data;
   data["best"] = outcome_letters(report.outcomes);
@@ -183,22 +183,22 @@ Json page_data(const Report& report, const Judgement& judgement, bool is_judged,
   data["kind"] = score_words(report);
   data["judged"] = is_judged;
   data["sequences"] = Json::array();
-  for (const auto& train : judgement.layout.scope.sequences)
+  for (const auto& train : judgment.layout.scope.sequences)
     data["sequences"].push_back(train.sequence.name);
-  add_queries(data, judgement);
-  add_sources(data, judgement.layout.scope);
+  add_queries(data, judgment);
+  add_sources(data, judgment.layout.scope);
   data["areas"] = {{"timeline", area_json(charts.timeline)},
                    {"matrix", area_json(charts.matrix)},
                    {"thresholds", area_json(charts.thresholds)},
                    {"precision-recall", area_json(charts.curve)}};
-  data["frames"] = bands_json(frame_bands(judgement.layout));
-  data["columns"] = bands_json(column_bands(judgement.layout));
-  data["rows"] = bands_json(row_bands(judgement.layout));
-  data["to_find"] = judgement.single_best.to_find;
-  data["curve"] = curve_points(judgement.single_best, kMostPoints);
-  data["steps"] = steps_json(report, judgement);
-  data["order"] = enum_name(confidence_order(judgement.outcomes));
-  data["asked"] = asked_margin(judgement.outcomes);
+  data["frames"] = bands_json(frame_bands(judgment.layout));
+  data["columns"] = bands_json(column_bands(judgment.layout));
+  data["rows"] = bands_json(row_bands(judgment.layout));
+  data["to_find"] = judgment.single_best.to_find;
+  data["curve"] = curve_points(judgment.single_best, kMostPoints);
+  data["steps"] = steps_json(report, judgment);
+  data["order"] = enum_name(confidence_order(judgment.outcomes));
+  data["asked"] = asked_margin(judgment.outcomes);
   return data;
 }
 
@@ -207,9 +207,9 @@ Json page_data(const Report& report, const Judgement& judgement, bool is_judged,
 std::string html_report(const Evaluation& evaluation, const Report& report, const RunInfo& run,
                         const std::string& summary, const FrameSources& sources,
                         const Monitor& monitor) {
-  const Judgement& judgement = evaluation.judgement;
+  const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
-  GalleryCards gallery(judgement, truth, sources);
+  GalleryCards gallery(judgment, truth, sources);
   gallery.read_frames(monitor);
   const PageCharts charts = page_charts(evaluation, report, monitor);
   Json json = report_json(report);
@@ -219,7 +219,7 @@ std::string html_report(const Evaluation& evaluation, const Report& report, cons
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");  // stands on top
   if (truth.is_known)
-    protocol.erase("localisation");  // and above its table
+    protocol.erase("localization");  // and above its table
   else
     for (const char* key :
          {"tolerance_frames", "distinct", "best_match", "without_match", "single_best"})
@@ -237,10 +237,10 @@ std::string html_report(const Evaluation& evaluation, const Report& report, cons
        {"protocol", list_html(protocol)},
        {"provenance", list_html(made)},
        {"curves", curves_html(charts)},
-       {"threshold", by_margin(judgement) ? "Margin" : "Threshold"},
+       {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
        {"timeline_legend", legend_html(meanings_of(charts.timeline))},
        {"timeline", page_svg(charts.timeline)},
-       {"margins", margins_html(report, judgement)},
+       {"margins", margins_html(report, judgment)},
        {"matrix_title", evaluation.matrix ? "Scores of all pairs" : "Recognitions of all pairs"},
        {"matrix_legend", legend_html(meanings_of(charts.matrix))},
        {"matrix", page_svg(charts.matrix)},
@@ -249,7 +249,7 @@ std::string html_report(const Evaluation& evaluation, const Report& report, cons
        {"weak", truth.is_known ? "weakest right ones" : "weakest matches"},
        {"gallery_note", html_escaped(gallery.note())},
        {"cards", gallery.html()},
-       {"data", script_json(page_data(report, judgement, truth.is_known, charts))}});
+       {"data", script_json(page_data(report, judgment, truth.is_known, charts))}});
 }
 
 }  // namespace vpr

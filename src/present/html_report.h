@@ -10,7 +10,7 @@
 
 namespace vpr {
 
-/// The page, which opens with the sentence `summary`; without judgement where the ground truth is
+/// The page, which opens with the sentence `summary`; without judgment where the ground truth is
 /// not known. Its size does not grow with the number of queries but for a line of data each; of
 /// a matrix only a small picture is kept. Throws as make_thumbnails and ScoreMatrix::for_each_row
 /// do.

@@ -26,13 +26,13 @@ std::optional<double> share(uint64_t part, uint64_t whole) {
   return static_cast<double>(part) / static_cast<double>(whole);
 }
 
-std::optional<double> precision(const LoopJudgement& judgement) {
-  const uint64_t right = judgement.count(PlaceLabel::same);
-  return share(right, right + judgement.count(PlaceLabel::different));
+std::optional<double> precision(const LoopJudgment& judgment) {
+  const uint64_t right = judgment.count(PlaceLabel::same);
+  return share(right, right + judgment.count(PlaceLabel::different));
 }
 
-std::optional<double> recall(const LoopJudgement& judgement) {
-  return share(judgement.frames_found(), judgement.frames_with_loop());
+std::optional<double> recall(const LoopJudgment& judgment) {
+  return share(judgment.frames_found(), judgment.frames_with_loop());
 }
 
 Json seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
@@ -56,7 +56,7 @@ Json protocol_json(const LoopsEvaluation& evaluation) {
        "a frame has a loop if any frame so long before it is that near; recall is the share of "
        "these frames of which a right loop is listed, and precision the share of right loops"},
       {"revisits", "consecutive frames with a loop are one revisit, found by one right loop"}};
-  if (evaluation.judgement.curve) {
+  if (evaluation.judgment.curve) {
     protocol["scores_are"] = enum_name(rules.order);
     protocol["curve"] =
         "a threshold accepts the best loop of each frame if it scores at least as good; equal "
@@ -76,16 +76,16 @@ Json trajectory_json(const Trajectory& trajectory) {
                              : seconds(trajectory.times_ns.back() - trajectory.times_ns.front())}};
 }
 
-std::vector<JudgedLoop> wrong_loops(const LoopJudgement& judgement) {
+std::vector<JudgedLoop> wrong_loops(const LoopJudgment& judgment) {
   std::vector<JudgedLoop> wrong;
-  for (const JudgedLoop& judged : judgement.loops)
+  for (const JudgedLoop& judged : judgment.loops)
     if (judged.label == PlaceLabel::different) wrong.push_back(judged);
   return wrong;
 }
 
-Json wrong_loops_json(const LoopJudgement& judgement) {
+Json wrong_loops_json(const LoopJudgment& judgment) {
   Json wrong = Json::array();
-  for (const JudgedLoop& judged : wrong_loops(judgement)) {
+  for (const JudgedLoop& judged : wrong_loops(judgment)) {
     Json row = {{"line", judged.loop.line},
                 {"query", judged.loop.query},
                 {"match", judged.loop.match},
@@ -100,21 +100,21 @@ Json stretch_json(const Revisit& stretch) {
   return {{"first", stretch.first}, {"last", stretch.last}};
 }
 
-std::vector<Revisit> missed_revisits(const LoopJudgement& judgement) {
+std::vector<Revisit> missed_revisits(const LoopJudgment& judgment) {
   std::vector<Revisit> missed;
-  for (const Revisit& revisit : judgement.revisits)
+  for (const Revisit& revisit : judgment.revisits)
     if (!revisit.is_found) missed.push_back(revisit);
   return missed;
 }
 
-Json missed_json(const LoopJudgement& judgement) {
+Json missed_json(const LoopJudgment& judgment) {
   Json missed = Json::array();
-  for (const Revisit& revisit : missed_revisits(judgement)) missed.push_back(stretch_json(revisit));
+  for (const Revisit& revisit : missed_revisits(judgment)) missed.push_back(stretch_json(revisit));
   return missed;
 }
 
-size_t longest_missed_frames(const LoopJudgement& judgement) {
-  const auto longest = judgement.longest_missed();
+size_t longest_missed_frames(const LoopJudgment& judgment) {
+  const auto longest = judgment.longest_missed();
   return longest ? longest->last - longest->first + 1 : 0;
 }
 
@@ -145,7 +145,7 @@ Series path_series(const Poses& poses, const std::array<size_t, 2>& axes) {
 Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
                    PlaceLabel label, const std::string& name) {
   std::vector<const ListedLoop*> loops;
-  for (const JudgedLoop& judged : evaluation.judgement.loops)
+  for (const JudgedLoop& judged : evaluation.judgment.loops)
     if (judged.label == label) loops.push_back(&judged.loop);
   Series lines{name, {}, SeriesStyle::line, meaning_of(label)};
   const size_t drawn = std::min(loops.size(), kMostDrawn);
@@ -163,8 +163,8 @@ Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2
 Series found_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
   Series found{
       "frame with a right loop", {}, SeriesStyle::points, Meaning::right, SeriesMark::disc};
-  for (size_t frame = 0; frame < evaluation.judgement.is_found.size(); ++frame)
-    if (evaluation.judgement.is_found[frame])
+  for (size_t frame = 0; frame < evaluation.judgment.is_found.size(); ++frame)
+    if (evaluation.judgment.is_found[frame])
       found.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
   return found;
 }
@@ -172,9 +172,9 @@ Series found_series(const LoopsEvaluation& evaluation, const std::array<size_t, 
 Series missed_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
   Series missed{
       "frame with a loop, none listed", {}, SeriesStyle::points, Meaning::missed, SeriesMark::dot};
-  const LoopJudgement& judgement = evaluation.judgement;
-  for (size_t frame = 0; frame < judgement.has_loop.size(); ++frame)
-    if (judgement.has_loop[frame] && !judgement.is_found[frame])
+  const LoopJudgment& judgment = evaluation.judgment;
+  for (size_t frame = 0; frame < judgment.has_loop.size(); ++frame)
+    if (judgment.has_loop[frame] && !judgment.is_found[frame])
       missed.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
   return missed;
 }
@@ -182,21 +182,21 @@ Series missed_series(const LoopsEvaluation& evaluation, const std::array<size_t,
 /// Precision against recall of every frame's best loop. No series where the list has no scores.
 Chart curve_chart(const LoopsEvaluation& evaluation) {
   Chart chart = precision_recall_chart(evaluation.name);
-  if (!evaluation.judgement.curve || evaluation.judgement.curve->points.empty()) return chart;
-  const Curve& curve = *evaluation.judgement.curve;
+  if (!evaluation.judgment.curve || evaluation.judgment.curve->points.empty()) return chart;
+  const Curve& curve = *evaluation.judgment.curve;
   Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
   series.points = curve_points(curve, 1000);
   chart.series.push_back(series);
   return chart;
 }
 
-/// The names of a chart's series, beside their colours.
+/// The names of a chart's series, beside their colors.
 std::string legend_of(const Chart& chart) {
   std::string html;
   for (const Series& series : chart.series)
     if (!series.name.empty() && series.meaning)
       html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
-                          colour_of(*series.meaning).name, html_escaped(series.name));
+                          color_of(*series.meaning).name, html_escaped(series.name));
   return html;
 }
 
@@ -220,48 +220,48 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
 }  // namespace
 
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
-  const LoopJudgement& judgement = evaluation.judgement;
-  const auto longest = judgement.longest_missed();
+  const LoopJudgment& judgment = evaluation.judgment;
+  const auto longest = judgment.longest_missed();
   Json json = {{"schema", "vpr.loops/1"}, {"name", evaluation.name}};
   json["protocol"] = protocol_json(evaluation);
   json["trajectory"] = trajectory_json(evaluation.trajectory);
   json["loops"] = {{"listed", evaluation.list.loops.size()},
-                   {"repeated", judgement.repeated},
-                   {"too_near", judgement.count(PlaceLabel::ignore)},
-                   {"right", judgement.count(PlaceLabel::same)},
-                   {"wrong", judgement.count(PlaceLabel::different)},
-                   {"precision", or_null(precision(judgement))}};
-  json["frames"] = {{"with_loop", judgement.frames_with_loop()},
-                    {"found", judgement.frames_found()},
-                    {"recall", or_null(recall(judgement))},
+                   {"repeated", judgment.repeated},
+                   {"too_near", judgment.count(PlaceLabel::ignore)},
+                   {"right", judgment.count(PlaceLabel::same)},
+                   {"wrong", judgment.count(PlaceLabel::different)},
+                   {"precision", or_null(precision(judgment))}};
+  json["frames"] = {{"with_loop", judgment.frames_with_loop()},
+                    {"found", judgment.frames_found()},
+                    {"recall", or_null(recall(judgment))},
                     {"longest_missed", longest ? stretch_json(*longest) : Json()}};
-  json["revisits"] = {{"count", judgement.revisits.size()},
-                      {"found", judgement.revisits_found()},
-                      {"missed", missed_json(judgement)}};
-  json["wrong_loops"] = wrong_loops_json(judgement);
-  json["metrics"] = judgement.curve ? curve_numbers_json(numbers_of(*judgement.curve)) : Json();
-  json["curve"] = judgement.curve ? curve_json(reported_curve(*judgement.curve)) : Json();
+  json["revisits"] = {{"count", judgment.revisits.size()},
+                      {"found", judgment.revisits_found()},
+                      {"missed", missed_json(judgment)}};
+  json["wrong_loops"] = wrong_loops_json(judgment);
+  json["metrics"] = judgment.curve ? curve_numbers_json(numbers_of(*judgment.curve)) : Json();
+  json["curve"] = judgment.curve ? curve_json(reported_curve(*judgment.curve)) : Json();
   json["provenance"] = provenance_json(run);
   return json;
 }
 
 std::string loops_sentence(const LoopsEvaluation& evaluation) {
-  const LoopJudgement& judgement = evaluation.judgement;
-  const uint64_t wrong = judgement.count(PlaceLabel::different);
-  const uint64_t judged = judgement.count(PlaceLabel::same) + wrong;
+  const LoopJudgment& judgment = evaluation.judgment;
+  const uint64_t wrong = judgment.count(PlaceLabel::different);
+  const uint64_t judged = judgment.count(PlaceLabel::same) + wrong;
   const std::string of_loops =
       fmt::format("{} of {} wrong.", wrong == 0 ? "None" : fmt::to_string(wrong),
                   judged == 1 ? "1 loop is" : fmt::format("{} loops are", judged));
-  if (judgement.frames_with_loop() == 0) return "No frame is near an earlier one. " + of_loops;
+  if (judgment.frames_with_loop() == 0) return "No frame is near an earlier one. " + of_loops;
   return fmt::format("{} {} of {} have a right loop; the longest stretch without one has {}.",
-                     of_loops, judgement.frames_found(),
-                     counted(judgement.frames_with_loop(), "frame near an earlier one",
+                     of_loops, judgment.frames_found(),
+                     counted(judgment.frames_with_loop(), "frame near an earlier one",
                              "frames near an earlier one"),
-                     counted(longest_missed_frames(judgement), "frame"));
+                     counted(longest_missed_frames(judgment), "frame"));
 }
 
 Table loops_table(const LoopsEvaluation& evaluation) {
-  const LoopJudgement& judgement = evaluation.judgement;
+  const LoopJudgment& judgment = evaluation.judgment;
   const LoopGap& gap = evaluation.rules.gap;
   Table table;
   // Numbers as in JSON: 2.0 m.
@@ -275,20 +275,19 @@ Table loops_table(const LoopsEvaluation& evaluation) {
     add_column(table, column, value ? fmt::format("{:.4f}", *value) : "-");
   };
   count("listed", evaluation.list.loops.size());
-  count("right", judgement.count(PlaceLabel::same));
-  count("wrong", judgement.count(PlaceLabel::different));
-  count("too near", judgement.count(PlaceLabel::ignore));
-  share("precision", precision(judgement));
-  count("frames with a loop", judgement.frames_with_loop());
-  count("found", judgement.frames_found());
-  share("recall", recall(judgement));
-  count("longest missed", longest_missed_frames(judgement));
-  count("revisits", judgement.revisits.size());
-  count("revisits found", judgement.revisits_found());
-  if (judgement.curve)
+  count("right", judgment.count(PlaceLabel::same));
+  count("wrong", judgment.count(PlaceLabel::different));
+  count("too near", judgment.count(PlaceLabel::ignore));
+  share("precision", precision(judgment));
+  count("frames with a loop", judgment.frames_with_loop());
+  count("found", judgment.frames_found());
+  share("recall", recall(judgment));
+  count("longest missed", longest_missed_frames(judgment));
+  count("revisits", judgment.revisits.size());
+  count("revisits found", judgment.revisits_found());
+  if (judgment.curve)
     for (const Metric& metric : curve_metrics())
-      add_column(table, metric.symbol,
-                 metric_cell(metric, metric.of_curve(*judgement.curve).value));
+      add_column(table, metric.symbol, metric_cell(metric, metric.of_curve(*judgment.curve).value));
   return table;
 }
 
@@ -301,12 +300,12 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation) {
       text += "  " + line(rows[i]) + "\n";
     if (rows.size() > kMostLines) text += fmt::format("  and {} more\n", rows.size() - kMostLines);
   };
-  add(wrong_loops(evaluation.judgement), "Wrong loops:", [](const JudgedLoop& judged) {
+  add(wrong_loops(evaluation.judgment), "Wrong loops:", [](const JudgedLoop& judged) {
     const ListedLoop& loop = judged.loop;
     return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
                        loop.match, judged.distance_m);
   });
-  add(missed_revisits(evaluation.judgement),
+  add(missed_revisits(evaluation.judgment),
       "Revisits without a right loop:", [](const Revisit& revisit) {
         return fmt::format("frames {} to {}", revisit.first, revisit.last);
       });

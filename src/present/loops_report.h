@@ -19,7 +19,7 @@ struct LoopsEvaluation {
   LoopList list;
   Trajectory trajectory;
   LoopRules rules;
-  LoopJudgement judgement;
+  LoopJudgment judgment;
 };
 
 /// Everything of a report but "machine" and "timing".

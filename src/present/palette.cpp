@@ -5,24 +5,24 @@
 #include <fmt/format.h>
 #include <opencv2/core/matx.hpp>
 
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {
 namespace {
 
-constexpr std::array<PaletteColour, 18> kPalette = {{
-    {Meaning::right, "right", "recognised, right", 0x1668c7, 0x5aa5f5},
-    {Meaning::wrong, "wrong", "recognised, wrong", 0xd9480f, 0xff8552},
-    {Meaning::unjudged, "unjudged", "recognised, not judged", 0xc2268f, 0xffc4ec},
-    {Meaning::weak_right, "weak-right", "best match right, not recognised", 0x8fbcec, 0x3c6ea8},
-    {Meaning::weak_wrong, "weak-wrong", "best match wrong, not recognised", 0xefaa86, 0xa3593c},
-    {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognised", 0xdba3c9, 0x7d4a70},
+constexpr std::array<PaletteColor, 18> kPalette = {{
+    {Meaning::right, "right", "recognized, right", 0x1668c7, 0x5aa5f5},
+    {Meaning::wrong, "wrong", "recognized, wrong", 0xd9480f, 0xff8552},
+    {Meaning::unjudged, "unjudged", "recognized, not judged", 0xc2268f, 0xffc4ec},
+    {Meaning::weak_right, "weak-right", "best match right, not recognized", 0x8fbcec, 0x3c6ea8},
+    {Meaning::weak_wrong, "weak-wrong", "best match wrong, not recognized", 0xefaa86, 0xa3593c},
+    {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognized", 0xdba3c9, 0x7d4a70},
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
-    {Meaning::missed, "missed", "not recognised", 0xd9a400, 0xe0b030},
-    {Meaning::unreachable, "unreachable", "not recognised: no window ends there", 0xe8cf7a,
+    {Meaning::missed, "missed", "not recognized", 0xd9a400, 0xe0b030},
+    {Meaning::unreachable, "unreachable", "not recognized: no window ends there", 0xe8cf7a,
      0x7a6f45},
-    {Meaning::unmapped, "unmapped", "nothing to recognise", 0x8b95a3, 0x8b95a3},
+    {Meaning::unmapped, "unmapped", "nothing to recognize", 0x8b95a3, 0x8b95a3},
     {Meaning::train_path, "train-path", "training path", 0xc9cfd8, 0x454f5c},
     {Meaning::place, "place", "training place", 0x1c2430, 0xe4e8ee},
     {Meaning::wall, "wall", "wall", 0x444444, 0xa0a0a0},
@@ -33,7 +33,7 @@ constexpr std::array<PaletteColour, 18> kPalette = {{
     {Meaning::asked_margin, "asked-margin", "margin asked for", 0x111827, 0x8a8f98},
 }};
 
-// From dark to light, so that neighbours differ in brightness, too.
+// From dark to light, so that neighbors differ in brightness, too.
 constexpr std::array<std::string_view, 8> kSeries = {"#440154", "#31688e", "#21918c", "#5ec962",
                                                      "#c9a400", "#8c564b", "#7f7f7f", "#e377c2"};
 
@@ -47,28 +47,28 @@ std::string variables(std::span<const std::string_view> series) {
   return css;
 }
 
-std::string variables(uint32_t PaletteColour::*colour) {
+std::string variables(uint32_t PaletteColor::*color) {
   std::string css;
-  for (const PaletteColour& row : kPalette)
-    css += fmt::format(" --{}: #{:06x};", row.name, row.*colour);
+  for (const PaletteColor& row : kPalette)
+    css += fmt::format(" --{}: #{:06x};", row.name, row.*color);
   return css;
 }
 
 }  // namespace
 
-std::span<const PaletteColour> palette() { return kPalette; }
+std::span<const PaletteColor> palette() { return kPalette; }
 
-const PaletteColour& colour_of(Meaning meaning) { return kPalette[static_cast<size_t>(meaning)]; }
+const PaletteColor& color_of(Meaning meaning) { return kPalette[static_cast<size_t>(meaning)]; }
 
-std::string hex_of(Meaning meaning) { return fmt::format("#{:06x}", colour_of(meaning).light); }
+std::string hex_of(Meaning meaning) { return fmt::format("#{:06x}", color_of(meaning).light); }
 
 cv::Vec3b bgr_of(Meaning meaning) {
-  const uint32_t rgb = colour_of(meaning).light;
+  const uint32_t rgb = color_of(meaning).light;
   return {static_cast<uint8_t>(rgb), static_cast<uint8_t>(rgb >> 8),
           static_cast<uint8_t>(rgb >> 16)};
 }
 
-std::span<const std::string_view> series_colours() { return kSeries; }
+std::span<const std::string_view> series_colors() { return kSeries; }
 
 Meaning meaning_of(Fix fix) {
   return fix == Fix::right   ? Meaning::right
@@ -85,9 +85,9 @@ Meaning meaning_of(PlaceLabel label) {
 std::string palette_css() {
   std::string css =
       fmt::format(":root {{{} }}\n@media (prefers-color-scheme: dark) {{ :root {{{} }} }}\n",
-                  variables(&PaletteColour::light) + variables(kSeries),
-                  variables(&PaletteColour::dark) + variables(kDarkSeries));
-  for (const PaletteColour& row : kPalette)
+                  variables(&PaletteColor::light) + variables(kSeries),
+                  variables(&PaletteColor::dark) + variables(kDarkSeries));
+  for (const PaletteColor& row : kPalette)
     css += fmt::format(
         "svg .{0} {{ fill: var(--{0}); }} svg .line.{0} {{ stroke: var(--{0}); }} "
         ".key.{0} {{ background: var(--{0}); }}\n",

@@ -1,4 +1,4 @@
-// What a colour means: the one table of colours for pages, plots, maps, matrices and heat maps.
+// What a color means: the one table of colors for pages, plots, maps, matrices and heat maps.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,16 @@ enum class PlaceLabel;
 
 /// What is drawn.
 enum class Meaning {
-  right,  ///< recognised, by the ground truth
+  right,  ///< recognized, by the ground truth
   wrong,
-  unjudged,    ///< recognised, and the pair is to be ignored or there is no ground truth
-  weak_right,  ///< a best match that is not recognised
+  unjudged,    ///< recognized, and the pair is to be ignored or there is no ground truth
+  weak_right,  ///< a best match that is not recognized
   weak_wrong,
   weak_unjudged,
   truth,
-  missed,       ///< not recognised on a map, though the ground truth has the place
-  unreachable,  ///< not recognised on a map, and the place is only where no window ends
-  unmapped,     ///< not recognised on a map, and the ground truth has no match
+  missed,       ///< not recognized on a map, though the ground truth has the place
+  unreachable,  ///< not recognized on a map, and the place is only where no window ends
+  unmapped,     ///< not recognized on a map, and the ground truth has no match
   train_path,
   place,  ///< of FAB-MAP
   wall,
@@ -39,7 +39,7 @@ enum class Meaning {
 };
 
 /// A row of the palette: 0xrrggbb on white and on dark paper.
-struct PaletteColour {
+struct PaletteColor {
   Meaning meaning = Meaning::right;
   std::string_view name;   ///< of its CSS variable and class
   std::string_view words;  ///< what a legend says
@@ -47,11 +47,11 @@ struct PaletteColour {
   uint32_t dark = 0;
 };
 
-/// Every meaning, in the order of Meaning. Colours that stand side by side in one picture can be
+/// Every meaning, in the order of Meaning. Colors that stand side by side in one picture can be
 /// told apart by people who do not see red, green or blue.
-std::span<const PaletteColour> palette();
+std::span<const PaletteColor> palette();
 
-const PaletteColour& colour_of(Meaning meaning);
+const PaletteColor& color_of(Meaning meaning);
 
 /// "#rrggbb" on white.
 std::string hex_of(Meaning meaning);
@@ -62,13 +62,13 @@ cv::Vec<uint8_t, 3> bgr_of(Meaning meaning);
 /// What the fix of a frame means; it is not none.
 Meaning meaning_of(Fix fix);
 
-/// What a recognised pair means.
+/// What a recognized pair means.
 Meaning meaning_of(PlaceLabel label);
 
-/// Colours of curves that mean nothing but their order, "#rrggbb" on white.
-std::span<const std::string_view> series_colours();
+/// Colors of curves that mean nothing but their order, "#rrggbb" on white.
+std::span<const std::string_view> series_colors();
 
-/// The palette, and colours of curves, as CSS variables, for light and dark pages.
+/// The palette, and colors of curves, as CSS variables, for light and dark pages.
 std::string palette_css();
 
 }  // namespace vpr

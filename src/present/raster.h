@@ -9,7 +9,7 @@ class Mat;
 
 namespace vpr {
 
-/// The bytes of a PNG file. `image`: grey or BGR, 8 bits.
+/// The bytes of a PNG file. `image`: gray or BGR, 8 bits.
 std::string png_of(const cv::Mat& image);
 
 /// The bytes of a PNG file that shows a whole SVG file (by librsvg) on white, with `zoom` pixels

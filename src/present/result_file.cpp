@@ -269,7 +269,7 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
                {"nowhere", nullptr},
                {"rate", nullptr},
                {"hits", 0},
-               {"recognised", false}};
+               {"recognized", false}};
   if (result == nullptr) return line;
   const size_t length = result->window_length();
   if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
@@ -282,7 +282,7 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
   }
   const auto hits = std::ranges::count(result->hits, window, &Match::query);
   line["hits"] = hits;
-  line["recognised"] = hits > 0;
+  line["recognized"] = hits > 0;
   return line;
 }
 

@@ -97,22 +97,22 @@ Series scale_bar(const std::vector<Series>& lines) {
   Series bar{"", {}, SeriesStyle::bar, Meaning::wall};
   if (right <= left && top <= bottom) return bar;
   const double size = std::max(right - left, top - bottom);
-  const auto metres = static_cast<double>(round_step(static_cast<size_t>(size), 4));
+  const auto meters = static_cast<double>(round_step(static_cast<size_t>(size), 4));
   const double y = bottom - 0.06 * size;
-  bar.points = {{left, y}, {left + metres, y}};
-  bar.labels = {"", fmt::format("{} m", metres)};
+  bar.points = {{left, y}, {left + meters, y}};
+  bar.labels = {"", fmt::format("{} m", meters)};
   return bar;
 }
 
-std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& truth) {
+std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth) {
   std::vector<Meaning> meanings;
-  for (size_t frame = 0; frame < judgement.fixes.size(); ++frame)
+  for (size_t frame = 0; frame < judgment.fixes.size(); ++frame)
     meanings.push_back(truth.has_match(frame) ? Meaning::unreachable : Meaning::unmapped);
-  for (const QueryOutcome& query : judgement.outcomes.queries)
+  for (const QueryOutcome& query : judgment.outcomes.queries)
     if (query.has_match && query.verdict != Verdict::unreadable)
       meanings[query.frame] = Meaning::missed;
-  for (size_t frame = 0; frame < judgement.fixes.size(); ++frame)
-    if (judgement.fixes[frame] != Fix::none) meanings[frame] = meaning_of(judgement.fixes[frame]);
+  for (size_t frame = 0; frame < judgment.fixes.size(); ++frame)
+    if (judgment.fixes[frame] != Fix::none) meanings[frame] = meaning_of(judgment.fixes[frame]);
   return meanings;
 }
 

@@ -1,5 +1,5 @@
 // A map of recognitions as in the paper's figures: plan, training paths, and the query's path with
-// what was recognised where.
+// what was recognized where.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "present/chart.h"
 #include "present/palette.h"
 #include "truth/route.h"
@@ -29,19 +29,19 @@ struct RouteMap {
   std::vector<std::optional<RoutePoint>> query;
 };
 
-/// What each query frame is on a map: recognised (right, wrong, unjudged), or why not. Missed: its
-/// place could have been recognised. Unreachable: the ground truth has its place, but no window of
+/// What each query frame is on a map: recognized (right, wrong, unjudged), or why not. Missed: its
+/// place could have been recognized. Unreachable: the ground truth has its place, but no window of
 /// the query ends at the frame, or none of a training sequence where the place is, or the frame's
 /// window can't be read. Unmapped: the ground truth does not have it.
-std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& truth);
+std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth);
 
-/// A bar of round metres below what is drawn, about a quarter as wide; without points where that is
+/// A bar of round meters below what is drawn, about a quarter as wide; without points where that is
 /// one spot.
 Series scale_bar(const std::vector<Series>& lines);
 
 /// The panels, row by row: side by side, and one below the other for every floor that the query
 /// visits. Training paths and places of other floors are left out. Each has a bar of so many
-/// metres.
+/// meters.
 std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
                                 const Monitor& monitor = {});
 

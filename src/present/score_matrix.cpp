@@ -22,7 +22,7 @@ namespace {
 constexpr size_t kMostTicks = 10;
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-const cv::Vec3b kNoScoreColour(235, 225, 215);
+const cv::Vec3b kNoScoreColor(235, 225, 215);
 
 std::vector<double> scores_of(const ScoreMatrix& matrix, const PixelGrid& grid,
                               const Monitor& monitor) {
@@ -39,7 +39,7 @@ std::vector<double> scores_of(const ScoreMatrix& matrix, const PixelGrid& grid,
 }
 
 /// Gives the scores of black and white.
-std::optional<std::pair<double, double>> draw_grey(cv::Mat& image,
+std::optional<std::pair<double, double>> draw_gray(cv::Mat& image,
                                                    const std::vector<double>& scores,
                                                    bool is_distance) {
   std::vector<double> values;
@@ -52,12 +52,12 @@ std::optional<std::pair<double, double>> draw_grey(cv::Mat& image,
     cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(p / static_cast<size_t>(image.cols)),
                                            static_cast<int>(p % static_cast<size_t>(image.cols)));
     if (std::isnan(scores[p])) {
-      pixel = kNoScoreColour;
+      pixel = kNoScoreColor;
       continue;
     }
     const double share = high > low ? std::clamp((scores[p] - low) / (high - low), 0.0, 1.0) : 0.5;
-    const auto grey = static_cast<uint8_t>(255 * (is_distance ? share : 1 - share));
-    pixel = cv::Vec3b(grey, grey, grey);
+    const auto gray = static_cast<uint8_t>(255 * (is_distance ? share : 1 - share));
+    pixel = cv::Vec3b(gray, gray, gray);
   }
   return is_distance ? std::pair(low, high) : std::pair(high, low);
 }
@@ -182,13 +182,12 @@ std::vector<double> RowPixels::scores(int64_t offset) const {
   return scores;
 }
 
-ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
-                         const PixelGrid& grid, const std::vector<double>& scores,
-                         const Monitor& monitor) {
-  const ScoreLayout& layout = judgement.layout;
+ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth, const PixelGrid& grid,
+                         const std::vector<double>& scores, const Monitor& monitor) {
+  const ScoreLayout& layout = judgment.layout;
   cv::Mat image(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3,
                 cv::Scalar::all(255));
-  const auto greys = draw_grey(image, scores, judgement.outcomes.kind == ScoreOrder::distance);
+  const auto grays = draw_gray(image, scores, judgment.outcomes.kind == ScoreOrder::distance);
   std::set<Meaning> shown;
   const auto set = [&](size_t row, size_t column, Meaning meaning) {
     image.at<cv::Vec3b>(static_cast<int>(row / grid.cells), static_cast<int>(column / grid.cells)) =
@@ -203,23 +202,23 @@ ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
   for (const ScoreLayout::Columns& columns : layout.columns)
     if (columns.first > 0)
       image.col(static_cast<int>(columns.first / grid.cells)).setTo(bgr_of(Meaning::divider));
-  for (const RecognisedCell& cell : judgement.recognised) {
+  for (const RecognizedCell& cell : judgment.recognized) {
     check_stop(monitor);
     const FrameMatch match = match_of_column(layout, cell.column);
     set(cell.query_window, cell.column,
         meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
   }
   ScorePicture picture{chart_image(image, grid.cells), {shown.begin(), shown.end()}};
-  picture.image.greys = greys;
+  picture.image.grays = grays;
   return picture;
 }
 
-ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
+ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth,
                          const ScoreMatrix* matrix, size_t most_pixels, const Monitor& monitor) {
-  const PixelGrid grid(judgement.layout, most_pixels);
+  const PixelGrid grid(judgment.layout, most_pixels);
   const std::vector<double> scores =
       matrix == nullptr ? std::vector<double>{} : scores_of(*matrix, grid, monitor);
-  return draw_scores(judgement, truth, grid, scores, monitor);
+  return draw_scores(judgment, truth, grid, scores, monitor);
 }
 
 Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
@@ -228,7 +227,7 @@ Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
   chart.x = frame_axis(column_bands(layout), reference_word, false);
   chart.y = frame_axis(row_bands(layout), "query frame, downwards", true);
   chart.image = picture.image;
-  chart.image->grey_label = score_words;
+  chart.image->gray_label = score_words;
   for (const Meaning meaning : picture.shown)
     chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::square));
   return chart;
@@ -237,12 +236,12 @@ Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
 Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
                           const Monitor& monitor) {
   const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
-  const Judgement judgement = judge(result, known, {}, monitor);
+  const Judgment judgment = judge(result, known, {}, monitor);
   const ScorePicture picture =
-      draw_scores(judgement, known, pixels.grid(),
+      draw_scores(judgment, known, pixels.grid(),
                   pixels.scores(result.score().offset(result.window_length())), monitor);
   Chart chart =
-      matrix_chart(judgement.layout, picture, "training frame", std::string(result.score().title));
+      matrix_chart(judgment.layout, picture, "training frame", std::string(result.score().title));
   chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query.name,
                             result.window_length());
   return chart;

@@ -10,7 +10,7 @@
 #include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/output.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "match/rows.h"
 #include "present/chart.h"
 
@@ -57,7 +57,7 @@ ChartAxis frame_axis(const std::vector<FrameBand>& bands, const std::string& lab
 /// Scores as a picture with its axes.
 struct ScorePicture {
   ChartImage image;
-  std::vector<Meaning> shown;  ///< colours that occur, for a legend
+  std::vector<Meaning> shown;  ///< colors that occur, for a legend
 };
 
 /// The cells of a layout as the pixels of a picture of at most `most_pixels` a side, at least one.
@@ -90,17 +90,16 @@ class RowPixels {
 /// Query windows from top to bottom, columns of the layout from left to right, sequences divided by
 /// lines. `scores`: the best in each pixel, NaN for none; no scores at all give white. Dark is a
 /// good score; the outer 1 % on both sides are cut off; a pixel without a score is bluish. Ground
-/// truth and recognised cells have the palette's colours; the latter cover the former.
-ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
-                         const PixelGrid& grid, const std::vector<double>& scores,
-                         const Monitor& monitor);
+/// truth and recognized cells have the palette's colors; the latter cover the former.
+ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth, const PixelGrid& grid,
+                         const std::vector<double>& scores, const Monitor& monitor);
 
 /// The same of a matrix, read row by row; null: no scores.
-ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
+ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth,
                          const ScoreMatrix* matrix, size_t most_pixels, const Monitor& monitor);
 
-/// The picture with axes that count frames, a legend and, of scores, the scale of its greys.
-/// `reference_word`: what the columns are; `score_words`: what the greys are.
+/// The picture with axes that count frames, a legend and, of scores, the scale of its grays.
+/// `reference_word`: what the columns are; `score_words`: what the grays are.
 Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
                    const std::string& reference_word, const std::string& score_words);
 

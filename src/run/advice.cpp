@@ -80,7 +80,7 @@ std::string filter_finding(const SequenceDatabase& database, const DescriptorSet
   if (result.hits.empty())
     return "Nothing is recognized at any speed: the query may show another place or the opposite "
            "direction.";
-  const size_t recognized = recognised_windows(result);
+  const size_t recognized = recognized_windows(result);
   const std::string found =
       fmt::format("{} of {}", recognized, counted(result.query.frames, "frame"));
   if (kFewest * recognized < result.query.frames)

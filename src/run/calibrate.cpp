@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kPathBlock = 40;  // query frames that a path of the filter holds together
 
-// Of the windows that the best length recognises. Chosen on rendered buildings (docs/methods.md).
+// Of the windows that the best length recognizes. Chosen on rendered buildings (docs/methods.md).
 constexpr double kEnough = 0.7;
 
 void check_precision(double precision) {
@@ -34,29 +34,28 @@ SequenceQuerySettings open_settings(const ResolvedSettings& base, uint64_t lengt
 }
 
 /// What a query with open settings found.
-struct Labelled {
+struct Labeled {
   Result result;
   std::vector<std::optional<uint32_t>> untrained;
 };
 
-Labelled label_walk(QueryPlan plan, const GroundTruth& truth, const QueryResources& resources,
-                    const Monitor& monitor) {
-  Labelled labelled;
+Labeled label_walk(QueryPlan plan, const GroundTruth& truth, const QueryResources& resources,
+                   const Monitor& monitor) {
+  Labeled labeled;
   const size_t windows = plan.query_windows;
-  LabelledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows,
-                    resources.kernels);
+  LabeledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows, resources.kernels);
   Sinks observers;
   if (!has_paths(plan.settings.method)) observers.rows.push_back(std::ref(scan));
-  labelled.result = run_query(std::move(plan), resources, observers, monitor).result;
-  labelled.untrained = scan.result();
-  return labelled;
+  labeled.result = run_query(std::move(plan), resources, observers, monitor).result;
+  labeled.untrained = scan.result();
+  return labeled;
 }
 
-// A margin of the filter is 0 where no path is believed: nothing is recognised there.
-CalibrationWindow evidence_at(const Labelled& labelled, const GroundTruth& truth, size_t window) {
-  const Result& result = labelled.result;
+// A margin of the filter is 0 where no path is believed: nothing is recognized there.
+CalibrationWindow evidence_at(const Labeled& labeled, const GroundTruth& truth, size_t window) {
+  const Result& result = labeled.result;
   CalibrationWindow evidence;
-  if (const auto& untrained = labelled.untrained[window]) evidence.untrained = *untrained;
+  if (const auto& untrained = labeled.untrained[window]) evidence.untrained = *untrained;
   if (!result.best[window] || !result.margins[window]) return evidence;
   const auto margin = static_cast<int64_t>(*result.margins[window]);
   if (result.path && margin == 0) return evidence;
@@ -66,10 +65,10 @@ CalibrationWindow evidence_at(const Labelled& labelled, const GroundTruth& truth
   return evidence;
 }
 
-std::vector<CalibrationWindow> evidence_of(const Labelled& labelled, const GroundTruth& truth) {
+std::vector<CalibrationWindow> evidence_of(const Labeled& labeled, const GroundTruth& truth) {
   std::vector<CalibrationWindow> evidence;
-  for (size_t window = 0; window < labelled.result.query_windows; ++window)
-    evidence.push_back(evidence_at(labelled, truth, window));
+  for (size_t window = 0; window < labeled.result.query_windows; ++window)
+    evidence.push_back(evidence_at(labeled, truth, window));
   return evidence;
 }
 
@@ -92,7 +91,7 @@ size_t known_windows(const GroundTruth& truth, const Result& result) {
 }
 
 /// A query, and by what its windows are judged.
-struct LabelledQuery {
+struct LabeledQuery {
   const SequenceDatabase& database;
   const DescriptorSet& query;
   const std::string& name;
@@ -100,17 +99,17 @@ struct LabelledQuery {
   const QueryResources& resources;
 };
 
-CalibratedLength calibrate_length(QueryPlan plan, const LabelledQuery& walk, double precision,
+CalibratedLength calibrate_length(QueryPlan plan, const LabeledQuery& walk, double precision,
                                   const Monitor& monitor) {
   CalibratedLength length;
   length.settings = plan.settings;
   length.windows = plan.query_windows;
   length.block = block_of(length.settings, length.windows);
-  const Labelled labelled = label_walk(std::move(plan), walk.truth, walk.resources, monitor);
-  length.queries = known_windows(walk.truth, labelled.result);
+  const Labeled labeled = label_walk(std::move(plan), walk.truth, walk.resources, monitor);
+  length.queries = known_windows(walk.truth, labeled.result);
   const CalibrationSettings settings = {precision, least_strength(length.settings), length.block,
                                         walk.resources.seed};
-  length.calibration = calibrate(evidence_of(labelled, walk.truth), settings);
+  length.calibration = calibrate(evidence_of(labeled, walk.truth), settings);
   if (!length.calibration.strength) return length;
   length.settings.margin = score_kind(length.settings.score)
                                .frame_value(static_cast<double>(*length.calibration.strength),
@@ -151,8 +150,8 @@ CalibratedWalk calibrate_walk(const SequenceDatabase& database, const Descriptor
     QueryPlan plan =
         plan_query(database, query, query_name, open_settings(base, length), resources, part);
     if (!truth) truth = read_truth(scope_of(make_result(plan)));
-    const LabelledQuery labelled = {database, query, query_name, *truth, resources};
-    walk.lengths.push_back(calibrate_length(std::move(plan), labelled, precision, part));
+    const LabeledQuery labeled = {database, query, query_name, *truth, resources};
+    walk.lengths.push_back(calibrate_length(std::move(plan), labeled, precision, part));
     is_known = is_known || walk.lengths.back().queries > 0;
   }
   if (!is_known)

@@ -1,4 +1,4 @@
-// From a labelled walk to the threshold that other walks are queried with.
+// From a labeled walk to the threshold that other walks are queried with.
 #pragma once
 
 #include <string>

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "truth/route.h"
 
 namespace vpr {
@@ -44,7 +44,7 @@ std::vector<Found> found_of(const Evaluation& evaluation) {
                        {hit->target, anchor_of(hit->train, result.window_length())}});
   }
   if (!all.empty()) return all;
-  for (const QueryOutcome& query : evaluation.judgement.outcomes.queries)
+  for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)
     if (query.best && query.has_match) all.push_back({query.frame, *query.best});
   return all;
 }
@@ -60,7 +60,7 @@ std::optional<std::string> other_length(const Evaluation& evaluation, const Judg
   constexpr double kSameLength = 0.1;
   if (by.ground_truth->format != "aligned" || by.ground_truth->options.reference_step)
     return std::nullopt;
-  const GroundTruthScope& scope = evaluation.judgement.layout.scope;
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   const auto train =
       std::ranges::find_if(scope.sequences, [](const auto& one) { return one.searched; });
   const size_t frames = scope.query.recorded_frames();
@@ -92,10 +92,10 @@ void warn_of_truth(const Evaluation& evaluation, const JudgedBy& by, const Monit
   if (const auto lengths = other_length(evaluation, by)) warn(monitor, *lengths);
 }
 
-void present_by(Judgement& judgement, const JudgedBy& by) {
-  if (by.confidence) order_by(judgement, *by.confidence);
-  if (!by.recall_at.empty()) judgement.recall_at = by.recall_at;
-  judgement.stretch_frames = by.stretch_frames;
+void present_by(Judgment& judgment, const JudgedBy& by) {
+  if (by.confidence) order_by(judgment, *by.confidence);
+  if (!by.recall_at.empty()) judgment.recall_at = by.recall_at;
+  judgment.stretch_frames = by.stretch_frames;
 }
 
 // The query of so many frames that the scores are of.
@@ -120,10 +120,10 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   const GroundTruthScope scope = scope_of(result);
   evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
-  const std::vector<double> travelled_m = way_of(by, scope, monitor);
-  evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled_m, monitor)
-                                : judge(result, truth, travelled_m, monitor);
-  present_by(evaluation.judgement, by);
+  const std::vector<double> traveled_m = way_of(by, scope, monitor);
+  evaluation.judgment = matrix ? judge(result, *matrix, truth, traveled_m, monitor)
+                               : judge(result, truth, traveled_m, monitor);
+  present_by(evaluation.judgment, by);
   JudgedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
   judged.by_view = count_by_view(result, truth, monitor);
@@ -141,10 +141,10 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings, co
   ScoreLayout layout = layout_of(matrix, settings.window_length);
   layout.scope.query = query_of(settings, layout.scope.query.frames);
   evaluation.truth = truth_of(by, layout.scope, monitor);
-  const std::vector<double> travelled_m = way_of(by, layout.scope, monitor);
-  evaluation.judgement =
-      judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
-  present_by(evaluation.judgement, by);
+  const std::vector<double> traveled_m = way_of(by, layout.scope, monitor);
+  evaluation.judgment =
+      judge(matrix, layout, evaluation.truth, settings.threshold, traveled_m, monitor);
+  present_by(evaluation.judgment, by);
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
   warn_of_truth(evaluation, by, monitor);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "evaluate/counts.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {
@@ -15,7 +15,7 @@ namespace vpr {
 /// What a query is judged by.
 struct JudgedBy {
   std::optional<GroundTruthArgument> ground_truth;  ///< none: what is found counts as unjudged
-  std::filesystem::path poses;  ///< of the query's frames, for metres; empty: frames only
+  std::filesystem::path poses;  ///< of the query's frames, for meters; empty: frames only
   std::optional<Confidence> confidence = {};  ///< of best matches; none: what the result decided by
   std::vector<size_t> recall_at = {};         ///< K of recall@K; none: kRecallAt
   size_t stretch_frames = kRouteStretch;      ///< of the recall achievement rate
@@ -43,13 +43,13 @@ struct JudgedResult {
 struct Evaluation {
   std::optional<std::string> name;  ///< that the user gave to the result or the scores
   GroundTruth truth;                ///< whose labels are not known where there is none
-  Judgement judgement;
+  Judgment judgment;
   std::optional<JudgedResult> result;  ///< none: scores alone
   ScoreSettings scores;                ///< of scores alone
   std::optional<ScoreMatrix> matrix;   ///< of scores, or the one that was saved with the result
   std::string fingerprint;             ///< of the file of the result, or of the scores
 
-  const Sequence& query() const { return judgement.layout.scope.query; }
+  const Sequence& query() const { return judgment.layout.scope.query; }
 };
 
 /// A result, with the matrix that was saved with it, if there is one. Throws what

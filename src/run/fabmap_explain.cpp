@@ -72,17 +72,17 @@ FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
   FrameFeatures features;
   if (!sequence.files.empty()) {
     if (frame < sequence.files.size())
-      features.grey = decode_image(sequence.files[frame], PixelFormat::gray);
+      features.gray = decode_image(sequence.files[frame], PixelFormat::gray);
   } else {
     for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
                    [&](size_t index, const cv::Mat& image) {
-                     if (index == frame) features.grey = image.clone();
+                     if (index == frame) features.gray = image.clone();
                    });
   }
-  if (features.grey.empty())
+  if (features.gray.empty())
     throw Error(ErrorKind::input, fmt::format("{}: has no readable frame {}",
                                               sequence.argument.path.string(), frame));
-  const LocalFeatures found = find_features(features.grey, database.settings.features);
+  const LocalFeatures found = find_features(features.gray, database.settings.features);
   features.points = found.points;
   features.words = nearest_words(make_vocabulary(database.vocabulary), found.descriptors);
   return features;

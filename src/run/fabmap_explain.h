@@ -21,7 +21,7 @@ struct PlaceExplanation {
   std::vector<WordEvidence> against;  ///< strongest first
 };
 
-/// Why a frame was recognised as what it was.
+/// Why a frame was recognized as what it was.
 struct Explanation {
   size_t frame = 0;
   double new_place = 0;  ///< its posterior
@@ -39,7 +39,7 @@ Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, 
 
 /// The features of one frame and their words.
 struct FrameFeatures {
-  cv::Mat grey;
+  cv::Mat gray;
   std::vector<cv::Point2f> points;
   std::vector<uint32_t> words;  ///< per point
 };

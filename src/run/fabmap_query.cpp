@@ -46,7 +46,7 @@ void extend_previous(std::vector<double>& previous, size_t views, double smoothi
   previous.resize(views + 1, (1 - smoothing) / static_cast<double>(views + 1));
 }
 
-// What is known before the first frame is recognised.
+// What is known before the first frame is recognized.
 Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& settings) {
   Result result;
@@ -68,7 +68,7 @@ std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   std::vector<uint32_t> place_of = searched.places();
   if (place_of.empty())
     throw Error(ErrorKind::usage,
-                "the database has no places to recognise; train some, or use --loop to recognise "
+                "the database has no places to recognize; train some, or use --loop to recognize "
                 "the query's own");
   return place_of;
 }

@@ -123,8 +123,8 @@ DescriptorSet describe_both(const SequenceSource& sequence, const SequenceDataba
   return set;
 }
 
-void WordCollector::operator()(size_t index, const cv::Mat& grey) {
-  WordSet words = quantize(vocabulary_, find_features(grey, features_).descriptors);
+void WordCollector::operator()(size_t index, const cv::Mat& gray) {
+  WordSet words = quantize(vocabulary_, find_features(gray, features_).descriptors);
   const std::lock_guard lock(mutex_);
   if (index >= words_.size()) words_.resize(index + 1);
   words_[index] = std::move(words);

@@ -35,19 +35,19 @@ void warn_of_automatic(const SequenceQuerySettings& settings, const Monitor& mon
 const FusedViews* fused_views(const SequenceDatabase& database);
 
 /// The frames of a sequence by both databases, of one that is fused. They are decoded once, but for
-/// descriptors that are illumination invariant, which need colours: FAB-MAP's features are those of
-/// the grey picture that decoders make.
+/// descriptors that are illumination invariant, which need colors: FAB-MAP's features are those of
+/// the gray picture that decoders make.
 DescriptorSet describe_both(const SequenceSource& sequence, const SequenceDatabase& database,
                             Unreadable unreadable, const Monitor& monitor);
 
-/// Takes grey frames in any order, from several threads, and keeps the words that they show.
+/// Takes gray frames in any order, from several threads, and keeps the words that they show.
 class WordCollector {
  public:
   /// Both must outlive it.
   WordCollector(const FeatureSettings& features, const Vocabulary& vocabulary)
       : features_(features), vocabulary_(vocabulary) {}
 
-  void operator()(size_t index, const cv::Mat& grey);
+  void operator()(size_t index, const cv::Mat& gray);
 
   /// One entry a frame: empty for one without features, or that did not come.
   std::vector<WordSet> take(size_t frames);

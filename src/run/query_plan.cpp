@@ -64,7 +64,7 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
     any = any || target.windows > 0;
     if (target.windows == 0)
       warn(monitor, fmt::format("{}: has no {} readable frames in a row (c_l), so it can't be "
-                                "recognised",
+                                "recognized",
                                 target.sequence.name, length));
   }
   if (!any)

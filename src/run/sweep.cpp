@@ -103,7 +103,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   const bool has_margins = first.settings.decision == Decision::margin;
   std::deque<HitScan> hits;
   std::deque<MarginScan> margins;
-  std::deque<LabelledScan> labelled;
+  std::deque<LabeledScan> labeled;
   for (size_t l = 0; l < lengths.size(); ++l) {
     Sinks& sinks = passes[l].sinks;
     sinks = {{std::ref(
@@ -112,15 +112,15 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     const QueryPlan& plan = lengths[l].planned.front();
     sinks.rows = {
         std::ref(margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels)),
-        std::ref(labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length,
-                                       plan.query_windows, resources.kernels))};
+        std::ref(labeled.emplace_back(truth, *first.elsewhere, plan.settings.window_length,
+                                      plan.query_windows, resources.kernels))};
   }
   match_all();
   for (size_t l = 0; l < lengths.size(); ++l) {
     lengths[l].found = hits[l].result();
     if (!has_margins) continue;
     lengths[l].margins = margins[l].result().margins;
-    lengths[l].untrained = labelled[l].result();
+    lengths[l].untrained = labeled[l].result();
   }
 }
 

@@ -39,7 +39,7 @@ Sweep count_cells(const Result& shape, const Grid& grid,
                   uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of = {});
 
 /// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
-/// blocks of c_l windows, for neighbours share most of their frames, or of c_w frames, but at least
+/// blocks of c_l windows, for neighbors share most of their frames, or of c_w frames, but at least
 /// 8.
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed);
 

@@ -61,7 +61,7 @@ void warn_of_short_sequences(const SequenceDatabase& database, size_t window_len
   const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   for (size_t s = 0; s < spans.size(); ++s)
     if (count_windows(readable_runs(spans[s]), window_length) == 0)
-      warn(monitor, fmt::format("{}: has no {} readable frames in a row, so it can't be recognised "
+      warn(monitor, fmt::format("{}: has no {} readable frames in a row, so it can't be recognized "
                                 "with this c_l",
                                 database.sequences[s].sequence.name, window_length));
 }

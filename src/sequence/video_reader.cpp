@@ -16,9 +16,9 @@ namespace vpr {
 
 cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
   if (format != PixelFormat::gray || image.channels() != 3) return image.clone();
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
+  cv::Mat gray;
+  cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  return gray;
 }
 
 VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)

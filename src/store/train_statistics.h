@@ -41,10 +41,10 @@ struct FusedViews;
 
 /// The training frames that each training frame is compared with.
 struct StatisticsSettings {
-  /// Frames of the same sequence up to max(neighbour_frames, neighbour_share * number of frames)
+  /// Frames of the same sequence up to max(neighbor_frames, neighbor_share * number of frames)
   /// away show nearly the same place and are excluded.
-  uint64_t neighbour_frames = 5;
-  double neighbour_share = 0.02;
+  uint64_t neighbor_frames = 5;
+  double neighbor_share = 0.02;
   uint64_t samples = 10'000;  ///< training frames to compare with; at most all of them
   uint64_t seed = 1;          ///< for choosing them
 
@@ -53,8 +53,8 @@ struct StatisticsSettings {
 
 template <class Visitor>
 void visit_fields(StatisticsSettings& settings, Visitor&& visit) {
-  visit("neighbour_frames", settings.neighbour_frames);
-  visit("neighbour_share", settings.neighbour_share);
+  visit("neighbor_frames", settings.neighbor_frames);
+  visit("neighbor_share", settings.neighbor_share);
   visit("samples", settings.samples);
   visit("seed", settings.seed);
 }

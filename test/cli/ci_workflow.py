@@ -34,12 +34,12 @@ def run(script, folder, bin):
 
 def main(source, bin):
     steps = dict(steps_of(open(f"{source}/docs/ci/recognition.yml").read()))
-    assert list(steps) == ["Install the toolkit", "Train", "Recognise", "Judge"], list(steps)
+    assert list(steps) == ["Install the toolkit", "Train", "Recognize", "Judge"], list(steps)
     with tempfile.TemporaryDirectory() as folder:
         world = f"vpr-synth {source}/configs/worlds/small.json -o world --quiet && cp -r world/* . && mv dataset.json walks.json"
         first = run(world, folder, bin)
         assert first.returncode == 0, first.stderr
-        for name in ("Train", "Recognise"):
+        for name in ("Train", "Recognize"):
             found = run(steps[name], folder, bin)
             assert found.returncode == 0, (name, found.stderr)
         baseline = steps["Judge"].replace("--junit junit.xml", "--update")

@@ -195,7 +195,7 @@ TEST_CASE("a key for another kind of database is refused, like its flag") {
 TEST_CASE("a database and a query are sufficient") {
   const TemporaryFolder out;
   const auto query = run_ok("vpr-query", query_words());
-  CHECK(has(query.out, "windows recognised"));
+  CHECK(has(query.out, "windows recognized"));
   CHECK(has(query.out, "\none"));  // a place in the sequence "one"
   run_ok("vpr-train",
          {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o", out / "one.vprdb"});
@@ -259,7 +259,7 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   CHECK(has(looked.out, "hits"));
   CHECK_FALSE(has(looked.out, "right"));
   const std::string page = read_text(out / "page.html");
-  CHECK(has(page, "recognised, not judged"));
+  CHECK(has(page, "recognized, not judged"));
   CHECK(has(page, "data:image/jpeg"));
   check_failure(eval({}), 2, "--html");
   for (const std::string flag : {"-o", "--expect"})
@@ -291,6 +291,6 @@ TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
   CHECK(eval({"--dataset", world().dataset(), "--map-with", out / "b.json"}).exit_code == 2);
   ok(eval({"--dataset", world().dataset(), "--map", out / "m", "--map-with", out / "b.json"}));
   CHECK(list_folder(out / "m") == Words{".vpr-files", "map.png", "map.svg"});
-  CHECK_FALSE(has(read_text(out / "m/map.svg"), "recognised, wrong"));
-  CHECK(has(read_text(out / "m/map.svg"), "recognised, right"));
+  CHECK_FALSE(has(read_text(out / "m/map.svg"), "recognized, wrong"));
+  CHECK(has(read_text(out / "m/map.svg"), "recognized, right"));
 }

@@ -70,8 +70,8 @@ TEST_CASE("scores of any program are evaluated with the field's metrics") {
   CHECK(report["metrics"]["recall_at"]["5"] == 0.75);
   CHECK(report["metrics"]["recall_at"]["10"].get<double>() == Approx(10 / 12.0));
   CHECK(report["metrics"]["recall_at"]["20"] == 1);
-  CHECK(report["localisation"]["right"] == 4);
-  CHECK(report["localisation"]["longest_gap_frames"] == 8);
+  CHECK(report["localization"]["right"] == 4);
+  CHECK(report["localization"]["longest_gap_frames"] == 8);
   CHECK(report["outcomes"]["best"] == "cccccccccwww");
 }
 
@@ -83,13 +83,13 @@ TEST_CASE("similarities and a user's threshold are evaluated") {
   CHECK(report["method"] == "mine");
   CHECK(report["metrics"]["single_best"]["max_f1"] ==
         report_of(scored(folder))["metrics"]["single_best"]["max_f1"]);
-  CHECK(report["localisation"]["right"] == 5);
-  CHECK(report["localisation"]["wrong"] == 1);
+  CHECK(report["localization"]["right"] == 5);
+  CHECK(report["localization"]["wrong"] == 1);
   CHECK_FALSE(report.contains("oracle"));
   const auto text = run_program("vpr-eval", {"--scores", turned, "--similarity", "--ground-truth",
                                              "aligned", "--threshold", "-5"});
   CHECK(text.out.starts_with(
-      "Best match right in 9 of 12 frames (75.0 %). Recognised in 6 of 12 frames, "
+      "Best match right in 9 of 12 frames (75.0 %). Recognized in 6 of 12 frames, "
       "1 of them wrong; the first right one at frame 0.\n"));
 }
 
@@ -136,8 +136,8 @@ TEST_CASE("positions yield gaps in meters") {
   for (int i = 0; i < 12; ++i) poses += std::to_string(i) + "," + std::to_string(2 * i) + ",0\n";
   write_text(folder / "p.csv", poses);
   const Json report = report_of(scored(folder, {"--poses", folder / "p.csv"}));
-  CHECK(report["localisation"]["longest_gap_m"] == 16);
-  CHECK(report["localisation"]["first_fix_m"] == 0);
+  CHECK(report["localization"]["longest_gap_m"] == 16);
+  CHECK(report["localization"]["first_fix_m"] == 0);
 }
 
 TEST_CASE("metrics can be expected") {
@@ -211,7 +211,7 @@ TEST_CASE("images: a page with the frames of both sequences, and plots") {
       "Best match right in 9 of 12 frames (75.0 %); 4 before the first mistake, at a "
       "threshold chosen from the ground truth.\n"));
   CHECK(has(page, "Best match right in 9 of 12 frames"));
-  CHECK_FALSE(has(page, "Recognised in"));
+  CHECK_FALSE(has(page, "Recognized in"));
   CHECK(run_program("vpr-eval", words(folder / "q")).exit_code == 2);  // the page exists
   CHECK(run_program("vpr-eval", joined(words(folder / "q/1.png"), {"--force"})).exit_code != 0);
 }
@@ -347,7 +347,7 @@ TEST_CASE("a missing pose disables only the distances in meters") {
   write_text(folder / "p.csv", "frame,x,y\n0,0,0\n2,1,1\n");
   const auto run = run_ok("vpr-eval", scored(folder, {"--poses", folder / "p.csv", "--json"}));
   CHECK(has(run.err, "no pose for 10 of 12 frames"));
-  CHECK(Json::parse(run.out)["localisation"]["longest_gap_m"].is_null());
+  CHECK(Json::parse(run.out)["localization"]["longest_gap_m"].is_null());
 }
 
 TEST_CASE("the table of a paper has a row for each method, with the best values in bold") {

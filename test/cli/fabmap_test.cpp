@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kGreyImage = "P5\n32 32\n255\n" + std::string(1024, '\x80');
+const std::string kGrayImage = "P5\n32 32\n255\n" + std::string(1024, '\x80');
 
 RunOutcome run_train(Words more) {
   return run_program("vpr-train", joined({"fabmap", "--pretrain", world().walk("other"),
@@ -153,17 +153,17 @@ TEST_CASE("an explanation lists words and draws them") {
 
 TEST_CASE("a frame without features keeps its index; a vocabulary needs some features") {
   const TemporaryFolder out;
-  fs::create_directory(out / "grey");
-  for (const char* name : {"1.pgm", "2.pgm"}) write_text(out / "grey" / name, kGreyImage);
+  fs::create_directory(out / "gray");
+  for (const char* name : {"1.pgm", "2.pgm"}) write_text(out / "gray" / name, kGrayImage);
   check_failure(
       "vpr-train",
-      {"fabmap", "--pretrain", out / "grey", "--train", world().walk("one"), "-o", out / "x.vprdb"},
+      {"fabmap", "--pretrain", out / "gray", "--train", world().walk("one"), "-o", out / "x.vprdb"},
       2, "none of the 2 --pretrain frames has a surf feature");
   check_failure(
       "vpr-train",
-      {"fabmap", "--pretrain", out / "grey", "--clustering", "radius", "-o", out / "x.vprdb"}, 2,
+      {"fabmap", "--pretrain", out / "gray", "--clustering", "radius", "-o", out / "x.vprdb"}, 2,
       "larger images, or another kind of --features");
-  run_ok("vpr-query", {world().fabmap(), "--query", out / "grey", "-o", out / "r.json"});
+  run_ok("vpr-query", {world().fabmap(), "--query", out / "gray", "-o", out / "r.json"});
   const NpyArray best(out / "r.best.npy");
   CHECK(best.shape()[0] == 2);
   CHECK(best.values<int32_t>(2)[1] == -1);
@@ -174,7 +174,7 @@ TEST_CASE("frames without features are counted, with a warning about their share
   fs::copy(world().walk("one"), out / "walk");
   const auto frames = list_folder(out / "walk").size();
   for (size_t i = 0; i < frames; ++i)
-    write_text(out / "walk" / fmt::format("zz{}.pgm", i), kGreyImage);
+    write_text(out / "walk" / fmt::format("zz{}.pgm", i), kGrayImage);
   const auto query =
       run_ok("vpr-query", {world().fabmap(), "--query", out / "walk", "-o", out / "r.json"});
   CHECK(has(query.err, "have no sift features"));
@@ -206,15 +206,15 @@ TEST_CASE("an undecodable frame never matches, as a view or in a loop") {
   const std::string broken = list_folder(out / "one")[3];
   write_text(out / "one" / broken, "broken");
   ok(run_train({"--train", out / "one", "--skip-unreadable", "-o", out / "b.vprdb"}));
-  fs::create_directory(out / "grey");
-  write_text(out / "grey/1.pgm", kGreyImage);
-  run_ok("vpr-query", {out / "b.vprdb", "--query", out / "grey", "--save-posteriors", out / "p.npy",
+  fs::create_directory(out / "gray");
+  write_text(out / "gray/1.pgm", kGrayImage);
+  run_ok("vpr-query", {out / "b.vprdb", "--query", out / "gray", "--save-posteriors", out / "p.npy",
                        "-o", out / "r.json"});
   const NpyArray posteriors(out / "p.npy");
   const double floor = 0.01 / static_cast<double>(posteriors.shape()[1]);
   CHECK(posteriors.values<double>(2)[1 + 3] == Approx(floor));
   // A gray frame after the broken one, which resembles no other frame.
-  fs::copy(out / "grey/1.pgm", out / "one/zz.pgm");
+  fs::copy(out / "gray/1.pgm", out / "one/zz.pgm");
   ok(run_train({"-o", out / "v.vprdb"}));
   run_ok("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop", "--skip-unreadable",
                        "--t-p", "0.5", "-o", out / "l.json"});

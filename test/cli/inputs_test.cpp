@@ -115,12 +115,12 @@ TEST_CASE("rows of scores are windows of the length given by the query") {
   const auto windows_of = [&](const std::string& length, const Words& more) {
     return evaluate(joined(words, {"--rows-are-windows-of", length, "--json"}), more);
   };
-  CHECK(printed_json(windows_of("5", {}))["localisation"]["frames"] == 24);
+  CHECK(printed_json(windows_of("5", {}))["localization"]["frames"] == 24);
   CHECK(printed_json(windows_of("5", {"--query-frames", "24"}))["settings"]["window"] == 5);
   check_failure(windows_of("5", {"--query-frames", "20"}), 4,
                 "need a query of 24 frames, found 20");
   check_failure(windows_of("30", {}), 4, "20 rows are fewer than the frames of one window, 30");
-  CHECK(printed_json(windows_of("30", {"--query-frames", "49"}))["localisation"]["frames"] == 49);
+  CHECK(printed_json(windows_of("30", {"--query-frames", "49"}))["localization"]["frames"] == 49);
   std::filesystem::create_directory(folder / "q");
   for (int i = 0; i < 20; ++i) write_image(folder / fmt::format("q/{:02}.png", i), 1);
   check_failure(windows_of("5", {"--query", folder / "q"}), 4, "found 20");

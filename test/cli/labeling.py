@@ -79,7 +79,7 @@ def label_without_truth(browser, folder, bin):
     letters = judged["outcomes"]["best"]  # there is a place between the first and the last anchor
     assert "n" not in letters[begin:end + 1] and set(letters[end + 1:]) == {"n"}, letters
     assert letters[end] == "c", letters
-    counts = browser.evaluate("document.getElementById('labelled').textContent")
+    counts = browser.evaluate("document.getElementById('labeled').textContent")
     assert counts.endswith("1 same, 1 different, 1 ignored, 3 anchors."), counts
 
 
@@ -92,7 +92,7 @@ def relabel_with_truth(browser, folder, bin):
     first = report["outcomes"]["first_frame"]
     wrong = [first + i for i, letter in enumerate(best) if letter in "wn"]
     lines = saved(browser, folder, "save-disagreements").splitlines()
-    assert lines[0] == "query,reference,score,recognised,ground_truth", lines[0]
+    assert lines[0] == "query,reference,score,recognized,ground_truth", lines[0]
     assert [int(line.split(",")[0]) for line in lines[1:]] == wrong
     browser.press("n")
     said = browser.evaluate("document.getElementById('said').textContent")

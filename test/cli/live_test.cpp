@@ -73,7 +73,7 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
     const auto expected = offline_lines(list, all, names);
     const auto live = run_ok("vpr-query", words_of(list, joined(all, {"--follow"})));
     CHECK(lines_of(live.out) == expected);
-    CHECK(has(live.out, "\"recognised\":true"));
+    CHECK(has(live.out, "\"recognized\":true"));
     CHECK(has(live.err, "from frame to line"));
   }
 }

@@ -165,7 +165,7 @@ TEST_CASE("a method that answers few frames does not win by them") {
   const Json json =
       printed_json("vpr-eval", {"report", out / "all", "--html", out / "all.html", "--json"});
   CHECK(json["reports"][1]["report"]["metrics"]["recall_at"]["1"] == 1);
-  CHECK(json["reports"][1]["report"]["localisation"]["frames_with_match"] == 10);
+  CHECK(json["reports"][1]["report"]["localization"]["frames_with_match"] == 10);
   const std::string text = run_program("vpr-eval", {"report", out / "all"}).out;
   CHECK(has(text, "frames   0.9000 (9 of 10)*"));
   CHECK(has(text, "windows  0.6000 (6 of 10)\n"));

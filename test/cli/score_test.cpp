@@ -56,7 +56,7 @@ TEST_CASE("negative thresholds are accepted as flags, and the result describes t
   CHECK(json["settings"]["t_r"] == -1.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
   CHECK(json["settings"]["standardization"]["forgetting"] == 0.98);
-  CHECK(json["statistics"]["neighbour_frames"] == 5);
+  CHECK(json["statistics"]["neighbor_frames"] == 5);
   CHECK(json["targets"][1]["limit"] == -3 * 1536);
   CHECK(json["totals"]["hits"] > 0);
   CHECK(json["verification"]["differences"] == 0);
@@ -74,7 +74,7 @@ TEST_CASE("scales and settings without meaning for a score are usage errors") {
         Words{"--score", "standardized", "--method", "openable", "--t-r", "-1"},
         Words{"--score", "standardized", "--method", "lsh", "--t-r", "-1"},
         Words{"--score", "standardized", "--safety-factor", "0.9"},
-        Words{"--score", "standardized"}, Words{"--score", "standardised"},
+        Words{"--score", "standardized"}, Words{"--score", "standardized"},
         Words{"--score", "standardized", "--max-memory", "10"}}) {
     const auto outcome = walks().query(joined(words, {"--json"}));
     INFO(fmt::format("{}", outcome.err));
@@ -91,7 +91,7 @@ TEST_CASE("every setting of z-scores can be set in the configuration") {
   CHECK(printed_json(walks().query({"--config", walks().folder / "c.json", "--verify", "100",
                                     "--json"}))["settings"]["standardization"]["lag_views"] == 1);
   write_text(walks().folder / "t.json",
-             R"({"statistics": {"neighbour_frames": 2, "samples": 7, "seed": 3}})");
+             R"({"statistics": {"neighbor_frames": 2, "samples": 7, "seed": 3}})");
   run_ok("vpr-train", {"fastable", "--train", walks().folder / "one", "--config",
                        walks().folder / "t.json", "-o", walks().folder / "s.vprdb", "--force"});
   const Json manifest = Json::parse(read_text(walks().folder / "s.vprdb/manifest.json"));

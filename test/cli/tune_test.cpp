@@ -254,11 +254,11 @@ TEST_CASE("vpr-query with a calibration as configuration has its recognitions") 
     const Json calibration = printed_json("vpr-tune", words);
     CHECK(file_json(out / "c.json") == calibration);
     const size_t chosen = calibration["chosen"];
-    const Json& recognised = calibration["lengths"][chosen]["recognised"];
-    CHECK(recognised["wrong"] == 0);
+    const Json& recognized = calibration["lengths"][chosen]["recognized"];
+    CHECK(recognized["wrong"] == 0);
     const Json hits = query_with(out / "c.json", out)["counts"]["hits"];
     CHECK(hits["incorrect"] == 0);
-    CHECK(hits["correct"] == recognised["right"]);
+    CHECK(hits["correct"] == recognized["right"]);
     const double windows = calibration["lengths"][chosen]["windows"];
     const Json& interval = calibration["lengths"][chosen]["false_recognitions"]["interval"];
     CHECK(calibration["in_an_hour"]["interval"][1].get<double>() ==

@@ -109,7 +109,7 @@ Recalls exact_point_recalls(const cv::Mat& train, const cv::Mat& query, size_t t
                  });
 }
 
-Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance,
+Recalls quantized_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance,
                           std::string_view kind) {
   const TemporaryFolder folder;
   write(folder / "train.npy", train);
@@ -156,13 +156,13 @@ TEST_CASE("imported vectors have the best matches of float64") {
         if (components > 0) project(train, query, components);
         const Recalls exact = exact_recalls(train, query, set.tolerance, 0);
         const Recalls rounded = exact_recalls(train, query, set.tolerance, 2.0 / 65535);
-        const Recalls wide = quantised_recalls(train, query, set.tolerance, kVectorKind);
-        const Recalls narrow = quantised_recalls(train, query, set.tolerance, kNarrowVectorKind);
+        const Recalls wide = quantized_recalls(train, query, set.tolerance, kVectorKind);
+        const Recalls narrow = quantized_recalls(train, query, set.tolerance, kNarrowVectorKind);
         const bool is_long = is_hog && components == 0;  // products of float64 take half a minute
         const Recalls exact_points =
             is_long ? Recalls{} : exact_point_recalls(train, query, set.tolerance);
-        const Recalls points = quantised_recalls(train, query, set.tolerance, kPointKind);
-        const Recalls directions = quantised_recalls(train, query, set.tolerance, kDirectionKind);
+        const Recalls points = quantized_recalls(train, query, set.tolerance, kPointKind);
+        const Recalls directions = quantized_recalls(train, query, set.tolerance, kDirectionKind);
         for (size_t k = 0; k < exact.size(); ++k) {
           INFO(fmt::format("Euclidean: float64 {:.2f}, 16 bits {:.2f}; directions: {:.2f}",
                            exact_points[k], points[k], directions[k]));

@@ -51,20 +51,20 @@ TEST_CASE("loops in both directions equal those counted by hand") {
                 {5, 1, 0.7, 4},    // correct, but not its frame's best
                 {4, 2, 0.1, 5},    // duplicate of the first one
                 {3, 0, 0.85, 6}};  // no place in common
-  const LoopJudgement judgement = judge_loops(list, trajectory, within(0.5, 2));
-  CHECK(judgement.has_loop == std::vector<bool>{false, false, false, false, true, true, true});
-  CHECK(judgement.repeated == 1);
-  CHECK(judgement.count(PlaceLabel::same) == 2);
-  CHECK(judgement.count(PlaceLabel::different) == 2);
-  CHECK(judgement.count(PlaceLabel::ignore) == 1);
-  CHECK(judgement.frames_with_loop() == 3);
-  CHECK(judgement.frames_found() == 2);
-  CHECK(judgement.revisits == std::vector<Revisit>{{4, 6, true}});
-  CHECK(judgement.longest_missed() == Revisit{6, 6, false});
+  const LoopJudgment judgment = judge_loops(list, trajectory, within(0.5, 2));
+  CHECK(judgment.has_loop == std::vector<bool>{false, false, false, false, true, true, true});
+  CHECK(judgment.repeated == 1);
+  CHECK(judgment.count(PlaceLabel::same) == 2);
+  CHECK(judgment.count(PlaceLabel::different) == 2);
+  CHECK(judgment.count(PlaceLabel::ignore) == 1);
+  CHECK(judgment.frames_with_loop() == 3);
+  CHECK(judgment.frames_found() == 2);
+  CHECK(judgment.revisits == std::vector<Revisit>{{4, 6, true}});
+  CHECK(judgment.longest_missed() == Revisit{6, 6, false});
   // 0.9 is correct, 0.85 and 0.8 are incorrect (frame 5 also has a correct one with a lower score).
-  REQUIRE(judgement.curve);
-  CHECK(recall_at_full_precision(*judgement.curve).value == Approx(1 / 3.0));
-  CHECK(average_precision(*judgement.curve).value == Approx(1 / 3.0));
+  REQUIRE(judgment.curve);
+  CHECK(recall_at_full_precision(*judgment.curve).value == Approx(1 / 3.0));
+  CHECK(average_precision(*judgment.curve).value == Approx(1 / 3.0));
 }
 
 TEST_CASE("bounds of radius and gap are inclusive, and small distances may be good scores") {
@@ -83,19 +83,19 @@ TEST_CASE("bounds of radius and gap are inclusive, and small distances may be go
   LoopList list;
   list.has_scores = true;
   list.loops = {{4, 1, 3.0, 1}, {5, 0, 7.0, 2}, {5, 2, 7.0, 3}};
-  const LoopJudgement judgement = judge_loops(list, trajectory, rules);
-  CHECK(judgement.revisits == std::vector<Revisit>{{4, 5, true}});
-  CHECK(recall_at_full_precision(*judgement.curve).threshold == 3.0);
-  CHECK(recall_at_full_precision(*judgement.curve).value == Approx(0.5));
+  const LoopJudgment judgment = judge_loops(list, trajectory, rules);
+  CHECK(judgment.revisits == std::vector<Revisit>{{4, 5, true}});
+  CHECK(recall_at_full_precision(*judgment.curve).threshold == 3.0);
+  CHECK(recall_at_full_precision(*judgment.curve).value == Approx(0.5));
 }
 
 TEST_CASE("frames without a pose have no loop, and an empty list finds nothing") {
   Trajectory trajectory = along({0, 5, 0, 0});
   trajectory.poses[2].reset();
-  const LoopJudgement judgement = judge_loops({}, trajectory, within(1, 1));
-  CHECK(judgement.has_loop == std::vector<bool>{false, false, false, true});
-  CHECK_FALSE(judgement.curve);
-  CHECK(judgement.longest_missed() == Revisit{3, 3, false});
+  const LoopJudgment judgment = judge_loops({}, trajectory, within(1, 1));
+  CHECK(judgment.has_loop == std::vector<bool>{false, false, false, true});
+  CHECK_FALSE(judgment.curve);
+  CHECK(judgment.longest_missed() == Revisit{3, 3, false});
   CHECK(judge_loops({}, along({}), within(1, 1)).revisits.empty());
 }
 

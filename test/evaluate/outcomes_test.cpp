@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "support.h"
 
 using namespace vpr;
@@ -132,17 +132,17 @@ TEST_CASE("evaluations can be ordered by either confidence, and by margin only i
   RandomEngine engine(4);
   Result result = random_result(engine);
   const GroundTruth truth = random_truth(engine);
-  Judgement without = judge(result, truth, {});
+  Judgment without = judge(result, truth, {});
   CHECK_FALSE(without.other_best);
   CHECK(test::error_kind([&] { order_by(without, Confidence::margin); }) == ErrorKind::usage);
   for (size_t window = 0; window < result.best.size(); ++window)
     result.margins.push_back(result.best[window] ? std::optional<double>(3 * window)
                                                  : std::nullopt);
-  Judgement judgement = judge(result, truth, {});
-  CHECK(judgement.single_best == without.single_best);
-  REQUIRE(judgement.other_best);
-  const Curve by_margin = *judgement.other_best;
-  order_by(judgement, Confidence::margin);
-  CHECK(judgement.single_best == by_margin);
-  CHECK(judgement.other_best == without.single_best);
+  Judgment judgment = judge(result, truth, {});
+  CHECK(judgment.single_best == without.single_best);
+  REQUIRE(judgment.other_best);
+  const Curve by_margin = *judgment.other_best;
+  order_by(judgment, Confidence::margin);
+  CHECK(judgment.single_best == by_margin);
+  CHECK(judgment.other_best == without.single_best);
 }

@@ -19,7 +19,7 @@ const Json& report() {
         {"distinct", 2}}},
       {"best_match", {{"queries", 20}, {"correct", 15}, {"rate", 0.75}}},
       {"metrics", {{"single_best", {{"average_precision", 0.5}, {"roc_auc", nullptr}}}}},
-      {"localisation", {{"frames", 22}, {"share", 0.5}}},
+      {"localization", {{"frames", 22}, {"share", 0.5}}},
       {"protocol", {{"ground_truth", "pairs"}, {"tolerance_frames", 0}}},
       {"provenance", {{"ground_truth", "xxh3:0"}}}};
   return kReport;

@@ -9,11 +9,11 @@ using fuzz::require;
 namespace {
 
 void judge(const LoopList& list, const Trajectory& trajectory, const LoopRules& rules) {
-  const LoopJudgement judgement = judge_loops(list, trajectory, rules);
-  require(judgement.has_loop.size() == trajectory.poses.size());
-  require(judgement.loops.size() + judgement.repeated == list.loops.size());
-  require(judgement.frames_found() <= judgement.frames_with_loop());
-  for (const JudgedLoop& judged : judgement.loops) require(judged.loop.match < judged.loop.query);
+  const LoopJudgment judgment = judge_loops(list, trajectory, rules);
+  require(judgment.has_loop.size() == trajectory.poses.size());
+  require(judgment.loops.size() + judgment.repeated == list.loops.size());
+  require(judgment.frames_found() <= judgment.frames_with_loop());
+  for (const JudgedLoop& judged : judgment.loops) require(judged.loop.match < judged.loop.query);
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ TEST_CASE("statistics of training frames equal the reference implementation") {
   const std::vector<size_t> unreadable = {0, 150};
   const std::vector<DescriptorSpan> spans = {{one, unreadable}, {two, {}}};
   StatisticsSettings settings;
-  settings.neighbour_share = 0.02;  // 6 of 300 frames, 5 (neighbour_frames) of 90
-  settings.neighbour_frames = 6;
+  settings.neighbor_share = 0.02;  // 6 of 300 frames, 5 (neighbor_frames) of 90
+  settings.neighbor_frames = 6;
   const TrainStatistics expected = plain_statistics(spans, 6);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);

@@ -220,7 +220,7 @@ TEST_CASE("sequences with one frame, or without permitted matches, have no cell"
 
 TEST_CASE("causal z-scores equal the reference implementation, for any settings") {
   std::vector<StandardizationSettings> all(9);
-  all[1].centre = false;
+  all[1].center = false;
   all[2].learn = false;
   all[3].divide = false;
   all[4].lag_views = 1;

@@ -186,14 +186,14 @@ TEST_CASE("scores report their statistics, and those with a small weight of the 
       standardized(frame_distances(spans, {example.query, {}}), basis, {});
   const PlainUpdates updates = plain_updates(spans, {example.query, {}}, basis, {});
   const StandardizationSettings settings;
-  std::vector<std::vector<double>> centred;  // by query and training frame
+  std::vector<std::vector<double>> centered;  // by query and training frame
   std::vector<size_t> learned;
   std::vector<uint16_t> row(scores.train_frames + kStretchFrames);
   for (uint32_t query = 0; query < scores.query_frames; ++query) {
     scores.start_row(query);
     scores.tile({&query, 1}, 0, scores.train_frames, row.data(), 0);
     if (updates.learned[query]) learned.push_back(*updates.learned[query]);
-    std::vector<double>& x = centred.emplace_back();
+    std::vector<double>& x = centered.emplace_back();
     for (size_t i = 0; i < scores.train_frames; ++i) {
       const ScoreScale made = scores.scale(i);
       x.push_back(made.mean + made.deviation * (row[i] - double{kScoreBias}) / kScoreUnit);
@@ -206,7 +206,7 @@ TEST_CASE("scores report their statistics, and those with a small weight of the 
       for (size_t k = 0; k < learned.size(); ++k) {
         const double share =
             std::pow(settings.forgetting, static_cast<double>(learned.size() - 1 - k));
-        const double past = centred[learned[k]][i];
+        const double past = centered[learned[k]][i];
         weight += share;
         sum += share * past;
         squares += share * past * past;

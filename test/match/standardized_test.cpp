@@ -183,7 +183,7 @@ TEST_CASE("every step can be disabled, and the scores still equal the reference 
   const Example example = make_example({50, 30}, 70, 3);
   for (const int without : {0, 1, 2, 3, 4, 5, 6, 7, 8}) {
     StandardizationSettings settings;
-    settings.centre = without != 0;
+    settings.center = without != 0;
     settings.learn = without != 1;
     settings.divide = without != 2;
     if (without == 3) settings.start_weight = settings.offline_start_weight = 0;

@@ -24,15 +24,15 @@ namespace {
 
 /// Windows of 3 frames; queries 2 to 9 are correct, incorrect or ignored, by letter; capital
 /// letters are recognized.
-Judgement walk(const std::string& letters) {
-  Judgement judgement;
-  ScoreLayout& layout = judgement.layout;
+Judgment walk(const std::string& letters) {
+  Judgment judgment;
+  ScoreLayout& layout = judgment.layout;
   layout.window_length = 3;
   layout.scope = {{"", letters.size() + 2}, {{{"monday", 30}, true}, {{"friday", 20}, true}}};
   layout.columns = {{0, 0, 28}, {1, 28, 18}};
-  judgement.fixes.assign(layout.scope.query.frames, Fix::none);
-  judgement.outcomes.window_length = 3;
-  judgement.outcomes.query_frames = layout.scope.query.frames;
+  judgment.fixes.assign(layout.scope.query.frames, Fix::none);
+  judgment.outcomes.window_length = 3;
+  judgment.outcomes.query_frames = layout.scope.query.frames;
   for (size_t q = 0; q < letters.size(); ++q) {
     const bool is_right = letters[q] == 'r' || letters[q] == 'R';
     QueryOutcome query;
@@ -40,33 +40,33 @@ Judgement walk(const std::string& letters) {
     query.verdict = is_right ? Verdict::correct : Verdict::incorrect;
     query.best = FrameMatch{is_right ? 0u : 1u, query.frame};
     query.key = score_key(double(q), ScoreOrder::distance);
-    judgement.outcomes.queries.push_back(query);
-    if (letters[q] == 'R') judgement.fixes[query.frame] = Fix::right;
-    if (letters[q] == 'W') judgement.fixes[query.frame] = Fix::wrong;
+    judgment.outcomes.queries.push_back(query);
+    if (letters[q] == 'R') judgment.fixes[query.frame] = Fix::right;
+    if (letters[q] == 'W') judgment.fixes[query.frame] = Fix::wrong;
   }
-  judgement.single_best = single_best_curve(judgement.outcomes);
-  return judgement;
+  judgment.single_best = single_best_curve(judgment.outcomes);
+  return judgment;
 }
 
-GroundTruth aligned(const Judgement& judgement) {
+GroundTruth aligned(const Judgment& judgment) {
   GroundTruth truth;
-  for (uint32_t frame = 0; frame < judgement.layout.scope.query.frames; ++frame)
+  for (uint32_t frame = 0; frame < judgment.layout.scope.query.frames; ++frame)
     truth.pairs.push_back({{0, frame}});
   return truth;
 }
 
-Report report_of(const Judgement& judgement, const GroundTruth& truth) {
+Report report_of(const Judgment& judgment, const GroundTruth& truth) {
   Evaluation evaluation;
   evaluation.truth = truth;
-  evaluation.judgement = judgement;
-  evaluation.judgement.layout.scope.query.name = "it's";
+  evaluation.judgment = judgment;
+  evaluation.judgment.layout.scope.query.name = "it's";
   evaluation.scores = {"mine", {}, 3, {}};
   return report_of(evaluation, {});
 }
 
 const Series* find(const Chart& chart, Meaning meaning) {
   for (const Series& series : chart.series)
-    if (series.meaning == meaning && series.name == colour_of(meaning).words) return &series;
+    if (series.meaning == meaning && series.name == color_of(meaning).words) return &series;
   return nullptr;
 }
 
@@ -110,9 +110,9 @@ TEST_CASE("the cost of an axis depends on its visible ticks") {
 }
 
 TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground truth") {
-  const Judgement judgement = walk("rRwWrRRR");
-  const GroundTruth truth = aligned(judgement);
-  const Chart chart = timeline_chart(report_of(judgement, truth), judgement, truth);
+  const Judgment judgment = walk("rRwWrRRR");
+  const GroundTruth truth = aligned(judgment);
+  const Chart chart = timeline_chart(report_of(judgment, truth), judgment, truth);
   for (const Meaning meaning :
        {Meaning::right, Meaning::wrong, Meaning::weak_right, Meaning::weak_wrong, Meaning::truth})
     REQUIRE(find(chart, meaning) != nullptr);
@@ -132,20 +132,20 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   const std::string svg = svg_of(chart);
   CHECK(has(svg, ">mine on it&#39;s</text>"));
   CHECK(has(svg, ">friday</text>"));
-  CHECK(has(svg, ">recognised, wrong</text>"));  // in the legend
+  CHECK(has(svg, ">recognized, wrong</text>"));  // in the legend
   // A page has its own title, legend and colors.
   const std::string page = page_svg(chart);
   CHECK(has(page, "<svg class=\"timeline\""));
-  CHECK_FALSE(has(page, ">recognised, wrong</text>"));
+  CHECK_FALSE(has(page, ">recognized, wrong</text>"));
   CHECK_FALSE(has(page, "<style>"));
   CHECK(has(page, "id=\"here\""));
 }
 
 TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
-  const Judgement judgement = walk("rRwWrRRR");
-  const GroundTruth truth = aligned(judgement);
-  const ScorePicture picture = draw_scores(judgement, truth, nullptr, 100, {});
-  Chart chart = matrix_chart(judgement.layout, picture, "training frame", "distance");
+  const Judgment judgment = walk("rRwWrRRR");
+  const GroundTruth truth = aligned(judgment);
+  const ScorePicture picture = draw_scores(judgment, truth, nullptr, 100, {});
+  Chart chart = matrix_chart(judgment.layout, picture, "training frame", "distance");
   CHECK(chart.x.ticks.front().text == "2");  // the first window's anchor
   CHECK(chart.x.bands[1].name == "friday");
   CHECK(chart.y.range == std::pair(8.0, 0.0));
@@ -154,18 +154,18 @@ TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   CHECK(chart.image->height == 8 * 19);  // so that both sides are visible
   CHECK(find(chart, Meaning::truth) != nullptr);
   CHECK_FALSE(has(svg_of(chart), "distance"));
-  chart.image->greys = std::pair(3.0, 7.0);
+  chart.image->grays = std::pair(3.0, 7.0);
   CHECK(has(svg_of(chart), ">distance</text>"));
   CHECK(has(svg_of(chart), ">7</text>"));
 }
 
 TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
-  Judgement judgement = walk("rrrrrrrr");
-  judgement.layout.columns = {{0, 0, 28}};
-  judgement.layout.scope.sequences.resize(1);
-  judgement.recognised = {{0, 0}, {1, 5}};  // right, and wrong
-  const GroundTruth truth = aligned(judgement);
-  RowPixels pixels(judgement.layout, 2000);
+  Judgment judgment = walk("rrrrrrrr");
+  judgment.layout.columns = {{0, 0, 28}};
+  judgment.layout.scope.sequences.resize(1);
+  judgment.recognized = {{0, 0}, {1, 5}};  // right, and wrong
+  const GroundTruth truth = aligned(judgment);
+  RowPixels pixels(judgment.layout, 2000);
   std::vector<uint32_t> row(27);
   for (uint32_t x = 0; x < 27; ++x) row[x] = 1000 + x;
   for (size_t window = 0; window < 8; ++window) pixels({window, 0, 0, row});
@@ -173,7 +173,7 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   CHECK(scores[0] == 0);
   CHECK(scores[26] == 26);
   CHECK(std::isnan(scores[27]));  // no row came
-  const ScorePicture picture = draw_scores(judgement, truth, pixels.grid(), scores, {});
+  const ScorePicture picture = draw_scores(judgment, truth, pixels.grid(), scores, {});
   const cv::Mat image = pixels_of(picture.image.png);
   const auto at = [&](int x, int y) {
     return image.at<cv::Vec3b>(y * image.rows / 8 + 1, x * image.cols / 28 + 1);
@@ -187,9 +187,9 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   CHECK(at(27, 0) != cv::Vec3b(255, 255, 255));  // and none has a separate color
   CHECK(at(27, 0)[0] != at(27, 0)[2]);
   CHECK(picture.shown == std::vector<Meaning>{Meaning::right, Meaning::wrong, Meaning::truth});
-  CHECK(picture.image.greys == std::pair(0.0, 26.0));
+  CHECK(picture.image.grays == std::pair(0.0, 26.0));
   // The file shows the same pixels.
-  const Chart chart = matrix_chart(judgement.layout, picture, "training frame", "distance");
+  const Chart chart = matrix_chart(judgment.layout, picture, "training frame", "distance");
   const cv::Mat drawn = pixels_of(chart_png({chart}));
   const ChartArea area = layout_of(chart, false).area;
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(5, 1), std::pair(9, 0)}) {
@@ -265,18 +265,18 @@ TEST_CASE("a map has a scale bar in meters, and places only for FAB-MAP") {
 }
 
 TEST_CASE("frames without possible recognition are not drawn as missed") {
-  Judgement judgement = walk("rRwWrR");  // frames 0 and 1 end no window
-  GroundTruth truth = aligned(judgement);
-  const size_t frames = judgement.fixes.size();
-  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
-  judgement.outcomes.queries[1].has_match = false;
-  judgement.outcomes.queries[1].is_unreachable = true;
-  const size_t elsewhere = judgement.outcomes.queries[1].frame;
-  judgement.fixes.assign(frames, Fix::none);
-  judgement.fixes.back() = Fix::right;
-  const std::vector<Meaning> meanings = meanings_of(judgement, truth);
+  Judgment judgment = walk("rRwWrR");  // frames 0 and 1 end no window
+  GroundTruth truth = aligned(judgment);
+  const size_t frames = judgment.fixes.size();
+  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
+  judgment.outcomes.queries[1].has_match = false;
+  judgment.outcomes.queries[1].is_unreachable = true;
+  const size_t elsewhere = judgment.outcomes.queries[1].frame;
+  judgment.fixes.assign(frames, Fix::none);
+  judgment.fixes.back() = Fix::right;
+  const std::vector<Meaning> meanings = meanings_of(judgment, truth);
   REQUIRE(meanings.size() == frames);
-  const size_t first = judgement.outcomes.queries.front().frame;
+  const size_t first = judgment.outcomes.queries.front().frame;
   for (size_t frame = 0; frame < frames; ++frame) {
     INFO(frame);
     const Meaning expected = frame == frames - 1                   ? Meaning::right
@@ -285,8 +285,8 @@ TEST_CASE("frames without possible recognition are not drawn as missed") {
     CHECK(meanings[frame] == expected);
   }
   truth.pairs.assign(frames, {});
-  judgement.outcomes.queries[2].has_match = false;
-  CHECK(meanings_of(judgement, truth)[judgement.outcomes.queries[2].frame] == Meaning::unmapped);
+  judgment.outcomes.queries[2].has_match = false;
+  CHECK(meanings_of(judgment, truth)[judgment.outcomes.queries[2].frame] == Meaning::unmapped);
 }
 
 TEST_CASE("a map can be stopped") {
@@ -301,23 +301,23 @@ TEST_CASE("a map can be stopped") {
 }
 
 TEST_CASE("risk against coverage, and accepted matches by threshold, equal those counted by hand") {
-  Judgement judgement = walk("rRwr");
-  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
-  judgement.single_best = single_best_curve(judgement.outcomes);
-  const Report report = report_of(judgement, aligned(judgement));
-  const Chart chart = risk_chart(report, judgement);
+  Judgment judgment = walk("rRwr");
+  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
+  judgment.single_best = single_best_curve(judgment.outcomes);
+  const Report report = report_of(judgment, aligned(judgment));
+  const Chart chart = risk_chart(report, judgment);
   REQUIRE(chart.series.size() == 1);
   CHECK(chart.series[0].points ==
         std::vector<std::pair<double, double>>{{0.25, 0}, {0.5, 0}, {1, 0.25}});
-  const auto steps = threshold_steps(report, judgement, 100);
+  const auto steps = threshold_steps(report, judgment, 100);
   REQUIRE(steps.size() == 4);
   CHECK(steps[1].accepted == std::array<size_t, 3>{2, 0, 0});
   CHECK(steps[2].threshold == 2);
   CHECK(steps[3].accepted == std::array<size_t, 3>{3, 1, 0});
   // Equal scores are accepted together.
-  judgement.outcomes.queries[2].key = judgement.outcomes.queries[1].key;
-  CHECK(threshold_steps(report, judgement, 100)[1].accepted == std::array<size_t, 3>{2, 1, 0});
-  const auto thinned = threshold_steps(report, judgement, 1);
+  judgment.outcomes.queries[2].key = judgment.outcomes.queries[1].key;
+  CHECK(threshold_steps(report, judgment, 100)[1].accepted == std::array<size_t, 3>{2, 1, 0});
+  const auto thinned = threshold_steps(report, judgment, 1);
   CHECK(thinned.back().accepted == std::array<size_t, 3>{3, 1, 0});
 }
 
@@ -325,14 +325,14 @@ TEST_CASE("a map with very many loops draws some and reports so") {
   LoopsEvaluation evaluation;
   for (int frame = 0; frame < 10'000; ++frame)
     evaluation.trajectory.poses.push_back(Pose{{0.01 * frame, 0.0001 * frame, 0}, {}, {}});
-  evaluation.judgement.has_loop.resize(10'000);
-  evaluation.judgement.is_found.resize(10'000);
+  evaluation.judgment.has_loop.resize(10'000);
+  evaluation.judgment.is_found.resize(10'000);
   const auto wrong_lines = [&](size_t loops) {
-    evaluation.judgement.loops.clear();
+    evaluation.judgment.loops.clear();
     for (size_t i = 0; i < loops; ++i) {
       JudgedLoop judged;
       judged.loop.query = 9'999 - i;
-      evaluation.judgement.loops.push_back(judged);
+      evaluation.judgment.loops.push_back(judged);
     }
     for (const Series& series : loops_map_chart(evaluation).series)
       if (series.name.starts_with("wrong loop"))

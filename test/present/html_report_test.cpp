@@ -21,41 +21,41 @@ using namespace vpr;
 namespace {
 
 /// Twenty queries with best matches by letter (c correct, w incorrect) and increasing scores.
-Judgement example(const std::string& letters, size_t window_length = 1) {
-  Judgement judgement;
-  ScoreLayout& layout = judgement.layout;
+Judgment example(const std::string& letters, size_t window_length = 1) {
+  Judgment judgment;
+  ScoreLayout& layout = judgment.layout;
   layout.window_length = window_length;
   layout.scope = {{"", letters.size() + window_length - 1}, {{{"ref", 40}, true}}};
   layout.columns = {{0, 0, 40 - window_length + 1}};
-  judgement.outcomes.query_frames = layout.scope.query.frames;
-  judgement.outcomes.window_length = window_length;
+  judgment.outcomes.query_frames = layout.scope.query.frames;
+  judgment.outcomes.window_length = window_length;
   for (size_t q = 0; q < letters.size(); ++q) {
     const size_t frame = layout.anchor(q);
-    judgement.outcomes.queries.push_back({frame,
-                                          letters[q] == 'c' ? Verdict::correct : Verdict::incorrect,
-                                          true,
-                                          false,
-                                          FrameMatch{0, frame},
-                                          score_key(double(q), ScoreOrder::distance),
-                                          false,
-                                          {}});
+    judgment.outcomes.queries.push_back({frame,
+                                         letters[q] == 'c' ? Verdict::correct : Verdict::incorrect,
+                                         true,
+                                         false,
+                                         FrameMatch{0, frame},
+                                         score_key(double(q), ScoreOrder::distance),
+                                         false,
+                                         {}});
   }
-  judgement.fixes.assign(layout.scope.query.frames, Fix::none);
-  judgement.single_best = single_best_curve(judgement.outcomes);
-  return judgement;
+  judgment.fixes.assign(layout.scope.query.frames, Fix::none);
+  judgment.single_best = single_best_curve(judgment.outcomes);
+  return judgment;
 }
 
-GroundTruth example_truth(const Judgement& judgement) {
-  return read_ground_truth({"aligned", {}, 0}, judgement.layout.scope);
+GroundTruth example_truth(const Judgment& judgment) {
+  return read_ground_truth({"aligned", {}, 0}, judgment.layout.scope);
 }
 
-Evaluation evaluation_of(const Judgement& judgement, const GroundTruth& truth,
+Evaluation evaluation_of(const Judgment& judgment, const GroundTruth& truth,
                          const std::string& method = "mine", const std::string& query = "walk") {
   Evaluation evaluation;
   evaluation.truth = truth;
-  evaluation.judgement = judgement;
-  evaluation.judgement.layout.scope.query.name = query;
-  evaluation.scores = {method, {}, judgement.layout.window_length, {}};
+  evaluation.judgment = judgment;
+  evaluation.judgment.layout.scope.query.name = query;
+  evaluation.scores = {method, {}, judgment.layout.window_length, {}};
   return evaluation;
 }
 
@@ -97,8 +97,8 @@ TEST_CASE("inserted text is not expanded again") {
 }
 
 TEST_CASE("the gallery has the worst errors and the best and weakest hits, far apart") {
-  const Judgement judgement = example("cwwwwwwccccccccccccccccccccw");
-  const auto items = choose_gallery(judgement, example_truth(judgement), 3);
+  const Judgment judgment = example("cwwwwwwccccccccccccccccccccw");
+  const auto items = choose_gallery(judgment, example_truth(judgment), 3);
   CHECK(chosen(items, GalleryKind::mistake) == std::vector<size_t>{1, 6, 27});
   CHECK(chosen(items, GalleryKind::hit) == std::vector<size_t>{0, 7, 12});
   CHECK(chosen(items, GalleryKind::weak) == std::vector<size_t>{26, 21, 16});
@@ -107,10 +107,10 @@ TEST_CASE("the gallery has the worst errors and the best and weakest hits, far a
 }
 
 TEST_CASE("queries without a match have no true place in the gallery") {
-  const Judgement judgement = example("w");
+  const Judgment judgment = example("w");
   GroundTruth truth;
   truth.pairs.resize(1);
-  CHECK_FALSE(choose_gallery(judgement, truth, 3)[0].truth);
+  CHECK_FALSE(choose_gallery(judgment, truth, 3)[0].truth);
 }
 
 TEST_CASE("a strip ends at the anchor and covers the window") {
@@ -138,21 +138,21 @@ TEST_CASE("thumbnails are small, and unreadable frames are gaps") {
 }
 
 TEST_CASE("a report is written again as it was read") {
-  Judgement judgement = example("cwcwcw", 2);
-  judgement.outcomes.queries[2].verdict = Verdict::unreadable;
-  judgement.outcomes.queries[2].best.reset();
-  judgement.outcomes.queries[2].key = kNoScore;
-  judgement.outcomes.queries[3].verdict = Verdict::ignored;
-  judgement.outcomes.has_margins = judgement.outcomes.has_ranks = true;
-  judgement.outcomes.queries[0].margin = 0.1;
-  judgement.outcomes.queries[0].rank = 7;
-  judgement.outcomes.queries[1].key =
+  Judgment judgment = example("cwcwcw", 2);
+  judgment.outcomes.queries[2].verdict = Verdict::unreadable;
+  judgment.outcomes.queries[2].best.reset();
+  judgment.outcomes.queries[2].key = kNoScore;
+  judgment.outcomes.queries[3].verdict = Verdict::ignored;
+  judgment.outcomes.has_margins = judgment.outcomes.has_ranks = true;
+  judgment.outcomes.queries[0].margin = 0.1;
+  judgment.outcomes.queries[0].rank = 7;
+  judgment.outcomes.queries[1].key =
       score_key(std::numeric_limits<double>::infinity(), ScoreOrder::distance);
-  order_by(judgement, Confidence::margin);
-  judgement.fixes[2] = Fix::right;
-  judgement.fixes[3] = Fix::unjudged;
-  judgement.localisation = localise(judgement.fixes, {});
-  Evaluation evaluation = evaluation_of(judgement, example_truth(judgement));
+  order_by(judgment, Confidence::margin);
+  judgment.fixes[2] = Fix::right;
+  judgment.fixes[3] = Fix::unjudged;
+  judgment.localization = localize(judgment.fixes, {});
+  Evaluation evaluation = evaluation_of(judgment, example_truth(judgment));
   evaluation.scores.query.selection = warped("varying", 7, 3);
   evaluation.name = "mine";
   const Json json = report_json(report_of(evaluation, {}));
@@ -166,11 +166,11 @@ TEST_CASE("a page has no external references, even with hostile names") {
   const std::string hostile = "<img src=x onerror=alert(1)>\"'&{{data}}.png";
   for (int i = 0; i < 6; ++i)
     test::write_image(folder / (std::to_string(i) + hostile), uint64_t(i));
-  Judgement judgement = example("cwcwcw");
-  judgement.layout.scope.sequences[0] = {{"</script><script>alert(2)</script>", 6}, true};
-  judgement.layout.columns = {{0, 0, 6}};
-  const GroundTruth truth = example_truth(judgement);
-  const Evaluation evaluation = evaluation_of(judgement, truth, "<b>method</b>", "<i>query</i>");
+  Judgment judgment = example("cwcwcw");
+  judgment.layout.scope.sequences[0] = {{"</script><script>alert(2)</script>", 6}, true};
+  judgment.layout.columns = {{0, 0, 6}};
+  const GroundTruth truth = example_truth(judgment);
+  const Evaluation evaluation = evaluation_of(judgment, truth, "<b>method</b>", "<i>query</i>");
   const SequenceSource sequence = open_sequence({folder.path(), {}});
   const std::string page = html_report(evaluation, report_of(evaluation, {}), {}, "<s>all</s>",
                                        {sequence, {sequence}}, {});
@@ -188,9 +188,9 @@ TEST_CASE("a page has no external references, even with hostile names") {
 }
 
 TEST_CASE("an empty page is a valid page") {
-  const Judgement judgement = example("");
+  const Judgment judgment = example("");
   GroundTruth truth;
-  const Evaluation evaluation = evaluation_of(judgement, truth);
+  const Evaluation evaluation = evaluation_of(judgment, truth);
   CHECK(html_report(evaluation, report_of(evaluation, {}), {}, "", {}, {}).find("No query has") !=
         std::string::npos);
 }
@@ -203,34 +203,34 @@ size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-std::string page_of(const Judgement& judgement, const GroundTruth& truth,
+std::string page_of(const Judgment& judgment, const GroundTruth& truth,
                     const Monitor& monitor = {}) {
-  const Evaluation evaluation = evaluation_of(judgement, truth);
-  return html_report(evaluation, report_of(evaluation, {}), {}, "Recognised in 2 of 8 frames.", {},
+  const Evaluation evaluation = evaluation_of(judgment, truth);
+  return html_report(evaluation, report_of(evaluation, {}), {}, "Recognized in 2 of 8 frames.", {},
                      monitor);
 }
 
 }  // namespace
 
 TEST_CASE("a page begins with its summary and states the protocol once") {
-  const Judgement judgement = example("cwcwcwcw");
-  GroundTruth truth = example_truth(judgement);
+  const Judgment judgment = example("cwcwcwcw");
+  GroundTruth truth = example_truth(judgment);
   truth.protocol = "pairs from my desk";
-  const std::string page = page_of(judgement, truth);
-  CHECK(page.find("<p class=\"summary\">Recognised in 2 of 8 frames.</p>") < page.find("<table"));
+  const std::string page = page_of(judgment, truth);
+  CHECK(page.find("<p class=\"summary\">Recognized in 2 of 8 frames.</p>") < page.find("<table"));
   CHECK(count_of(page, "pairs from my desk") == 1);
-  CHECK(page.find("best match wrong, not recognised") != std::string::npos);
+  CHECK(page.find("best match wrong, not recognized") != std::string::npos);
   CHECK(page.find("worst mistakes") != std::string::npos);
   CHECK(page.find("{{") == std::string::npos);
 }
 
 TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
-  Judgement judgement = example("cccccccc", 20);
-  ScoreLayout& layout = judgement.layout;
+  Judgment judgment = example("cccccccc", 20);
+  ScoreLayout& layout = judgment.layout;
   layout.scope.sequences = {
       {{"monday", 111}, true}, {{"unused", 50}, false}, {{"<tuesday>", 41}, true}};
   layout.columns = {{0, 0, 92}, {2, 92, 22}};
-  const std::string page = page_of(judgement, example_truth(example("cccccccc", 20)));
+  const std::string page = page_of(judgment, example_truth(example("cccccccc", 20)));
   const std::string timeline =
       page.substr(page.find("<svg class=\"timeline\""),
                   page.find("</svg>", page.find("<svg class=\"timeline\"")) -
@@ -245,38 +245,38 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
 }
 
 TEST_CASE("the cost of a page depends on its content, not on the claimed number of frames") {
-  Judgement judgement = example("cwcwcwcw", 3);
+  Judgment judgment = example("cwcwcwcw", 3);
   constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
-  judgement.layout.scope.sequences[0].sequence.frames = kClaimed;
-  judgement.layout.columns = {{0, 0, kClaimed - 2}};
-  const std::string page = page_of(judgement, example_truth(judgement));
+  judgment.layout.scope.sequences[0].sequence.frames = kClaimed;
+  judgment.layout.columns = {{0, 0, kClaimed - 2}};
+  const std::string page = page_of(judgment, example_truth(judgment));
   CHECK(count_of(page, "2000000000</text>") == 2);  // on the axes of timeline and matrix
   CHECK(page.size() < 1000000);
 }
 
 TEST_CASE("a page can be stopped during drawing") {
-  const Judgement judgement = example("cwcwcwcw");
-  const GroundTruth truth = example_truth(judgement);
+  const Judgment judgment = example("cwcwcwcw");
+  const GroundTruth truth = example_truth(judgment);
   const std::atomic<bool> stop{true};
   Monitor monitor;
   monitor.stop = &stop;
-  CHECK(test::error_kind([&] { page_of(judgement, truth, monitor); }) == ErrorKind::interrupted);
-  CHECK(test::error_kind([&] { draw_scores(judgement, truth, nullptr, 100, monitor); }) ==
+  CHECK(test::error_kind([&] { page_of(judgment, truth, monitor); }) == ErrorKind::interrupted);
+  CHECK(test::error_kind([&] { draw_scores(judgment, truth, nullptr, 100, monitor); }) ==
         ErrorKind::interrupted);
 }
 
 TEST_CASE("without ground truth, a page shows matches without evaluation") {
-  Judgement judgement = example("cccccccc");
-  const GroundTruth truth = unknown_ground_truth(judgement.layout.scope);
-  for (QueryOutcome& query : judgement.outcomes.queries) query.verdict = Verdict::ignored;
-  judgement.fixes.assign(8, Fix::unjudged);
-  judgement.fixes[3] = Fix::none;
-  const Evaluation evaluation = evaluation_of(judgement, truth);
+  Judgment judgment = example("cccccccc");
+  const GroundTruth truth = unknown_ground_truth(judgment.layout.scope);
+  for (QueryOutcome& query : judgment.outcomes.queries) query.verdict = Verdict::ignored;
+  judgment.fixes.assign(8, Fix::unjudged);
+  judgment.fixes[3] = Fix::none;
+  const Evaluation evaluation = evaluation_of(judgment, truth);
   Report report = report_of(evaluation, {});
   report.counts.hits.ignored = 7;
   const std::string page = html_report(evaluation, report, {}, "", {}, {});
-  CHECK(page.find("recognised, not judged") != std::string::npos);
-  CHECK(page.find("recognised, wrong") == std::string::npos);
+  CHECK(page.find("recognized, not judged") != std::string::npos);
+  CHECK(page.find("recognized, wrong") == std::string::npos);
   CHECK(page.find("worst mistakes") == std::string::npos);
   CHECK(page.find("class=\"card mistake\"") == std::string::npos);
   CHECK(page.find("class=\"card hit unjudged\"") != std::string::npos);
@@ -287,27 +287,27 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
 }
 
 TEST_CASE("a page has risk against coverage, with the area of the metric") {
-  Judgement judgement = example("cwcwcw");
-  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
-  judgement.single_best = single_best_curve(judgement.outcomes);
-  const auto area = risk_coverage_area(judgement.single_best).value;
+  Judgment judgment = example("cwcwcw");
+  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
+  judgment.single_best = single_best_curve(judgment.outcomes);
+  const auto area = risk_coverage_area(judgment.single_best).value;
   REQUIRE(area);
-  const std::string page = page_of(judgement, example_truth(judgement));
+  const std::string page = page_of(judgment, example_truth(judgment));
   CHECK(page.find(fmt::format("Risk and coverage: area {:.3f}", *area)) != std::string::npos);
   CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
 }
 
 TEST_CASE("a page of thinned sequences has the recordings' frames for saved labels") {
-  Judgement judgement = example("cwcwcw");
-  const GroundTruth truth = example_truth(judgement);
-  CHECK(page_of(judgement, truth).find("\"query_sources\"") == std::string::npos);
+  Judgment judgment = example("cwcwcw");
+  const GroundTruth truth = example_truth(judgment);
+  CHECK(page_of(judgment, truth).find("\"query_sources\"") == std::string::npos);
   Selection kept;
   kept.recorded_frames = 20;
   kept.thinned_fps = 5;
   kept.sources = {0, 3, 7, 9, 12, 19};
-  judgement.layout.scope.query.selection = kept;
-  judgement.layout.scope.sequences[0].sequence.selection = kept;
-  const std::string page = page_of(judgement, truth);
+  judgment.layout.scope.query.selection = kept;
+  judgment.layout.scope.sequences[0].sequence.selection = kept;
+  const std::string page = page_of(judgment, truth);
   CHECK(page.find("\"query_sources\":[0,3,7,9,12,19]") != std::string::npos);
   CHECK(page.find("\"train_sources\":[[0,3,7,9,12,19]]") != std::string::npos);
 }

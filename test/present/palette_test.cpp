@@ -74,10 +74,10 @@ constexpr uint32_t kDarkPaper = 0x14181e;
 }  // namespace
 
 TEST_CASE("the palette has an entry for every meaning, and no color twice") {
-  std::set<uint32_t> colours;
+  std::set<uint32_t> colors;
   for (size_t i = 0; i < palette().size(); ++i) {
     CHECK(static_cast<size_t>(palette()[i].meaning) == i);
-    CHECK(colours.insert(palette()[i].light).second);
+    CHECK(colors.insert(palette()[i].light).second);
   }
   CHECK(palette().size() == static_cast<size_t>(Meaning::asked_margin) + 1);
   CHECK(hex_of(Meaning::right) == "#1668c7");
@@ -95,11 +95,11 @@ TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds")
       {Meaning::right, Meaning::wrong, Meaning::unjudged, Meaning::asked_margin}};
   for (const auto& picture : pictures)
     for (size_t i = 0; i < picture.size(); ++i) {
-      const PaletteColour& a = colour_of(picture[i]);
+      const PaletteColor& a = color_of(picture[i]);
       CHECK(difference(a.light, kPaper) > 14);
       CHECK(difference(a.dark, kDarkPaper) > 14);
       for (size_t k = 0; k < i; ++k) {
-        const PaletteColour& b = colour_of(picture[k]);
+        const PaletteColor& b = color_of(picture[k]);
         INFO(a.name << " beside " << b.name);
         CHECK(difference(a.light, b.light) > 14);
         CHECK(difference(a.dark, b.dark) > 14);
@@ -110,7 +110,7 @@ TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds")
 TEST_CASE("a page's variables equal the palette's colors") {
   const std::string css = palette_css();
   const size_t dark = css.find("prefers-color-scheme: dark");
-  for (const PaletteColour& row : palette()) {
+  for (const PaletteColor& row : palette()) {
     const size_t at = css.find(fmt::format("--{}: #{:06x};", row.name, row.light));
     CHECK(at < dark);
     CHECK(css.find(fmt::format("--{}: #{:06x};", row.name, row.dark), dark) != std::string::npos);
@@ -118,21 +118,21 @@ TEST_CASE("a page's variables equal the palette's colors") {
 }
 
 TEST_CASE("the summary states the recall, the errors and the first recognition") {
-  Judgement judgement;
-  judgement.fixes = {Fix::none, Fix::wrong, Fix::right, Fix::none, Fix::unjudged};
-  CHECK(summary_sentence(judgement, true, {}) ==
-        "Recognised in 3 of 5 frames, 1 of them wrong, 1 to be ignored; the first right one at "
+  Judgment judgment;
+  judgment.fixes = {Fix::none, Fix::wrong, Fix::right, Fix::none, Fix::unjudged};
+  CHECK(summary_sentence(judgment, true, {}) ==
+        "Recognized in 3 of 5 frames, 1 of them wrong, 1 to be ignored; the first right one at "
         "frame 2.");
-  CHECK(summary_sentence(judgement, true, 4.0) ==
-        "Recognised in 3 of 5 frames, 1 of them wrong, 1 to be ignored; the first right one at "
+  CHECK(summary_sentence(judgment, true, 4.0) ==
+        "Recognized in 3 of 5 frames, 1 of them wrong, 1 to be ignored; the first right one at "
         "frame 2 (0.5 s).");
-  judgement.fixes = {Fix::right};
-  CHECK(summary_sentence(judgement, true, {}) ==
-        "Recognised in 1 of 1 frame, none of them wrong; the first right one at frame 0.");
-  judgement.fixes = {Fix::none, Fix::none};
-  CHECK(summary_sentence(judgement, true, 10.0) == "Recognised in none of 2 frames.");
-  judgement.fixes = {Fix::none, Fix::unjudged};
-  CHECK(summary_sentence(judgement, false, 10.0) ==
-        "Recognised in 1 of 2 frames; the first one at frame 1 (0.1 s). Nothing is judged without "
+  judgment.fixes = {Fix::right};
+  CHECK(summary_sentence(judgment, true, {}) ==
+        "Recognized in 1 of 1 frame, none of them wrong; the first right one at frame 0.");
+  judgment.fixes = {Fix::none, Fix::none};
+  CHECK(summary_sentence(judgment, true, 10.0) == "Recognized in none of 2 frames.");
+  judgment.fixes = {Fix::none, Fix::unjudged};
+  CHECK(summary_sentence(judgment, false, 10.0) ==
+        "Recognized in 1 of 2 frames; the first one at frame 1 (0.1 s). Nothing is judged without "
         "a ground truth.");
 }

@@ -89,9 +89,9 @@ std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<cons
                                       const PlainPast& shared, size_t column, size_t last) {
   constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
   const uint16_t largest = largest_distance(walk.rows.shape);
-  const auto centred = [&](size_t j) {
+  const auto centered = [&](size_t j) {
     return plain_distance(walk.rows, column, walk.rows, j) -
-           (settings.centre ? shared.row_means[j] : shared.means_so_far[j]);
+           (settings.center ? shared.row_means[j] : shared.means_so_far[j]);
   };
   double mean = shared.has_past[column] != 0
                     ? settings.start_bias * (shared.row_means[column] - shared.means_so_far[column])
@@ -104,7 +104,7 @@ std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<cons
     const auto view = shared.learned[j];
     if (view && past[*view] > column) {
       weight = settings.forgetting * weight + 1;
-      const double step = centred(*view) - mean;
+      const double step = centered(*view) - mean;
       mean += step / weight;
       variance = (1 - 1 / weight) * (variance + step * step / weight);
     }
@@ -113,7 +113,7 @@ std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<cons
     const double deviation = settings.divide ? std::max(std::sqrt(std::max(variance, 0.0)),
                                                         deviation_floor(settings, largest))
                                              : unknown_deviation(largest);
-    scores[j] = std::clamp((centred(j) - mean) / deviation, -kLimit, kLimit - 1.0 / kScoreUnit);
+    scores[j] = std::clamp((centered(j) - mean) / deviation, -kLimit, kLimit - 1.0 / kScoreUnit);
   }
   return scores;
 }

@@ -57,7 +57,7 @@ TEST_CASE("more than a fifth of all pairs as hits is too many") {
   result.hits.push_back({19, 0, 2, 0, 300});
   CHECK(too_many_hits(result) ==
         "20 % of all window pairs are hits: t_r is too large to tell places apart");
-  CHECK(recognised_windows(result) == 20);
+  CHECK(recognized_windows(result) == 20);
   CHECK_FALSE(too_many_hits(Result{}));
 }
 

@@ -77,8 +77,8 @@ TEST_CASE("a query with the calibrated settings has the recognitions of the cali
       for (const CalibratedLength& length : walk.lengths) {
         REQUIRE(length.calibration.strength);
         const Result result = walks.query_with(length.settings);
-        const size_t recognised = recognised_windows(result);
-        CHECK(recognised >= length.calibration.right + length.calibration.wrong);
+        const size_t recognized = recognized_windows(result);
+        CHECK(recognized >= length.calibration.right + length.calibration.wrong);
         CHECK(length.calibration.right > 0);
         CHECK(length.queries <= 40);
         if (precision == 1) CHECK(count_recognitions(result, truth).hits.incorrect == 0);
@@ -108,8 +108,8 @@ TEST_CASE(
   CHECK(*length.settings.margin > largest);
   CHECK(*length.settings.margin == double(*length.calibration.strength) / 5);
   open.margin = (double(*length.calibration.strength) - 1) / 5;
-  CHECK(recognised_windows(walks.query_with(open)) >=
-        recognised_windows(walks.query_with(length.settings)));
+  CHECK(recognized_windows(walks.query_with(open)) >=
+        recognized_windows(walks.query_with(length.settings)));
 }
 
 TEST_CASE("calibrations are the same for any number of threads") {

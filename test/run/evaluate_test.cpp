@@ -50,8 +50,8 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
   REQUIRE(found.result->clusters.size() == 2);
   CHECK(found.result->clusters[0].label == PlaceLabel::same);
   CHECK(numbers(found.result->clusters[1].hits) == std::vector<uint64_t>{0, 1, 0});
-  CHECK(found.judgement.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
-  CHECK_FALSE(found.judgement.localisation.longest_gap_m);
+  CHECK(found.judgment.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
+  CHECK_FALSE(found.judgment.localization.longest_gap_m);
   CHECK_FALSE(found.result->by_view);
 }
 
@@ -61,15 +61,15 @@ TEST_CASE("poses of the query yield distances in meters") {
   JudgedBy by = kAligned;
   by.poses = folder / "poses.csv";
   const Evaluation found = evaluate_result(example(), {}, by, {});
-  CHECK(found.judgement.localisation.first_fix_m == 0);
-  CHECK(found.judgement.localisation.longest_gap_m == 5);
+  CHECK(found.judgment.localization.first_fix_m == 0);
+  CHECK(found.judgment.localization.longest_gap_m == 5);
 }
 
 TEST_CASE("without ground truth, a result is shown without evaluation") {
   const Evaluation found = evaluate_result(example(), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
   CHECK(numbers(found.result->counts.hits) == std::vector<uint64_t>{0, 0, 3});
-  CHECK(found.judgement.fixes[0] == Fix::unjudged);
+  CHECK(found.judgment.fixes[0] == Fix::unjudged);
 }
 
 TEST_CASE("without clusters, every hit of a result is evaluated separately") {
@@ -101,14 +101,14 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
   CHECK(alone.query().name == "theirs");
   CHECK_FALSE(alone.result);
   CHECK(alone.fingerprint == matrix().fingerprint({}));
-  CHECK(alone.judgement.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
-  REQUIRE(alone.judgement.all_pairs);
+  CHECK(alone.judgment.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
+  REQUIRE(alone.judgment.all_pairs);
 
   const Evaluation both = evaluate_result(example(), matrix(), kAligned, {});
   REQUIRE(both.matrix);
-  REQUIRE(both.judgement.all_pairs);
-  CHECK(both.judgement.all_pairs->curve.points.size() ==
-        alone.judgement.all_pairs->curve.points.size());
-  CHECK(both.judgement.fixes == alone.judgement.fixes);
+  REQUIRE(both.judgment.all_pairs);
+  CHECK(both.judgment.all_pairs->curve.points.size() ==
+        alone.judgment.all_pairs->curve.points.size());
+  CHECK(both.judgment.fixes == alone.judgment.fixes);
   CHECK(both.result->counts.hits.correct == 2);
 }

@@ -125,7 +125,7 @@ TEST_CASE("whole queries equal the definition, for every method, score and numbe
   const Walks walks;
   const SequenceQuerySettings settings = fused_settings(5);
   const Result result = query_all(walks, settings);
-  CHECK(recognised_windows(result) > 10);
+  CHECK(recognized_windows(result) > 10);
   CHECK(result.best[14]->train == 7);
   for (const size_t threads : {1, 3}) {
     const ThreadLimit limit(threads);
@@ -147,7 +147,7 @@ TEST_CASE("whole queries equal the definition, for every method, score and numbe
   other = settings;
   other.decision = Decision::margin;
   other.distance_threshold.reset();
-  CHECK(recognised_windows(query_all(walks, other)) > 10);
+  CHECK(recognized_windows(query_all(walks, other)) > 10);
 }
 
 TEST_CASE("words decide between frames that look alike") {

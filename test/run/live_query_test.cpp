@@ -103,7 +103,7 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
       CHECK_FALSE(whole.best[frame + 1 - length]);
     }
   }
-  return recognised_windows(whole);
+  return recognized_windows(whole);
 }
 
 }  // namespace

@@ -227,10 +227,10 @@ TEST_CASE("invalid worlds are refused with a reason") {
   CHECK(refused([](Json& w) {
     w["floors"][0]["rooms"].push_back({{"x", 400}, {"y", 400}, {"width", 2}, {"depth", 2}});
   }));
-  CHECK(refused([](Json& w) { w["colour"] = "red"; }));
+  CHECK(refused([](Json& w) { w["color"] = "red"; }));
   CHECK(refused([](Json& w) { w["variety"]["finishes"] = 1.5; }));
   CHECK(refused([](Json& w) { w["variety"]["window_light"] = -1; }));
-  CHECK(refused([](Json& w) { w["variety"]["colour"] = 1; }));
+  CHECK(refused([](Json& w) { w["variety"]["color"] = 1; }));
   CHECK(refused([](Json& w) { w["floors"][0]["rooms"][0]["lamp_spacing_m"] = 0.1; }));
   CHECK(refused([](Json& w) { w["walks"][0]["unevenness"] = 0.9; }));
   CHECK(refused([](Json& w) { w["walks"][0]["tremor_deg"] = 6; }));

@@ -16,7 +16,7 @@
       recorded(data.train_sources?.[sequence], reference), ...more].join(",");
   const header = several ? "query,sequence,reference" : "query,reference";
   const file = (lines) => lines.join("\n") + "\n";
-  // Best matches that nobody labelled are to be ignored; different is what no line says.
+  // Best matches that nobody labeled are to be ignored; different is what no line says.
   const pairs = () => {
     const lines = [`${header},label`];
     for (let i = 0; i < count; ++i) {
@@ -28,10 +28,10 @@
   const sorted = () => [...anchors].sort((a, b) => a[1] - b[1] || a[0] - b[0]);
   const isWrong = (i) => data.matches[i] && (data.best[i] === "w" || data.best[i] === "n");
   const disagreements = () => {
-    const lines = [`${header},score,recognised,ground_truth`];
+    const lines = [`${header},score,recognized,ground_truth`];
     for (let i = 0; i < count; ++i)
       if (isWrong(i))
-        lines.push(row(frameOf(i), ...data.matches[i], data.scores[i], data.recognised[frameOf(i)] === "." ? "no" : "yes",
+        lines.push(row(frameOf(i), ...data.matches[i], data.scores[i], data.recognized[frameOf(i)] === "." ? "no" : "yes",
           data.best[i] === "w" ? "elsewhere" : "no match"));
     return file(lines);
   };
@@ -68,7 +68,7 @@
     }
     const here = labels.get(at());
     const of = (word) => [...labels.values()].filter((label) => label === word).length;
-    byId("labelled").textContent = `Frame ${frameOf(at())}: ${here ?? "not labelled"}. `
+    byId("labeled").textContent = `Frame ${frameOf(at())}: ${here ?? "not labeled"}. `
       + `${of("same")} same, ${of("different")} different, ${of("ignore")} ignored, ${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
   };
   // A query frame has one anchor in a sequence.

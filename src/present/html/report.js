@@ -49,7 +49,7 @@
     if (match) parts.push(`best match ${data.sequences[match[0]]} ${match[1]}`, `${data.kind} ${data.scores[i]}`);
     else if (data.best[i] !== "u") parts.push("nothing found");
     if (data.judged || data.best[i] === "u") parts.push(verdicts[data.best[i]]);
-    if (match) parts.push(data.recognised[frame] === "." ? "not recognised" : "recognised");
+    if (match) parts.push(data.recognized[frame] === "." ? "not recognized" : "recognized");
     if (data.ranks && data.ranks[i]) parts.push(`the first right reference has rank ${data.ranks[i]}`);
     return `Frame ${frame}: ${parts.join(", ")}.`;
   };

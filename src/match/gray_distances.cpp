@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "match/frame_distances.h"
-#include "match/grey_kernels.h"
+#include "match/gray_kernels.h"
 
 namespace vpr {
 namespace {
@@ -49,7 +49,7 @@ OfLevel<T> differences_to(const OfLevel<T>& weights) {
 /// The common data of distances to the same training frames. Images are padded.
 struct Training {
   std::vector<DescriptorSpan> sequences;
-  GreyKernels kernels;
+  GrayKernels kernels;
   size_t length = 0;
   size_t padded_length = 0;
   std::vector<uint8_t> rows;
@@ -122,16 +122,16 @@ FrameDistances distances_of(const std::shared_ptr<Training>& training, const Des
 
 }  // namespace
 
-uint16_t largest_grey(const DescriptorShape&) { return (kLevels - 1) * kUnits; }
+uint16_t largest_gray(const DescriptorShape&) { return (kLevels - 1) * kUnits; }
 
-uint32_t grey_distance(DescriptorRow a, DescriptorRow b) {
+uint32_t gray_distance(DescriptorRow a, DescriptorRow b) {
   uint64_t sum = 0;
   for (size_t x = 0; x < a.size(); ++x) sum += static_cast<uint64_t>(std::abs(a[x] - b[x]));
   return static_cast<uint32_t>(rounded_mean(sum, a.size()));
 }
 
 // Weights are multiples of 2^-20, so their sums are exact in any order.
-Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {
+Projector gray_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {
   const size_t length = to.shape.length;
   const auto sums = std::make_shared<std::vector<OfLevel<ComponentValues>>>(length);
   for (size_t x = 0; x < length; ++x) {
@@ -151,12 +151,12 @@ Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValu
   };
 }
 
-FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
+FrameDistances gray_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
-  training->kernels = select_grey_kernels();
+  training->kernels = select_gray_kernels();
   training->length = query.rows.shape.length;
-  training->padded_length = round_up(training->length, kGreyPixels);
+  training->padded_length = round_up(training->length, kGrayPixels);
   for (const DescriptorSpan& sequence : train) {
     const std::vector<uint8_t> rows = padded(sequence.rows, training->padded_length);
     training->rows.insert(training->rows.end(), rows.begin(), rows.end());

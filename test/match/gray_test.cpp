@@ -41,9 +41,9 @@ Pictures walk(size_t count, size_t pixels, uint64_t seed) {
 }
 
 uint32_t distance(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-  CHECK(grey_distance(a, b) == plain_grey(a, b));
-  CHECK(grey_distance(a, b) == grey_distance(b, a));
-  return grey_distance(a, b);
+  CHECK(gray_distance(a, b) == plain_gray(a, b));
+  CHECK(gray_distance(a, b) == gray_distance(b, a));
+  return gray_distance(a, b);
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ TEST_CASE("distances of images equal the reference implementation, on every SIMD
       for (size_t t = 0; t < order.size(); ++t)
         for (size_t i = 8; i < 86; ++i) {
           const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] == plain_grey(row, query.span().rows[order[t]]));
+          REQUIRE(tile[t * 100 + i - 8] == plain_gray(row, query.span().rows[order[t]]));
         }
     }
   }
@@ -92,7 +92,7 @@ TEST_CASE("the mean distance to all images equals the mean of their distances up
   for (size_t j = 0; j < 20; ++j) {
     double sum = 0;
     for (size_t i = 0; i < 200; ++i)
-      if (i != 3 && i != 99) sum += plain_grey(train.rows[i], query.span().rows[j]);
+      if (i != 3 && i != 99) sum += plain_gray(train.rows[i], query.span().rows[j]);
     CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
   }
 }
@@ -105,13 +105,13 @@ TEST_CASE("components of images are sums over landmarks") {
   for (ComponentValues& weight : weights)
     for (double& value : weight)
       value = std::ldexp(static_cast<double>(uniform_below(engine, 2001)) - 1000, -20);
-  const Projector project = grey_projector(landmarks.span().rows, weights);
+  const Projector project = gray_projector(landmarks.span().rows, weights);
   for (size_t j = 0; j < 5; ++j) {
     const ComponentValues found = project(asked.span().rows[j]);
     for (size_t k = 0; k < kMaxComponents; ++k) {
       double sum = 0;
       for (size_t i = 0; i < 30; ++i)
-        sum += weights[i][k] * plain_grey_unrounded(landmarks.span().rows[i], asked.span().rows[j]);
+        sum += weights[i][k] * plain_gray_unrounded(landmarks.span().rows[i], asked.span().rows[j]);
       CHECK(found[k] == sum);  // exact
     }
   }

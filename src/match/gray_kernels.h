@@ -8,10 +8,10 @@
 namespace vpr {
 
 /// Images are padded with zeros to a multiple of this number of pixels.
-inline constexpr size_t kGreyPixels = 64;
+inline constexpr size_t kGrayPixels = 64;
 
 /// All targets give the same integers.
-struct GreyKernels {
+struct GrayKernels {
   /// out[t * row_count + i] = the sum of absolute differences of queries[t] and row i, for
   /// consecutive rows of `length` (padded) pixels.
   void (*tile)(std::span<const uint8_t* const> queries, const uint8_t* rows, size_t row_count,
@@ -19,6 +19,6 @@ struct GreyKernels {
 };
 
 /// The kernel for the current SIMD target (base/simd.h).
-GreyKernels select_grey_kernels();
+GrayKernels select_gray_kernels();
 
 }  // namespace vpr

@@ -3,10 +3,10 @@
 // The settings above must come first.
 #include <cstdlib>
 
-#include "match/grey_kernels.h"
+#include "match/gray_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "match/grey_kernels.cpp"
+#define HWY_TARGET_INCLUDE "match/gray_kernels.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
@@ -29,7 +29,7 @@ uint32_t Differences(const uint8_t* a, const uint8_t* b, size_t length) {
 
 HWY_INLINE uint32_t Differences(const uint8_t* HWY_RESTRICT a, const uint8_t* HWY_RESTRICT b,
                                 size_t length) {
-  const hn::CappedTag<uint8_t, kGreyPixels> d;
+  const hn::CappedTag<uint8_t, kGrayPixels> d;
   const hn::Repartition<uint64_t, decltype(d)> d64;
   auto sums = hn::Zero(d64);
   for (size_t i = 0; i < length; i += hn::Lanes(d)) {
@@ -52,7 +52,7 @@ void Tile(std::span<const uint8_t* const> queries, const uint8_t* rows, size_t r
 
 }  // namespace
 
-GreyKernels Greys() { return {Tile}; }
+GrayKernels Grays() { return {Tile}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace vpr
@@ -62,9 +62,9 @@ HWY_AFTER_NAMESPACE();
 
 namespace vpr {
 
-HWY_EXPORT(Greys);
+HWY_EXPORT(Grays);
 
-GreyKernels select_grey_kernels() { return HWY_DYNAMIC_DISPATCH(Greys)(); }
+GrayKernels select_gray_kernels() { return HWY_DYNAMIC_DISPATCH(Grays)(); }
 
 }  // namespace vpr
 

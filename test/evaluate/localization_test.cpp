@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 #include "support.h"
 #include "truth/route.h"
 
@@ -23,8 +23,8 @@ std::vector<Fix> path(const std::string& text) {
 }  // namespace
 
 TEST_CASE("a path with three fixes, computed by hand") {
-  const std::vector<double> travelled = {0, 1, 2, 3, 10, 11, 12, 13, 14, 15};
-  const Localisation found = localise(path("..r.wr...r"), travelled);
+  const std::vector<double> traveled = {0, 1, 2, 3, 10, 11, 12, 13, 14, 15};
+  const Localization found = localize(path("..r.wr...r"), traveled);
   CHECK(found.frames == 10);
   CHECK(found.right == 3);
   CHECK(found.wrong == 1);
@@ -36,11 +36,11 @@ TEST_CASE("a path with three fixes, computed by hand") {
 }
 
 TEST_CASE("gaps end at the ends of the path") {
-  const std::vector<double> travelled = {0, 2, 4, 6, 8};
-  const Localisation late = localise(path("...r."), travelled);
+  const std::vector<double> traveled = {0, 2, 4, 6, 8};
+  const Localization late = localize(path("...r."), traveled);
   CHECK(late.longest_gap_frames == 3);
   CHECK(late.longest_gap_m == 6);
-  const Localisation early = localise(path("r...."), travelled);
+  const Localization early = localize(path("r...."), traveled);
   CHECK(early.longest_gap_frames == 4);
   CHECK(early.longest_gap_m == 8);
   CHECK(early.first_fix_frames == 0);
@@ -48,7 +48,7 @@ TEST_CASE("gaps end at the ends of the path") {
 }
 
 TEST_CASE("a path without a fix is one gap, and an incorrect fix does not end it") {
-  const Localisation found = localise(path("ww.w"), std::vector<double>{0, 1, 1, 5});
+  const Localization found = localize(path("ww.w"), std::vector<double>{0, 1, 1, 5});
   CHECK(found.right == 0);
   CHECK(found.wrong == 3);
   CHECK(found.longest_gap_frames == 4);
@@ -59,17 +59,17 @@ TEST_CASE("a path without a fix is one gap, and an incorrect fix does not end it
 }
 
 TEST_CASE("without positions there are no meters, and an empty path has no share") {
-  const Localisation found = localise(path("r.r"), {});
+  const Localization found = localize(path("r.r"), {});
   CHECK(found.longest_gap_frames == 1);
   CHECK_FALSE(found.longest_gap_m);
   CHECK_FALSE(found.first_fix_m);
-  const Localisation empty = localise({}, {});
+  const Localization empty = localize({}, {});
   CHECK_FALSE(empty.share());
   CHECK(empty.longest_gap_frames == 0);
 }
 
 TEST_CASE("a fix in every frame leaves no gap") {
-  const Localisation found = localise(path("rrrr"), std::vector<double>{0, 1, 3, 4});
+  const Localization found = localize(path("rrrr"), std::vector<double>{0, 1, 3, 4});
   CHECK(found.share() == 1);
   CHECK(found.longest_gap_frames == 0);
   CHECK(found.longest_gap_m == 2);  // between two fixes

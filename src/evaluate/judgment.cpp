@@ -1,4 +1,4 @@
-#include "evaluate/judgement.h"
+#include "evaluate/judgment.h"
 
 #include <algorithm>
 #include <cassert>
@@ -11,13 +11,13 @@ namespace vpr {
 
 namespace {
 
-void take_matrix(Judgement& judgement, const ScoreMatrix& matrix, const GroundTruth& truth,
+void take_matrix(Judgment& judgment, const ScoreMatrix& matrix, const GroundTruth& truth,
                  const Monitor& monitor) {
-  MatrixScan scan = scan_matrix(matrix, truth, judgement.layout, monitor);
-  judgement.all_pairs =
-      PairJudgement{pair_curve(matrix, truth, judgement.layout, scan, monitor), scan.ignored_pairs,
-                    scan.same_without_score, scan.worst_correct};
-  judgement.outcomes = std::move(scan.outcomes);
+  MatrixScan scan = scan_matrix(matrix, truth, judgment.layout, monitor);
+  judgment.all_pairs =
+      PairJudgment{pair_curve(matrix, truth, judgment.layout, scan, monitor), scan.ignored_pairs,
+                   scan.same_without_score, scan.worst_correct};
+  judgment.outcomes = std::move(scan.outcomes);
 }
 
 size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
@@ -53,76 +53,76 @@ Fix fix_of(PlaceLabel label) {
 
 }  // namespace
 
-bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
+bool is_recognized(const Judgment& judgment, const QueryOutcome& query) {
   return query.verdict != Verdict::unreadable &&
-         judgement.fixes[query.frame] == fix_of(query.verdict);
+         judgment.fixes[query.frame] == fix_of(query.verdict);
 }
 
-void order_by(Judgement& judgement, Confidence confidence) {
-  Outcomes& outcomes = judgement.outcomes;
+void order_by(Judgment& judgment, Confidence confidence) {
+  Outcomes& outcomes = judgment.outcomes;
   if (confidence == Confidence::margin && !outcomes.has_margins)
     throw Error(
         ErrorKind::usage,
         "there are no margins: FAB-MAP, lsh and score matrices have none. Omit --confidence");
-  judgement.other_best.reset();
+  judgment.other_best.reset();
   if (outcomes.has_margins) {
     outcomes.confidence = confidence == Confidence::score ? Confidence::margin : Confidence::score;
-    judgement.other_best = single_best_curve(outcomes);
+    judgment.other_best = single_best_curve(outcomes);
   }
   outcomes.confidence = confidence;
-  judgement.single_best = single_best_curve(outcomes);
+  judgment.single_best = single_best_curve(outcomes);
 }
 
-Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,
-                const Monitor& monitor) {
-  Judgement judgement;
-  judgement.layout = layout_of(result);
-  judgement.outcomes = outcomes_of(result, truth);
-  order_by(judgement, judgement.outcomes.confidence);
+Judgment judge(const Result& result, const GroundTruth& truth, std::span<const double> traveled_m,
+               const Monitor& monitor) {
+  Judgment judgment;
+  judgment.layout = layout_of(result);
+  judgment.outcomes = outcomes_of(result, truth);
+  order_by(judgment, judgment.outcomes.confidence);
   for (const Match& hit : result.hits) {
     check_stop(monitor);
-    judgement.recognised.push_back({hit.query, column_of(judgement.layout, hit.target, hit.train)});
+    judgment.recognized.push_back({hit.query, column_of(judgment.layout, hit.target, hit.train)});
   }
-  judgement.fixes = fixes_of(result, truth);
-  judgement.localisation = localise(judgement.fixes, travelled_m);
-  judgement.localisation.frames_with_match = count_with_match(truth);
-  return judgement;
+  judgment.fixes = fixes_of(result, truth);
+  judgment.localization = localize(judgment.fixes, traveled_m);
+  judgment.localization.frames_with_match = count_with_match(truth);
+  return judgment;
 }
 
-Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
-                std::optional<double> threshold, std::span<const double> travelled_m,
-                const Monitor& monitor) {
-  Judgement judgement;
-  judgement.layout = layout;
-  take_matrix(judgement, matrix, truth, monitor);
-  order_by(judgement, Confidence::score);
-  judgement.is_oracle = !threshold;
-  judgement.threshold =
-      threshold ? threshold : recall_at_full_precision(judgement.single_best).threshold;
+Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
+               std::optional<double> threshold, std::span<const double> traveled_m,
+               const Monitor& monitor) {
+  Judgment judgment;
+  judgment.layout = layout;
+  take_matrix(judgment, matrix, truth, monitor);
+  order_by(judgment, Confidence::score);
+  judgment.is_oracle = !threshold;
+  judgment.threshold =
+      threshold ? threshold : recall_at_full_precision(judgment.single_best).threshold;
   std::optional<uint64_t> accepted;
-  if (judgement.threshold) accepted = score_key(*judgement.threshold, matrix.kind());
-  for (size_t window = 0; window < judgement.outcomes.queries.size(); ++window) {
-    const QueryOutcome& query = judgement.outcomes.queries[window];
+  if (judgment.threshold) accepted = score_key(*judgment.threshold, matrix.kind());
+  for (size_t window = 0; window < judgment.outcomes.queries.size(); ++window) {
+    const QueryOutcome& query = judgment.outcomes.queries[window];
     if (accepted && query.best && query.key <= *accepted)
-      judgement.recognised.push_back(
+      judgment.recognized.push_back(
           {window, column_of(layout, query.best->sequence,
                              query.best->reference + 1 - layout.window_length)});
   }
-  judgement.fixes = fixes_of(judgement.outcomes, accepted);
-  judgement.localisation = localise(judgement.fixes, travelled_m);
-  judgement.localisation.frames_with_match = count_with_match(truth);
-  return judgement;
+  judgment.fixes = fixes_of(judgment.outcomes, accepted);
+  judgment.localization = localize(judgment.fixes, traveled_m);
+  judgment.localization.frames_with_match = count_with_match(truth);
+  return judgment;
 }
 
-Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTruth& truth,
-                std::span<const double> travelled_m, const Monitor& monitor) {
-  Judgement judgement = judge(result, truth, travelled_m, monitor);
-  require_fit(matrix, judgement.layout);
-  if (!truth.is_known) return judgement;
-  take_matrix(judgement, matrix, truth, monitor);
-  add_margins(judgement.outcomes, result);
-  order_by(judgement, judgement.outcomes.confidence);
-  return judgement;
+Judgment judge(const Result& result, const ScoreMatrix& matrix, const GroundTruth& truth,
+               std::span<const double> traveled_m, const Monitor& monitor) {
+  Judgment judgment = judge(result, truth, traveled_m, monitor);
+  require_fit(matrix, judgment.layout);
+  if (!truth.is_known) return judgment;
+  take_matrix(judgment, matrix, truth, monitor);
+  add_margins(judgment.outcomes, result);
+  order_by(judgment, judgment.outcomes.confidence);
+  return judgment;
 }
 
 std::vector<const Match*> fixing_hits(const Result& result) {
