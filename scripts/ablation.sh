@@ -31,7 +31,7 @@ done <<<"$sets"
 variant() { # NAME SCORE [SETTING...]: one row
   local row=$1 score=$2
   shift 2
-  echo "{\"standardization\": {$(IFS=,; echo "$*")}}" >"$out/config.json"
+  echo "{\"zscore\": {$(IFS=,; echo "$*")}}" >"$out/config.json"
   printf '| %s' "$row"
   while read -r name _ query tolerance lengths; do
     for length in ${lengths//,/ }; do
@@ -46,15 +46,15 @@ variant() { # NAME SCORE [SETTING...]: one row
 echo '| | corridor, c_l 5 | 10 | 20 | slow corridor, 20 | 40 | Nordland, 10 | 20 | 50 | moving, 10 | 20 |'
 echo '|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|'
 variant 'raw distances' raw
-variant '`standardized`' standardized
-variant '1 off: rows not centered' standardized '"center": false'
-variant '2 off: no components' standardized '"components": 0'
-variant '3 off: nothing learned' standardized '"learn": false'
-variant '3 off: no start' standardized '"start_weight": 0'
-variant '3: all of the bias' standardized '"start_bias": 1'
-variant '4 off: one deviation for all' standardized '"divide": false'
-variant 'every frame a view' standardized '"view_change": 0'
-variant 'every frame a view, lag 1' standardized '"view_change": 0' '"lag_views": 1'
-variant 'lag of one view' standardized '"lag_views": 1'
-variant 'forgetting 0.99' standardized '"forgetting": 0.99'
-variant '`standardized-offline`' standardized-offline
+variant '`zscore`' zscore
+variant '1 off: rows not centered' zscore '"center": false'
+variant '2 off: no components' zscore '"components": 0'
+variant '3 off: nothing learned' zscore '"learn": false'
+variant '3 off: no start' zscore '"start_weight": 0'
+variant '3: all of the bias' zscore '"start_bias": 1'
+variant '4 off: one deviation for all' zscore '"divide": false'
+variant 'every frame a view' zscore '"keyframe_change": 0'
+variant 'every frame a view, lag 1' zscore '"keyframe_change": 0' '"lag_keyframes": 1'
+variant 'lag of one view' zscore '"lag_keyframes": 1'
+variant 'forgetting 0.99' zscore '"forgetting": 0.99'
+variant '`zscore-offline`' zscore-offline

@@ -35,7 +35,7 @@ for line in "${queries[@]}"; do
   grep -q '"plan"' "$dataset" && map=(--map "$file.map")
   echo; echo "== query $query, and evaluate"
   "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" \
-    --score standardized --decide margin --verify 1000 --save-matrix "$file.png" -o "$file.json" --force
+    --score zscore --decide margin --verify 1000 --save-matrix "$file.png" -o "$file.json" --force
   if [[ $has_truth == yes ]]; then
     "$bin/vpr-eval" "$file.json" --dataset "$dataset" --html "$file.html" "${map[@]}" -o "$file.report.json" --force
   else

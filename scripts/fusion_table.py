@@ -92,7 +92,7 @@ def run(args, program, *words):
 
 
 def sweep(args, one, out, query, truth, fused):
-    extra = ["--fuse", out / "f.vprdb"] if fused else ["--score", "standardized"]
+    extra = ["--fuse", out / "f.vprdb"] if fused else ["--score", "zscore"]
     run(args, "vpr-tune", "fastable", out / "s.vprdb", "--query", query, "--ground-truth", *truth,
         "--c-l", ",".join(map(str, one.lengths)), "--t-r=-1", *extra, "-o", out / "sweep.json")
     cells = json.loads((out / "sweep.json").read_text())["cells"]

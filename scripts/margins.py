@@ -13,7 +13,7 @@ data = pathlib.Path(sys.argv[1]).resolve()
 binaries = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else here.parent / "build/release/bin")
 out = pathlib.Path(tempfile.mkdtemp())
 lengths = (10, 20, 40)
-scores = ("raw", "standardized")
+scores = ("raw", "zscore")
 
 
 def run(program, *words):
@@ -79,16 +79,16 @@ for name, trains, walk, truth in sets:
     cells = []
     for score, length in cases:
         result = query(database(*trains), walk, length, score, "--decide", "margin")
-        hits = evaluate(truth)["counts"]["hits"]
-        cells.append(f"{hits['correct']} + {hits['incorrect']} of {result['query']['windows']}")
+        recognitions = evaluate(truth)["counts"]["recognitions"]
+        cells.append(f"{recognitions['correct']} + {recognitions['incorrect']} of {result['query']['windows']}")
     print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
 floors = sorted((data / "tower").iterdir())
 cells = []
 for score, length in cases:
-    hits = windows = 0
+    recognitions = windows = 0
     for train, walk in itertools.permutations(floors, 2):
         result = query(database(train), walk, length, score, "--decide", "margin")
-        hits += result["totals"]["hits"]
+        recognitions += result["totals"]["recognitions"]
         windows += result["query"]["windows"]
-    cells.append(f"{hits} of {windows} ({100 * hits / windows:.1f} %)")
+    cells.append(f"{recognitions} of {windows} ({100 * recognitions / windows:.1f} %)")
 print("| tower, 30 pairs of floors, all wrong | " + " | ".join(cells) + " |")

@@ -8,7 +8,7 @@ here=$(dirname "$0")
 data=$(realpath "${1:?pass the folder with corridor/, nordland/ and loop/}")
 bin=${2:-$here/../build/release/bin}
 scores=("${@:3}")
-[ ${#scores[@]} -gt 0 ] || scores=(raw standardized standardized-offline)
+[ ${#scores[@]} -gt 0 ] || scores=(raw zscore zscore-offline)
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 

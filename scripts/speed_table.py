@@ -38,16 +38,16 @@ def methods(help_text):
     rows = []
     has_margin = "--decide" in help_text
     for length in [10, 20, 40]:
-        for score, name in [("raw", "raw"), ("standardized", "z-scores")]:
+        for score, name in [("raw", "raw"), ("zscore", "z-scores")]:
             flags = ("--c-l", length, "--score", score)
             rows.append((f"windows, {name}, c_l {length}", flags, False))
             if has_margin:
                 rows.append(("the same, by margin", flags, True))
     if "--rates" in help_text:
-        for score, name in [("raw", "raw"), ("standardized", "z-scores")]:
+        for score, name in [("raw", "raw"), ("zscore", "z-scores")]:
             flags = ("--c-l", 20, "--score", score, "--rates", RATES)
             rows.append((f"windows of five rates, {name}, c_l 20", flags, False))
-            if has_margin and score == "standardized":
+            if has_margin and score == "zscore":
                 rows.append(("the same, by margin", flags, True))
     if "\n  filter " in help_text:
         rows.append(("filter, by margin", ("--method", "filter"), True))

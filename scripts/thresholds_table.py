@@ -28,7 +28,7 @@ out = options.work or pathlib.Path(tempfile.mkdtemp())
 
 DECISIONS = {
     "margin, raw": ["--score", "raw", "--decide", "margin"],
-    "margin, z-scores": ["--score", "standardized", "--decide", "margin"],
+    "margin, z-scores": ["--score", "zscore", "--decide", "margin"],
     "filter": ["--method", "filter"],
 }
 if options.decisions:
@@ -92,10 +92,10 @@ def count(database, walk, truth, config, key):
 
 
 def right_windows(key, truth):
-    """Query windows with a correct hit."""
+    """Query windows with a correct recognition."""
     result = json.loads((out / f"{key}.json").read_text())
     last = result["settings"]["c_l"] - 1
-    data = (out / f"{key}.hits.npy").read_bytes()
+    data = (out / f"{key}.recognitions.npy").read_bytes()
     numbers = array.array("i", data[10 + int.from_bytes(data[8:10], "little"):])
     same = {tuple(line.split(",")[:2]) for line in truth.read_text().splitlines() if line.endswith("same")}
     return len({query for query, train in zip(numbers[0::3], numbers[2::3])
@@ -126,11 +126,11 @@ def trial(job):
     if not recommend(rule, database, first, truths[0], decision, lengths_of(first, second), config):
         return group, decision, rule, "none", 0
     report = count(database, second, truths[1], config, key)
-    wrong = report["counts"]["hits"]["incorrect"]
+    wrong = report["counts"]["recognitions"]["incorrect"]
     right = right_windows(key, truths[1])
     known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
     share = right / known if known else None
-    return group, decision, rule, "wrong" if wrong else "holds" if right or not known else "no hit", share
+    return group, decision, rule, "wrong" if wrong else "holds" if right or not known else "no recognition", share
 
 
 def worlds():
@@ -235,7 +235,7 @@ def hour_table(pool):
         low, high = rate["interval"]
         source = f"its first {seconds // 60} minutes" if seconds else "another walk of a minute"
         known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
-        right = 100 * report["counts"]["hits"]["correct"] / known
+        right = 100 * report["counts"]["recognitions"]["correct"] / known
         print(f"| {name} | {source} | {rate['expected']:.0f} ({low:.0f} to {high:.0f}) | {found:.0f}"
               f"{'' if low <= found <= high else ' (outside)'} | {right:.0f} % |")
 
@@ -251,7 +251,7 @@ def automatic(job):
     report = count(database, walk, truth, config, key)
     known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
     share = right_windows(key, truth) / known if known else None
-    return group, decision, report["counts"]["hits"]["incorrect"] == 0, share
+    return group, decision, report["counts"]["recognitions"]["incorrect"] == 0, share
 
 
 def auto_jobs(pairs):
@@ -298,13 +298,13 @@ def walk_table(pool, pairs):
         cells[group, decision, rule][verdict] += 1
         if share is not None:
             shares[group, decision, rule].append(share)
-    print("| set, decision | rule | holds | no hit | wrong | none found | recognized |")
+    print("| set, decision | rule | holds | no recognition | wrong | none found | recognized |")
     print("|---|---|---:|---:|---:|---:|---:|")
     for group, decision, rule in sorted(cells):
         counted, share = cells[group, decision, rule], shares[group, decision, rule]
         word = "calibrated" if rule == "new" else "default" if decision == "filter" else rule
         print(f"| {group}, {decision} | {word} | " + " | ".join(
-            str(counted[v]) for v in ("holds", "no hit", "wrong", "none")) +
+            str(counted[v]) for v in ("holds", "no recognition", "wrong", "none")) +
             f" | {100 * sum(share) / len(share):.0f} % |", flush=True)
 
 

@@ -130,7 +130,7 @@ void add_matching(Program& program, Bench<MatchingBenchSettings>& bench, Recorde
         return run_matching(session, inputs, settings);
       });
   add_names(command, "--methods", bench.settings.methods,
-            "methods: fastable-online, fastable, standardized, filter, openable, lsh");
+            "methods: fastable-online, fastable, zscore, filter, openable, lsh");
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_numbers(command, "--c-l", bench.settings.window_lengths, "window lengths c_l");
   add_numbers(command, "--query-frames", bench.settings.query_frames, "query lengths in frames");
@@ -216,7 +216,7 @@ void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, Realtim
               "matching method: fastable or filter (default: fastable)")
       .choices("METHOD", {"fastable", "filter"});
   add_setting(command, "--score", bench.settings.score,
-              "window score: raw or standardized (default: raw)");
+              "window score: raw or zscore (default: raw)");
   add_setting(command, "--rate", bench.settings.rate_hz, "frames per second (default: 10)");
   add_setting(command, "--frames", bench.settings.frames,
               "largest number of query frames (default: 100)");

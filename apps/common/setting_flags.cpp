@@ -47,11 +47,11 @@ Json flag_value(const std::string& text) {
 void add_score_settings(const Command& command, SequenceQuerySettings& settings,
                         const std::string& group) {
   const auto grouped = [&](Flag flag) { return group.empty() ? flag : flag.group(group); };
-  grouped(add_setting(
-      command, "--score", settings.score,
-      fmt::format("raw (distances), standardized (less the bias of frames that are close to "
-                  "everything) or standardized-offline (from the whole query) (default: {})",
-                  enum_name(settings.score))));
+  grouped(
+      add_setting(command, "--score", settings.score,
+                  fmt::format("raw (distances), zscore (less the bias of frames that are close to "
+                              "everything) or zscore-offline (from the whole query) (default: {})",
+                              enum_name(settings.score))));
   grouped(command.add_list("--rates", settings.rates,
                            "windows of these rates, training frames for query frames, of which the "
                            "best counts, as in 1/2,2/3,1,3/2,2 (default 1)"))
@@ -69,16 +69,17 @@ void add_score_settings(const Command& command, SequenceQuerySettings& settings,
 void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
                            std::string& fabmap, const std::string& group) {
   const auto grouped = [&](Flag flag) { return group.empty() ? flag : flag.group(group); };
-  grouped(add_setting(command, "--decide", settings.decision,
-                      "what is a hit: threshold (default), every window pair closer than --t-r, or "
-                      "margin, the best match, if it is --margin better than the best one "
-                      "elsewhere"));
+  grouped(add_setting(
+      command, "--decide", settings.decision,
+      "what is a recognition: threshold (default), every window pair closer than --t-r, or "
+      "margin, the best match, if it is --margin better than the best one "
+      "elsewhere"));
   grouped(add_setting(command, "--t-r-scale", settings.threshold_scale,
-                      "scale of t_r: relative (D / max D) or bits (D / c_l); of standardized "
+                      "scale of t_r: relative (D / max D) or bits (D / c_l); of zscore "
                       "scores mean-z (default: relative, mean-z)"));
   grouped(command.add_option("--fuse", fabmap,
                              "FAB-MAP's database of the same training sequences: what it says of "
-                             "each frame is added to standardized scores"));
+                             "each frame is added to z-scores"));
   grouped(
       add_setting(command, "--fuse-beta", settings.fusion_weight,
                   "fusion weight, in standard deviations per nat, adapted online (default: 0.2)"));

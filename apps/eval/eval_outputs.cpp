@@ -82,8 +82,9 @@ void add_csv_options(const Command& app, CsvInputs& inputs) {
   app.add_option("--outcomes-csv", inputs.outcomes,
                  "write a row for every query: its best match and whether that is right")
       .type_name("FILE");
-  app.add_option("--recognitions-csv", inputs.recognitions,
-                 "write a row for every recognized place: frames, hits and whether it is right")
+  app.add_option(
+         "--recognitions-csv", inputs.recognitions,
+         "write a row for every recognized place: frames, recognitions and whether it is right")
       .type_name("FILE");
 }
 

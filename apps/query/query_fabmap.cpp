@@ -59,7 +59,7 @@ std::string advice(const Result& result) {
   const Match* best = nullptr;
   for (const std::optional<Match>& match : result.best)
     if (match && (best == nullptr || match->score > best->score)) best = &*match;
-  if (!result.hits.empty() || best == nullptr) return "";
+  if (!result.recognitions.empty() || best == nullptr) return "";
   const auto& settings = std::get<FabmapQuerySettings>(result.settings);
   const std::string in_a_row =
       settings.window == 1 ? "" : fmt::format(" in {} consecutive frames", settings.window);
@@ -73,12 +73,12 @@ std::string advice(const Result& result) {
 std::string summary(const Result& result) {
   const ResultPlaces& places = *result.places;
   std::set<uint32_t> recognized;
-  for (const Match& hit : result.hits) recognized.insert(hit.train);
+  for (const Match& recognition : result.recognitions) recognized.insert(recognition.train);
   Table table;
-  table.title =
-      fmt::format("{}: {}, {} of {} of {}", query_title(result),
-                  counted(result.query.frames, "frame"), counted(result.hits.size(), "recognition"),
-                  recognized.size(), counted(places.names.size(), "place"));
+  table.title = fmt::format("{}: {}, {} of {} of {}", query_title(result),
+                            counted(result.query.frames, "frame"),
+                            counted(result.recognitions.size(), "recognition"), recognized.size(),
+                            counted(places.names.size(), "place"));
   if (places.featureless > 0)
     table.title += fmt::format("; {} without features", counted(places.featureless, "frame"));
   table.columns = {"query frames", "places", "recognitions", "probability"};
@@ -86,13 +86,14 @@ std::string summary(const Result& result) {
     return first == last ? first : fmt::format("{} to {}", first, last);
   };
   const bool is_frame_a_place = places.names.size() == places.views;
-  const std::vector<PlaceRun> runs =
-      is_frame_a_place ? place_runs(result.hits, 2, 2) : place_runs(result.hits, 1, 0);
+  const std::vector<PlaceRun> runs = is_frame_a_place ? place_runs(result.recognitions, 2, 2)
+                                                      : place_runs(result.recognitions, 1, 0);
   for (const PlaceRun& run : runs) {
     if (table.rows.size() == kTableRows) break;
     table.rows.push_back({stretch(std::to_string(run.first_frame), std::to_string(run.last_frame)),
                           stretch(places.names[run.first_place], places.names[run.last_place]),
-                          std::to_string(run.hits), fmt::format("{:.4f}", run.probability)});
+                          std::to_string(run.recognitions),
+                          fmt::format("{:.4f}", run.probability)});
   }
   std::string text = render_table(table, TableFormat::text);
   if (runs.size() > kTableRows) text += fmt::format("... and {} more\n", runs.size() - kTableRows);

@@ -91,9 +91,9 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                      "input (--query -)"));
   group(add_setting(app, "--verify", inputs.verify_cells,
                     "recompute N random cells by definition (windows of one rate, raw or "
-                    "standardized); exit code 5 if any differs"));
+                    "zscore); exit code 5 if any differs"));
   group(add_memory_flag(app, inputs.memory_limit,
-                        "for rings and hits, as in 512M; more is computed twice instead"));
+                        "for rings and recognitions, as in 512M; more is computed twice instead"));
 }
 
 void add_loop_flags(const Command& app, QueryLoop& loop, SequenceQuerySettings& sequence,
@@ -116,7 +116,7 @@ void add_loop_flags(const Command& app, QueryLoop& loop, SequenceQuerySettings& 
                     "with --query-npy)"));
   group(app.add_option("--save-loops", loop.list,
                        "write a line query,match,score for each best match, for vpr-eval --loops; "
-                       "with --t-r or --margin, for each that is a hit"))
+                       "with --t-r or --margin, for each that is a recognition"))
       .type_name("FILE");
 }
 

@@ -47,13 +47,13 @@ std::string rate_text(const Cluster& track) {
 
 Table places_table(const Result& result) {
   Table table;
-  table.title =
-      fmt::format("{}: {} in {}, {} of {} recognized", query_title(result),
-                  counted(result.hits.size(), "hit"), counted(result.clusters->all.size(), "place"),
-                  recognized_windows(result), counted(result.query_windows, "window"));
+  table.title = fmt::format("{}: {} in {}, {} of {} recognized", query_title(result),
+                            counted(result.recognitions.size(), "recognition"),
+                            counted(result.clusters->all.size(), "place"),
+                            recognized_windows(result), counted(result.query_windows, "window"));
   const ScoreKind& kind = result.score();
   const size_t length = result.window_length();
-  table.columns = {"sequence", "query frames", "train frames", "hits",
+  table.columns = {"sequence", "query frames", "train frames", "recognitions",
                    result.path ? "rate" : std::string(kind.frame_unit)};
   for (const Cluster& cluster : result.clusters->all) {
     if (table.rows.size() == kTableRows) break;
@@ -62,7 +62,8 @@ Table places_table(const Result& result) {
     table.rows.push_back({result.targets[cluster.target].sequence.name,
                           anchors_text(cluster.query_first, cluster.query_last, length),
                           anchors_text(cluster.train_first, cluster.train_last, length),
-                          std::to_string(cluster.hits), result.path ? rate_text(cluster) : value});
+                          std::to_string(cluster.recognitions),
+                          result.path ? rate_text(cluster) : value});
   }
   return table;
 }
@@ -74,10 +75,10 @@ std::string summary(const QueryRun& run) {
   if (clusters > kTableRows) text += fmt::format("... and {} more\n", clusters - kTableRows);
   if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
-    text +=
-        fmt::format("Against an exact search: the best match of {} of {} was found, and {} of {}\n",
-                    result.recall->found_best, counted(result.recall->windows, "window"),
-                    result.hits.size(), counted(result.recall->hits, "hit"));
+    text += fmt::format(
+        "Against an exact search: the best match of {} of {} was found, and {} of {}\n",
+        result.recall->found_best, counted(result.recall->windows, "window"),
+        result.recognitions.size(), counted(result.recall->recognitions, "recognition"));
   return text;
 }
 
@@ -94,8 +95,8 @@ struct Sides {
 // A matrix and a walk against its own past have no training sequences that the filter needs.
 std::string advice_text(Sides& sides, const Result& result, const QueryResources& resources,
                         const Session& session) {
-  if (const auto sentence = too_many_hits(result)) warn(session.monitor, *sentence);
-  if (!result.hits.empty()) return "";
+  if (const auto sentence = too_many_recognitions(result)) warn(session.monitor, *sentence);
+  if (!result.recognitions.empty()) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (sides.given || settings.loop || has_paths(settings.method))
     return nothing_recognized(result) + "\n";

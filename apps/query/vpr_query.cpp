@@ -51,7 +51,7 @@ std::string method_help() {
     text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
   text +=
       "\nBoth together:\n"
-      "  --fuse FABMAP.vprdb adds what FAB-MAP says of each frame to standardized scores:\n"
+      "  --fuse FABMAP.vprdb adds what FAB-MAP says of each frame to z-scores:\n"
       "  --fuse-beta deviations for each nat that a training frame is behind the likeliest one,\n"
       "  and more, or less, as FAB-MAP's matches go along with the walk better or worse than\n"
       "  those of scores. Train both databases with the same sequences.\n";
@@ -198,22 +198,21 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  Program program(
-      "vpr-query", "Recognize the places of a query sequence in a database.",
-      "  vpr-query corridor.vprdb --query tuesday\n"
-      "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
-      "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
-      "-o result.json\n"
-      "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
-      "  vpr-query corridor.vprdb --query /dev/video0@30::4 --method filter --follow\n"
-      "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
-      "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
-      "  vpr-query --scores S.npy --similarity --c-l 10 --score standardized -o r.json\n"
-      "  vpr-query --loop --loop-gap 30s --query walk --c-l 20 --save-loops loops.csv\n"
-      "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
-      "  vpr-query corridor.vprdb --query tuesday.mp4 --fps 5 -o r.json\n"
-      "  vpr-query corridor.vprdb --query tuesday --fuse fabmap.vprdb --c-l 5\n"
-      "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
+  Program program("vpr-query", "Recognize the places of a query sequence in a database.",
+                  "  vpr-query corridor.vprdb --query tuesday\n"
+                  "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday --score zscore --decide margin "
+                  "-o result.json\n"
+                  "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
+                  "  vpr-query corridor.vprdb --query /dev/video0@30::4 --method filter --follow\n"
+                  "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
+                  "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
+                  "  vpr-query --scores S.npy --similarity --c-l 10 --score zscore -o r.json\n"
+                  "  vpr-query --loop --loop-gap 30s --query walk --c-l 20 --save-loops loops.csv\n"
+                  "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday.mp4 --fps 5 -o r.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday --fuse fabmap.vprdb --c-l 5\n"
+                  "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
   GivenSettings settings;
   const Command app = program.command();

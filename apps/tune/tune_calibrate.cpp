@@ -72,7 +72,7 @@ void add_asked(const Command& command, CalibrateTune& tune) {
 }  // namespace
 
 CalibrateTune::CalibrateTune() {
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   settings.decision = Decision::margin;
 }
 
@@ -92,7 +92,7 @@ void add_calibrate(Program& program, CalibrateTune& tune) {
               "fastable (default), filter, or another exact one of vpr-query");
   add_score_settings(command, tune.settings);
   add_unreadable_flag(command, tune.settings.skip_unreadable);
-  add_memory_flag(command, tune.memory_limit, "for rings and hits, as in 512M");
+  add_memory_flag(command, tune.memory_limit, "for rings and recognitions, as in 512M");
   add_setting(command, "--format", tune.inputs.format,
               "of the table: text (default), csv, markdown or latex");
 }

@@ -48,7 +48,7 @@ void add_fastable(Program& program, FastableTune& tune) {
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
       "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json\n"
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
-      "--score standardized --decide margin --margin 0.2:1:0.1",
+      "--score zscore --decide margin --margin 0.2:1:0.1",
       [&tune](Session& session) { tune_fastable(session, tune); });
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
@@ -58,7 +58,7 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_score_settings(command, tune.settings);
   add_decision_settings(command, tune.settings, tune.inputs.fuse);
   add_unreadable_flag(command, tune.settings.skip_unreadable);
-  add_memory_flag(command, tune.memory_limit, "for rings and hits of all c_l, as in 512M");
+  add_memory_flag(command, tune.memory_limit, "for rings and recognitions of all c_l, as in 512M");
 }
 
 }  // namespace vpr

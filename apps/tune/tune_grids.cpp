@@ -21,7 +21,7 @@ constexpr const char* kPlaceThresholds = "0.3:0.9:0.1,0.95,0.99,0.999";
 constexpr std::array<const char*, 3> kDistanceThresholds = {"0.3:0.9:0.025", "100:490:15",
                                                             "-4:-0.5:0.125"};
 
-// Of raw distances, and of standardized scores.
+// Of raw distances, and of z-scores.
 constexpr const char* kDistanceMargins = "4:80:4,auto";
 constexpr const char* kScoreMargins = "0.1:1.5:0.1,auto";
 
@@ -92,14 +92,14 @@ std::string calibrated_lengths_help() {
 std::string distance_threshold_help() {
   return fmt::format(
       "thresholds, as in 0.2:0.6:0.05 or --t-r=-3:-1:0.25; the word auto may be one "
-      "of them, of raw distances (default: {}; in bits {}; of standardized scores {})",
+      "of them, of raw distances (default: {}; in bits {}; of z-scores {})",
       kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]);
 }
 
 std::string margin_help() {
   return fmt::format(
       "with --decide margin, margins in score a frame, as in 0.2:1:0.1; the word auto may be one "
-      "of them (default: {}; of standardized scores {})",
+      "of them (default: {}; of z-scores {})",
       kDistanceMargins, kScoreMargins);
 }
 

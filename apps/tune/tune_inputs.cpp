@@ -139,8 +139,9 @@ void add_tune_inputs(const Command& command, TuneInputs& inputs) {
   add_rate_flags(command, inputs.selection, "queries");
   add_ground_truth_flags(command, inputs.flags);
   command.add_option("--heat-map", inputs.heat_map,
-                     "picture (PNG) of correct and incorrect hits over the grid");
-  command.add_option("--plot", inputs.plots, "folder for plots of correct against incorrect hits");
+                     "picture (PNG) of correct and incorrect recognitions over the grid");
+  command.add_option("--plot", inputs.plots,
+                     "folder for plots of correct against incorrect recognitions");
   add_setting(command, "--format", inputs.format,
               "of the tables: text (default), markdown or latex; csv has one row a cell");
 }

@@ -86,7 +86,7 @@ struct FabmapTune {
 };
 void add_fabmap(Program& program, FabmapTune& tune);
 
-/// vpr-tune calibrate: margins of standardized scores, where nothing else is said. `tune` must live
+/// vpr-tune calibrate: margins of z-scores, where nothing else is said. `tune` must live
 /// as long as the program.
 struct CalibrateTune {
   CalibrateTune();

@@ -22,10 +22,10 @@ PARAMETERS = ("frames", "c_l", "query_frames", "places")  # of measurements by v
 
 def measures(counts):
     """Counts of a cell or report, with the names of the paper's columns."""
-    found = {"correct": counts["hits"]["correct"], "incorrect": counts["hits"]["incorrect"],
-             "correct hits": counts["hits"]["correct"],
-             "incorrect hits": counts["hits"]["incorrect"],
-             "hits": sum(counts["hits"].values()), "distinct": counts["distinct"]}
+    found = {"correct": counts["recognitions"]["correct"], "incorrect": counts["recognitions"]["incorrect"],
+             "correct recognitions": counts["recognitions"]["correct"],
+             "incorrect recognitions": counts["recognitions"]["incorrect"],
+             "recognitions": sum(counts["recognitions"].values()), "distinct": counts["distinct"]}
     if "places" in counts:
         found["correct places"] = counts["places"]["correct"]
         found["incorrect places"] = counts["places"]["incorrect"]

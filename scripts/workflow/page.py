@@ -37,13 +37,13 @@ def table(head, rows):
 
 
 def counts_of(counts):
-    """Hits and places; for FAB-MAP, distinct places."""
+    """Recognitions and places; for FAB-MAP, distinct places."""
     places = counts.get("places", {})
-    return [counts["hits"]["correct"], counts["hits"]["incorrect"], places.get("correct"),
+    return [counts["recognitions"]["correct"], counts["recognitions"]["incorrect"], places.get("correct"),
             places.get("incorrect"), counts["distinct"]]
 
 
-COUNTS = ["hits correct", "incorrect", "places correct", "incorrect", "distinct"]
+COUNTS = ["recognitions correct", "incorrect", "places correct", "incorrect", "distinct"]
 
 
 def runs_of(runs, folder):

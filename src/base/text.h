@@ -44,7 +44,8 @@ std::string printable(std::string_view text);
 /// As printable, for a single line: line feeds are escaped as well.
 std::string printable_line(std::string_view text);
 
-/// "1 hit", "2 hits", "0 hits". `plural`: for nouns whose plural is not formed with s.
+/// "1 recognition", "2 recognitions", "0 recognitions". `plural`: for nouns whose plural is not
+/// formed with s.
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural = {});
 
 /// Runs of digits compare by value, other characters by byte: "2" < "10", "a2" < "a10" < "b1". If

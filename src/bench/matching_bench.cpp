@@ -20,7 +20,7 @@
 #include "match/lsh.h"
 #include "match/match.h"
 #include "match/plain.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "run/verify.h"
 
 namespace vpr {
@@ -73,19 +73,19 @@ ScoreBasis score_basis(const MatchingCase& example) {
   return make_score_basis({}, false, statistics);
 }
 
-void time_standardized(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
-                       BenchRow& row) {
+void time_zscores(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
+                  BenchRow& row) {
   const Stopwatch watch;
   const ScoreBasis basis = score_basis(example);
   row.values.emplace_back("statistics_s", watch.elapsed_s());
-  const auto learning = start_standardized(example.distances, basis, monitor);
+  const auto learning = start_zscores(example.distances, basis, monitor);
   size_t frames = 0;
   size_t learned = 0;
   const auto count = [&] {
     learned += learning->update ? 1 : 0;
     ++frames;
   };
-  time_stage(standardized(learning), example.settings, effort, monitor, count, row);
+  time_stage(zscores(learning), example.settings, effort, monitor, count, row);
   row.values.emplace_back("learned_share",
                           static_cast<double>(learned) / static_cast<double>(frames));
 }
@@ -96,8 +96,8 @@ void time_filtered(const MatchingCase& example, const Effort& effort, const Moni
   settings.method = &find_sequence_method("filter");
   settings.window_length = 1;
   time_stage(
-      standardized(example.distances, score_basis(example), monitor), settings, effort, monitor,
-      [] {}, row);
+      zscores(example.distances, score_basis(example), monitor), settings, effort, monitor, [] {},
+      row);
 }
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -141,7 +141,7 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
         window = (window + 1) % example.rows();
       },
       monitor));
-  HitScan scan({{0}, example.rows(), 1, example.settings.kernels});
+  RecognitionScan scan({{0}, example.rows(), 1, example.settings.kernels});
   match(example.distances, example.settings, {{std::ref(scan)}}, monitor);
   const auto exact = scan.result().best;
   size_t found = 0;
@@ -158,7 +158,7 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
 constexpr std::array<MatchingTimer, 6> kTimers = {{
     {"fastable-online", "one query frame after the other", false, time_online},
     {"fastable", "the whole query in one batch", false, time_batch},
-    {"standardized", "online, z-scores", false, time_standardized},
+    {"zscore", "online, z-scores", false, time_zscores},
     {"filter", "online, over places and speeds, with z-scores", false, time_filtered},
     {"openable", "no reuse, same kernels", false, time_openable},
     {"lsh", "multi-probe hashing, approximate", true, time_lsh},
@@ -181,11 +181,10 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   const FrameDistances some = first_rows(example, kCheckedRows);
   CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedScores, 1));
   const ScoreBasis basis = score_basis(example);
-  match(standardized(some, basis, monitor), example.settings, {{std::ref(scan)}}, monitor);
+  match(zscores(some, basis, monitor), example.settings, {{std::ref(scan)}}, monitor);
   if (!wrong_scores(scan.result(), some.train, some.query, length, basis, monitor).empty())
-    throw Error(
-        ErrorKind::expectation,
-        "standardized: a score differs from the reference implementation; nothing was timed");
+    throw Error(ErrorKind::expectation,
+                "zscore: a score differs from the reference implementation; nothing was timed");
 }
 
 constexpr size_t kMaxFrames = 50'000'000;
@@ -298,14 +297,15 @@ void add_rates(BenchRow& row) {
 BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
                          const Monitor& monitor) {
   RandomEngine engine(seed);
-  std::vector<Match> hits;
-  for (uint32_t query = 0; hits.size() < count; ++query)
-    for (uint32_t train = 0; train < 400 && hits.size() < count; ++train)
-      if (uniform_below(engine, 4) == 0) hits.push_back({query, 0, train, 0, 1});
-  BenchRow row{"cluster", {{"hits", static_cast<double>(count)}}, "set of hits", {}, {}, ""};
+  std::vector<Match> recognitions;
+  for (uint32_t query = 0; recognitions.size() < count; ++query)
+    for (uint32_t train = 0; train < 400 && recognitions.size() < count; ++train)
+      if (uniform_below(engine, 4) == 0) recognitions.push_back({query, 0, train, 0, 1});
+  BenchRow row{
+      "cluster", {{"recognitions", static_cast<double>(count)}}, "set of recognitions", {}, {}, ""};
   size_t places = 0;
   row.time = summarize(time_repeatedly(
-      effort, [&] { places = cluster_hits(hits, {}).all.size(); }, monitor));
+      effort, [&] { places = cluster_recognitions(recognitions, {}).all.size(); }, monitor));
   row.values.emplace_back("places", static_cast<double>(places));
   return row;
 }
@@ -371,7 +371,7 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   check("fastable-online", 200);
   check("fastable", 200);
   check("openable", 2);
-  if (std::find(methods.begin(), methods.end(), "standardized") != methods.end() &&
+  if (std::find(methods.begin(), methods.end(), "zscore") != methods.end() &&
       has_room_for_scores(example))
     check_scores(example, monitor);
 }
@@ -403,9 +403,9 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
         check_methods(example, methods, monitor);
         for (const std::string& method : methods) {
           counter.add();
-          if (method == "standardized" && !has_room_for_scores(example)) {
+          if (method == "zscore" && !has_room_for_scores(example)) {
             result.left_out.push_back(
-                fmt::format("standardized for {} frames, whose scores exceed ring_bytes {}", frames,
+                fmt::format("zscore for {} frames, whose scores exceed ring_bytes {}", frames,
                             settings.ring_bytes));
             continue;
           }
@@ -418,8 +418,8 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
         }
       }
     }
-  if (settings.clustered_hits > 0)
-    result.rows.push_back(time_clustering(settings.clustered_hits, effort, seed, monitor));
+  if (settings.clustered_recognitions > 0)
+    result.rows.push_back(time_clustering(settings.clustered_recognitions, effort, seed, monitor));
   return result;
 }
 
@@ -427,7 +427,7 @@ void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& 
   // The speed-up over OpenABLE with the same kernels, if that was timed.
   for (const char* work : {"fastable-online", "fastable"})
     add_speed_up(result, work, "openable", "times_openable");
-  add_speed_up(result, "standardized", "fastable-online", "share_of_fastable_speed");
+  add_speed_up(result, "zscore", "fastable-online", "share_of_fastable_speed");
   std::vector<Series> speed_ups;
   for (const uint64_t length : settings.window_lengths) {
     Series series{fmt::format("c_l {}", length), {}};

@@ -10,7 +10,7 @@
 #include "base/monitor.h"
 #include "bench/bench_result.h"
 #include "match/rows.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 
@@ -48,12 +48,12 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
 
 /// Settings of vpr-bench matching, which times every method with every combination of the values.
 struct MatchingBenchSettings {
-  std::vector<std::string> methods = {"fastable-online", "fastable", "standardized", "openable"};
+  std::vector<std::string> methods = {"fastable-online", "fastable", "zscore", "openable"};
   std::vector<uint64_t> databases = {500, 1000, 2000, 4000, 8000};  ///< frames
   std::vector<uint64_t> window_lengths = {20, 40, 60, 80};          ///< c_l
   std::vector<uint64_t> query_frames = {1000};
-  uint64_t clustered_hits = 1'000'000;  ///< 0: clustering is not timed
-  double seconds = 0.3;                 ///< per measurement
+  uint64_t clustered_recognitions = 1'000'000;  ///< 0: clustering is not timed
+  double seconds = 0.3;                         ///< per measurement
   /// number of bits in which query frames differ from training frames
   uint64_t changed_bits = 150;
   /// Length of generated vectors, compared by 1 - cos; 0: LDB codes. Methods that need LDB codes
@@ -70,7 +70,7 @@ void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
   visit("databases", settings.databases);
   visit("c_l", settings.window_lengths);
   visit("query_frames", settings.query_frames);
-  visit("clustered_hits", settings.clustered_hits);
+  visit("clustered_recognitions", settings.clustered_recognitions);
   visit("seconds", settings.seconds);
   visit("changed_bits", settings.changed_bits);
   visit("descriptor_length", settings.descriptor_length);

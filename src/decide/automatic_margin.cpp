@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "decide/elsewhere.h"
 #include "match/match.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 
 namespace vpr {
 
@@ -24,7 +24,7 @@ size_t windows_of(size_t frames, size_t window_length) {
 
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const Monitor& monitor) {
-  return basis ? standardized(std::move(distances), *basis, monitor) : distances;
+  return basis ? zscores(std::move(distances), *basis, monitor) : distances;
 }
 
 std::optional<ScoreBasis> basis_of_kept(const ScoreBasis* basis,

@@ -10,7 +10,7 @@
 #include "decide/score_kind.h"
 #include "match/frame_distances.h"
 #include "match/rows.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -20,7 +20,7 @@ namespace vpr {
 /// windows that start half_width + c_l or more frames before or behind. Of the latter those are
 /// left out that seem to show the same place after all: whose distance is that of one
 /// (is_same_place, kOwnDepth). Nothing is elsewhere in one short walk: then there are none.
-/// `basis`: of all sequences, of standardized scores; null for distances. Long sequences are
+/// `basis`: of all sequences, of z-scores; null for distances. Long sequences are
 /// compared in stretches, so that of each no more than most_pairs frame pairs are. Throws
 /// Error(interrupted) on a stop.
 std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,

@@ -25,7 +25,7 @@ enum Facet : uint32_t {
   kThreshold = 1 << 0,
   kMargin = 1 << 1,
   kRaw = 1 << 2,
-  kStandardized = 1 << 3,
+  kZScores = 1 << 3,
   kWindows = 1 << 4,
   kRates = 1 << 5,
   kEveryScore = 1 << 6,
@@ -55,7 +55,7 @@ constexpr std::array<std::string_view, 26> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
-    "standardized scores",
+    "z-scores",
     "windows of c_l frames",
     "windows of several rates",
     "scores of all windows",
@@ -156,34 +156,34 @@ constexpr std::array kChoices = {
         .flag = "--method lsh",
         .needs = kTrainingDistances | kFrames,
         .excludes =
-            kMargin | kStandardized | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
+            kMargin | kZScores | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
         .instead = "Use --method fastable.",
         .is_implied = [](const Settings& s, const RunChoices&) { return s.method == kLshMethod; }},
     Choice{
         .flag = "--method openable",
-        .excludes = kStandardized | kRates | kSingleFrames,
+        .excludes = kZScores | kRates | kSingleFrames,
         .is_implied = [](const Settings& s, const RunChoices&) { return s.method == "openable"; }},
 
     Choice{.flag = "--score raw",
            .needs = kRaw,
-           .excludes = kStandardized,
+           .excludes = kZScores,
            .instead = "Omit it.",
            .is_implied = is<&Settings::score, Score::raw>},
     Choice{.flag = "--fuse",
-           .needs = kFabmap | kStandardized | kSequences | kFrames,
+           .needs = kFabmap | kZScores | kSequences | kFrames,
            .excludes = kRaw | kDefinition,
            .instead = "Omit --fuse and fuse_beta.",
            .is_implied = is_set<&Settings::fusion_weight>},
-    Choice{.flag = "--score standardized",
-           .needs = kStandardized,
+    Choice{.flag = "--score zscore",
+           .needs = kZScores,
            .excludes = kRaw,
            .instead = "Use --method fastable, or --score raw.",
-           .is_implied = is<&Settings::score, Score::standardized>},
-    Choice{.flag = "--score standardized-offline",
-           .needs = kStandardized | kLaterFrames,
+           .is_implied = is<&Settings::score, Score::zscore>},
+    Choice{.flag = "--score zscore-offline",
+           .needs = kZScores | kLaterFrames,
            .excludes = kRaw,
-           .instead = "Use --score standardized.",
-           .is_implied = is<&Settings::score, Score::standardized_offline>},
+           .instead = "Use --score zscore.",
+           .is_implied = is<&Settings::score, Score::zscore_offline>},
     Choice{.flag = "--rates",
            .needs = kRates,
            .excludes = kDefinition,
@@ -218,8 +218,8 @@ constexpr std::array kChoices = {
            .instead = "Omit it, or use --t-r-scale mean-z, as in --t-r -1.5.",
            .is_implied = is<&Settings::threshold_scale, ThresholdScale::bits>},
     Choice{.flag = "--t-r-scale mean-z",
-           .needs = kThreshold | kStandardized,
-           .instead = "Use --score standardized, or the scale relative or bits.",
+           .needs = kThreshold | kZScores,
+           .instead = "Use --score zscore, or the scale relative or bits.",
            .is_implied = is<&Settings::threshold_scale, ThresholdScale::mean_z>},
     Choice{.flag = "a relative --t-r",
            .needs = kLaterFrames | kEveryScore,
@@ -320,7 +320,7 @@ void check_threshold(const Settings& settings) {
   require(std::isfinite(threshold), "t_r must be a finite number or auto");
   if (score_kind(settings.score).needs_statistics) {
     require(threshold <= 0,
-            fmt::format("t_r of standardized scores is a mean z, where {} accepts places that are "
+            fmt::format("t_r of z-scores is a mean z, where {} accepts places that are "
                         "farther than usual; give one below 0, as in --t-r -1.5",
                         threshold));
     return;
@@ -341,12 +341,12 @@ void check_margin(const Settings& settings) {
                       kind.margin_unit, *settings.margin));
 }
 
-void check_standardized(const Settings& settings) {
+void check_zscore_window(const Settings& settings) {
   require(settings.window_length <= kMaxScoredWindow,
-          fmt::format("c_l must be at most {} with standardized scores, found {}", kMaxScoredWindow,
+          fmt::format("c_l must be at most {} with z-scores, found {}", kMaxScoredWindow,
                       settings.window_length));
-  check_standardization(settings.standardization);
-  if (settings.loop) check_past_settings(settings.standardization);
+  check_zscore_settings(settings.zscore);
+  if (settings.loop) check_past_settings(settings.zscore);
   const double weight = settings.fusion_weight.value_or(kFusionWeight);
   require(weight >= 0 && weight <= kMostFusionWeight,
           fmt::format("fuse_beta must be from 0 to {}, found {}", kMostFusionWeight, weight));
@@ -369,7 +369,7 @@ void check_ranges(const Settings& settings) {
   if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
   check_threshold(settings);
   check_margin(settings);
-  if (score_kind(settings.score).needs_statistics) check_standardized(settings);
+  if (score_kind(settings.score).needs_statistics) check_zscore_window(settings);
   if (has_paths(settings.method)) check_filter(settings.filter);
   if (settings.loop) check_gap(settings);
   require(settings.clustering.eps >= 0 && settings.clustering.eps <= kMaxEps,
@@ -383,7 +383,7 @@ void fill_implied(Settings& settings, const RunChoices& run) {
     settings.margin_width = settings.loop_gap;
   const bool is_filter = has_paths(settings.method);
   if ((is_filter || settings.fusion_weight) && settings.score == Score::raw)
-    settings.score = Score::standardized;
+    settings.score = Score::zscore;
   if (!is_filter) return;
   settings.window_length = 1;
   settings.decision = Decision::margin;

@@ -44,8 +44,8 @@ std::span<const Choice> choices();
 void check_choices(const SequenceQuerySettings& settings, const RunChoices& run);
 
 /// Settings of a sequence method whose combination and ranges were checked and whose implied values
-/// are filled in. The filter has windows of one frame, standardized scores, and a decision by
-/// margin with a default margin. Fused scores are standardized and have a weight. The exclusion
+/// are filled in. The filter has windows of one frame, z-scores, and a decision by
+/// margin with a default margin. Fused scores are z-scores and have a weight. The exclusion
 /// zone of a loop query has the width of its gap in frames unless a width is set. A decision by
 /// threshold has a scale.
 class ResolvedSettings {

@@ -8,17 +8,18 @@ namespace vpr {
 
 namespace {
 
-/// Hits of one query window: [begin, end).
+/// Recognitions of one query window: [begin, end).
 struct Row {
   uint32_t query = 0;
   size_t begin = 0;
   size_t end = 0;
 };
 
-std::vector<Row> find_rows(std::span<const Match> hits) {
+std::vector<Row> find_rows(std::span<const Match> recognitions) {
   std::vector<Row> rows;
-  for (size_t i = 0; i < hits.size(); ++i) {
-    if (rows.empty() || rows.back().query != hits[i].query) rows.push_back({hits[i].query, i, i});
+  for (size_t i = 0; i < recognitions.size(); ++i) {
+    if (rows.empty() || rows.back().query != recognitions[i].query)
+      rows.push_back({recognitions[i].query, i, i});
     rows.back().end = i + 1;
   }
   return rows;
@@ -64,16 +65,16 @@ class DisjointSets {
   std::vector<uint32_t> parent_;
 };
 
-// Joins every hit of `row` with those of `earlier` (or of itself) at most `reach` columns away.
-// Both are sorted, so the first candidate only moves to the right.
-void join_rows(DisjointSets& sets, std::span<const Match> hits, const Row& row, const Row& earlier,
-               int64_t reach) {
+// Joins every recognition of `row` with those of `earlier` (or of itself) at most `reach` columns
+// away. Both are sorted, so the first candidate only moves to the right.
+void join_rows(DisjointSets& sets, std::span<const Match> recognitions, const Row& row,
+               const Row& earlier, int64_t reach) {
   size_t first = earlier.begin;
   for (size_t i = row.begin; i < row.end; ++i) {
-    const int64_t column = hits[i].train;
-    while (first < earlier.end && int64_t{hits[first].train} < column - reach) ++first;
+    const int64_t column = recognitions[i].train;
+    while (first < earlier.end && int64_t{recognitions[first].train} < column - reach) ++first;
     const size_t end = std::min(earlier.end, i);
-    for (size_t k = first; k < end && int64_t{hits[k].train} <= column + reach; ++k)
+    for (size_t k = first; k < end && int64_t{recognitions[k].train} <= column + reach; ++k)
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
   }
 }
@@ -87,21 +88,21 @@ uint32_t rounded_mean(uint64_t sum, uint64_t count) {
   return static_cast<uint32_t>((2 * sum + count) / (2 * count));
 }
 
-void add_hit(Cluster& cluster, const Match& hit) {
-  if (cluster.hits == 0) {
-    cluster.target = hit.target;
-    cluster.query_first = hit.query;
-    cluster.train_first = cluster.train_last = hit.train;
-    cluster.best_score = hit.score;
+void add_recognition(Cluster& cluster, const Match& recognition) {
+  if (cluster.recognitions == 0) {
+    cluster.target = recognition.target;
+    cluster.query_first = recognition.query;
+    cluster.train_first = cluster.train_last = recognition.train;
+    cluster.best_score = recognition.score;
   }
-  cluster.query_last = hit.query;
-  cluster.train_first = std::min(cluster.train_first, hit.train);
-  cluster.train_last = std::max(cluster.train_last, hit.train);
-  cluster.best_score = std::min(cluster.best_score, hit.score);
-  ++cluster.hits;
+  cluster.query_last = recognition.query;
+  cluster.train_first = std::min(cluster.train_first, recognition.train);
+  cluster.train_last = std::max(cluster.train_last, recognition.train);
+  cluster.best_score = std::min(cluster.best_score, recognition.score);
+  ++cluster.recognitions;
 }
 
-/// A run, and the hit that it ended with so far.
+/// A run, and the recognition that it ended with so far.
 struct OpenRun {
   size_t run = 0;
   Match last;
@@ -111,89 +112,91 @@ bool are_near(const Match& a, const Match& b, size_t reach_places) {
   return std::max(a.train, b.train) - std::min(a.train, b.train) <= reach_places;
 }
 
-void add_hit(PlaceRun& run, const Match& hit) {
-  run.last_frame = hit.query;
-  run.first_place = std::min(run.first_place, hit.train);
-  run.last_place = std::max(run.last_place, hit.train);
-  ++run.hits;
-  run.probability = std::max(run.probability, hit.score);
+void add_recognition(PlaceRun& run, const Match& recognition) {
+  run.last_frame = recognition.query;
+  run.first_place = std::min(run.first_place, recognition.train);
+  run.last_place = std::max(run.last_place, recognition.train);
+  ++run.recognitions;
+  run.probability = std::max(run.probability, recognition.score);
 }
 
 }  // namespace
 
-Clusters cluster_hits(std::span<const Match> hits, const ClusterSettings& settings,
-                      const Monitor& monitor) {
+Clusters cluster_recognitions(std::span<const Match> recognitions, const ClusterSettings& settings,
+                              const Monitor& monitor) {
   assert(settings.eps >= 0 && settings.eps <= kMaxEps);
-  assert(hits.size() < std::numeric_limits<uint32_t>::max());
-  DisjointSets sets(hits.size());
-  const std::vector<Row> rows = find_rows(hits);
+  assert(recognitions.size() < std::numeric_limits<uint32_t>::max());
+  DisjointSets sets(recognitions.size());
+  const std::vector<Row> rows = find_rows(recognitions);
   const std::vector<int64_t> reach = find_reach(settings);
   for (size_t r = 0; r < rows.size(); ++r) {
     for (size_t back = 0; back <= r; ++back) {
       const size_t dy = rows[r].query - rows[r - back].query;
       if (dy >= reach.size() || reach[dy] < 0) break;
       check_stop(monitor);
-      join_rows(sets, hits, rows[r], rows[r - back], reach[dy]);
+      join_rows(sets, recognitions, rows[r], rows[r - back], reach[dy]);
     }
   }
   Clusters clusters;
-  auto& [all, of_hit] = clusters;
-  of_hit.resize(hits.size());
+  auto& [all, of_recognition] = clusters;
+  of_recognition.resize(recognitions.size());
   std::vector<Sums> sums;
-  for (size_t i = 0; i < hits.size(); ++i) {
+  for (size_t i = 0; i < recognitions.size(); ++i) {
     const uint32_t root = sets.root(static_cast<uint32_t>(i));
     if (root == i) {
-      of_hit[i] = static_cast<uint32_t>(all.size());
+      of_recognition[i] = static_cast<uint32_t>(all.size());
       all.emplace_back();
       sums.emplace_back();
     }
-    of_hit[i] = of_hit[root];
-    add_hit(all[of_hit[i]], hits[i]);
-    sums[of_hit[i]].query += hits[i].query;
-    sums[of_hit[i]].train += hits[i].train;
+    of_recognition[i] = of_recognition[root];
+    add_recognition(all[of_recognition[i]], recognitions[i]);
+    sums[of_recognition[i]].query += recognitions[i].query;
+    sums[of_recognition[i]].train += recognitions[i].train;
   }
   for (size_t c = 0; c < all.size(); ++c) {
-    all[c].query_window = rounded_mean(sums[c].query, all[c].hits);
-    all[c].train_window = rounded_mean(sums[c].train, all[c].hits);
+    all[c].query_window = rounded_mean(sums[c].query, all[c].recognitions);
+    all[c].train_window = rounded_mean(sums[c].train, all[c].recognitions);
   }
   return clusters;
 }
 
-Clusters cluster_by_target(std::span<const Match> hits, size_t targets,
+Clusters cluster_by_target(std::span<const Match> recognitions, size_t targets,
                            const ClusterSettings& settings, const Monitor& monitor) {
   std::vector<std::vector<Match>> by_target(targets);
-  for (const Match& hit : hits) by_target[hit.target].push_back(hit);
+  for (const Match& recognition : recognitions)
+    by_target[recognition.target].push_back(recognition);
   Clusters all;
-  std::vector<std::vector<uint32_t>> of_hit;  // by target
+  std::vector<std::vector<uint32_t>> of_recognition;  // by target
   for (std::vector<Match>& own : by_target) {
-    Clusters found = cluster_hits(own, settings, monitor);
-    for (uint32_t& cluster : found.of_hit) cluster += static_cast<uint32_t>(all.all.size());
+    Clusters found = cluster_recognitions(own, settings, monitor);
+    for (uint32_t& cluster : found.of_recognition) cluster += static_cast<uint32_t>(all.all.size());
     all.all.insert(all.all.end(), found.all.begin(), found.all.end());
-    of_hit.push_back(std::move(found.of_hit));
+    of_recognition.push_back(std::move(found.of_recognition));
     std::vector<Match>().swap(own);
   }
   std::vector<size_t> next(targets, 0);
-  all.of_hit.reserve(hits.size());
-  for (const Match& hit : hits) all.of_hit.push_back(of_hit[hit.target][next[hit.target]++]);
+  all.of_recognition.reserve(recognitions.size());
+  for (const Match& recognition : recognitions)
+    all.of_recognition.push_back(of_recognition[recognition.target][next[recognition.target]++]);
   return all;
 }
 
-Clusters cluster_tracks(std::span<const Match> hits, std::span<const uint32_t> tracks) {
+Clusters cluster_tracks(std::span<const Match> recognitions, std::span<const uint32_t> tracks) {
   Clusters clusters;
-  for (size_t h = 0; h < hits.size(); ++h) {
-    const uint32_t track = tracks[hits[h].query];
-    const bool goes_on = h > 0 && track != 0 && track == tracks[hits[h - 1].query] &&
-                         hits[h].target == hits[h - 1].target;
+  for (size_t h = 0; h < recognitions.size(); ++h) {
+    const uint32_t track = tracks[recognitions[h].query];
+    const bool goes_on = h > 0 && track != 0 && track == tracks[recognitions[h - 1].query] &&
+                         recognitions[h].target == recognitions[h - 1].target;
     if (!goes_on) clusters.all.emplace_back();
-    clusters.of_hit.push_back(static_cast<uint32_t>(clusters.all.size() - 1));
-    add_hit(clusters.all.back(), hits[h]);
+    clusters.of_recognition.push_back(static_cast<uint32_t>(clusters.all.size() - 1));
+    add_recognition(clusters.all.back(), recognitions[h]);
   }
   size_t first = 0;
   for (Cluster& track : clusters.all) {
-    const Match& middle = hits[first + track.hits / 2];
+    const Match& middle = recognitions[first + track.recognitions / 2];
     track.query_window = middle.query;
     track.train_window = middle.train;
-    first += track.hits;
+    first += track.recognitions;
   }
   return clusters;
 }
@@ -204,21 +207,24 @@ std::optional<double> mean_rate(const Cluster& track) {
          static_cast<double>(track.query_last - track.query_first);
 }
 
-std::vector<PlaceRun> place_runs(std::span<const Match> hits, size_t reach, size_t reach_places) {
+std::vector<PlaceRun> place_runs(std::span<const Match> recognitions, size_t reach,
+                                 size_t reach_places) {
   std::vector<PlaceRun> runs;
   std::vector<OpenRun> open;
-  for (const Match& hit : hits) {
-    std::erase_if(open, [&](const OpenRun& one) { return one.last.query + reach < hit.query; });
+  for (const Match& recognition : recognitions) {
+    std::erase_if(open,
+                  [&](const OpenRun& one) { return one.last.query + reach < recognition.query; });
     const auto found = std::find_if(open.rbegin(), open.rend(), [&](const OpenRun& one) {
-      return are_near(one.last, hit, reach_places);
+      return are_near(one.last, recognition, reach_places);
     });
     if (found == open.rend()) {
-      open.push_back({runs.size(), hit});
-      runs.push_back({hit.query, hit.query, hit.train, hit.train, 0, 0});
-      add_hit(runs.back(), hit);
+      open.push_back({runs.size(), recognition});
+      runs.push_back(
+          {recognition.query, recognition.query, recognition.train, recognition.train, 0, 0});
+      add_recognition(runs.back(), recognition);
     } else {
-      add_hit(runs[found->run], hit);
-      found->last = hit;
+      add_recognition(runs[found->run], recognition);
+      found->last = recognition;
     }
   }
   return runs;

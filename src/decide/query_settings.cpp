@@ -16,13 +16,14 @@ constexpr std::array<std::string_view, 3> kThresholdSettings = {"t_r", "t_r_scal
                                                                 "safety_factor"};
 constexpr std::array<std::string_view, 2> kMarginSettings = {"decide", "margin"};
 
-constexpr DecisionKind kThreshold = {.hits = "window pairs with a {} below the threshold",
+constexpr DecisionKind kThreshold = {.recognitions = "window pairs with a {} below the threshold",
                                      .symbol = "t_r",
                                      .order = ScoreOrder::distance,
                                      .settings = kThresholdSettings};
 
 constexpr DecisionKind kMargin = {
-    .hits = "best matches with a {} better than the best one elsewhere by at least the margin",
+    .recognitions =
+        "best matches with a {} better than the best one elsewhere by at least the margin",
     .symbol = "margin",
     .order = ScoreOrder::similarity,
     .settings = kMarginSettings};

@@ -29,7 +29,8 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<Decision> = {"thresh
 
 /// One row of the table, at the place of its value of Decision, whose name is its name.
 struct DecisionKind {
-  std::string_view hits = {};    ///< definition of its hits, for reports; {} is the score
+  std::string_view recognitions =
+      {};                        ///< definition of its recognitions, for reports; {} is the score
   std::string_view symbol = {};  ///< of its setting: t_r, margin
   ScoreOrder order = {};         ///< distance: more is accepted where its setting is larger
   std::span<const std::string_view> settings = {};  ///< keys of settings that only it has
@@ -52,7 +53,7 @@ struct SequenceQuerySettings {
   ClusterSettings clustering;
   LshSettings lsh;  ///< of the method lsh
   Score score = Score::raw;
-  StandardizationSettings standardization;
+  ZScoreSettings zscore;
   std::vector<std::string>
       rates;  ///< of windows, "3/2": training frames for query frames; empty: 1
   Decision decision = Decision::threshold;
@@ -81,7 +82,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("clustering", settings.clustering);
   visit("lsh", settings.lsh);
   visit("score", settings.score);
-  visit("standardization", settings.standardization);
+  visit("zscore", settings.zscore);
   visit("rates", settings.rates);
   visit("decide", settings.decision);
   visit("margin", settings.margin);

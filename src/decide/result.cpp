@@ -8,15 +8,15 @@ namespace vpr {
 
 namespace {
 
-// The hits of a decision by margin: best matches with at least the margin of their target.
+// The recognitions of a decision by margin: best matches with at least the margin of their target.
 void decide_by_margin(Result& result) {
-  result.hits.clear();
+  result.recognitions.clear();
   for (size_t window = 0; window < result.best.size(); ++window) {
     const auto& best = result.best[window];
     if (!best) continue;
     const std::optional<double> least = result.targets[best->target].margin;
     const std::optional<double> margin = frame_margin(result, window);
-    if (least && margin && *margin >= *least) result.hits.push_back(*best);
+    if (least && margin && *margin >= *least) result.recognitions.push_back(*best);
   }
 }
 
@@ -27,7 +27,7 @@ ResultPath::ResultPath(size_t frames)
       rates(nowhere),
       tracks(frames, 0) {}
 
-Result make_result(const QueryPlan& plan, const HitScanResult& found,
+Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                    const std::vector<std::optional<uint32_t>>& margins) {
   const int64_t offset = plan.score_offset();
   const auto match_of = [&](const Cell& cell) {
@@ -40,8 +40,9 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found,
   result.query_windows = plan.query_windows;
   result.targets = plan.sequences;
   result.statistics = plan.statistics;
-  result.hits.reserve(found.hits.size());
-  for (const Cell& hit : found.hits) result.hits.push_back(match_of(hit));
+  result.recognitions.reserve(found.recognitions.size());
+  for (const Cell& recognition : found.recognitions)
+    result.recognitions.push_back(match_of(recognition));
   for (const auto& best : found.best)
     result.best.push_back(best ? std::optional(match_of(*best)) : std::nullopt);
   const std::vector<Rate> rates = parse_rates(plan.settings.rates);
@@ -62,15 +63,15 @@ std::optional<double> frame_margin(const Result& result, size_t query_window) {
 
 void cluster(Result& result, const Monitor& monitor) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  result.clusters = result.path ? cluster_tracks(result.hits, result.path->tracks)
-                                : cluster_by_target(result.hits, result.targets.size(),
+  result.clusters = result.path ? cluster_tracks(result.recognitions, result.path->tracks)
+                                : cluster_by_target(result.recognitions, result.targets.size(),
                                                     settings.clustering, monitor);
 }
 
 size_t recognized_windows(const Result& result) {
   size_t windows = 0;
-  for (size_t h = 0; h < result.hits.size(); ++h)
-    if (h == 0 || result.hits[h].query != result.hits[h - 1].query) ++windows;
+  for (size_t h = 0; h < result.recognitions.size(); ++h)
+    if (h == 0 || result.recognitions[h].query != result.recognitions[h - 1].query) ++windows;
   return windows;
 }
 

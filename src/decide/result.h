@@ -21,12 +21,12 @@ struct Target {
   bool searched = true;             ///< false: left out by only_sequences
   std::optional<double> threshold;  ///< t_r on its scale; none: no automatic one exists, or t_p
   ThresholdScale scale = ThresholdScale::bits;
-  uint32_t distance_limit = 0;           ///< a hit has D (a biased sum of scores) below
+  uint32_t distance_limit = 0;           ///< a recognition has D (a biased sum of scores) below
   std::optional<uint32_t> max_distance;  ///< max(D), where the scale is relative
   std::optional<double> margin = {};     ///< X, where the decision is by margin
 };
 
-/// The training statistics that standardized scores started from.
+/// The training statistics that z-scores started from.
 struct UsedStatistics {
   StatisticsSettings settings;
   double typical_distance = 0;
@@ -34,9 +34,9 @@ struct UsedStatistics {
 
 /// What an approximate method found of what there is.
 struct SearchRecall {
-  size_t windows = 0;     ///< query windows that have a best match
-  size_t found_best = 0;  ///< whose smallest distance was found
-  size_t hits = 0;        ///< that there are below the thresholds
+  size_t windows = 0;       ///< query windows that have a best match
+  size_t found_best = 0;    ///< whose smallest distance was found
+  size_t recognitions = 0;  ///< that there are below the thresholds
 };
 
 /// Where stretches of frames that look alike begin.
@@ -70,7 +70,7 @@ struct Result {
   size_t query_windows = 0;     ///< frames - window_length() + 1; those with an unreadable frame
                                 ///< included
   std::vector<Target> targets;  ///< training sequences, or one: places
-  std::vector<Match> hits;      ///< by query, target, train; each once
+  std::vector<Match> recognitions;         ///< by query, target, train; each once
   std::vector<std::optional<Match>> best;  ///< per query window; ties to the first. None: a window
                                            ///< with an unreadable frame, or a frame without words
   std::vector<double> best_rates;  ///< of windows of several rates: training frames a query frame
@@ -79,10 +79,10 @@ struct Result {
   /// score; none where there is no elsewhere. Empty where margins are not known: of approximate
   /// methods, of FAB-MAP, and of results of older date.
   std::vector<std::optional<double>> margins;
-  std::optional<Clusters>
-      clusters;  ///< of the hits: by target, then first hit; tracks by first hit
-  std::optional<SearchRecall> recall;        ///< of an approximate method
-  std::optional<UsedStatistics> statistics;  ///< of standardized scores
+  std::optional<Clusters> clusters;    ///< of the recognitions: by target, then first recognition;
+                                       ///< tracks by first recognition
+  std::optional<SearchRecall> recall;  ///< of an approximate method
+  std::optional<UsedStatistics> statistics;  ///< of z-scores
   std::optional<ResultPath> path;            ///< of the filter
   std::optional<ResultViews> views;          ///< none where no typical distance is known
   std::optional<ResultPlaces> places;        ///< of FAB-MAP
@@ -109,21 +109,21 @@ struct QueryPlan {
   int64_t score_offset() const { return score_kind(settings.score).offset(settings.window_length); }
 };
 
-/// The result of a plan and of what was found: hits, best matches and their margins, and not yet
-/// clusters. Of a decision by margin, the hits are best matches.
-Result make_result(const QueryPlan& plan, const HitScanResult& found = {},
+/// The result of a plan and of what was found: recognitions, best matches and their margins, and
+/// not yet clusters. Of a decision by margin, the recognitions are best matches.
+Result make_result(const QueryPlan& plan, const RecognitionScanResult& found = {},
                    const std::vector<std::optional<uint32_t>>& margins = {});
 
 /// The margin of a query window, in score a frame; none where it has none.
 std::optional<double> frame_margin(const Result& result, size_t query_window);
 
-/// Clusters the hits of a sequence method: by distance, or by track for the filter.
+/// Clusters the recognitions of a sequence method: by distance, or by track for the filter.
 void cluster(Result& result, const Monitor& monitor = {});
 
 /// The frame at which a window is judged, where the user is: its last one.
 inline size_t anchor_of(size_t window, size_t window_length) { return window + window_length - 1; }
 
-/// Query windows with at least one hit.
+/// Query windows with at least one recognition.
 size_t recognized_windows(const Result& result);
 
 }  // namespace vpr

@@ -32,12 +32,13 @@ bool is_closer(const Cell& a, const Cell& b) {
          std::tie(b.score, b.sequence, b.train_window);
 }
 
-void refuse_hits(size_t max_hits) {
+void refuse_recognitions(size_t max_recognitions) {
   throw Error(
       ErrorKind::usage,
-      fmt::format("more than {} hits, which is what --max-memory has room for; give a stricter "
-                  "--t-r, or more memory",
-                  max_hits));
+      fmt::format(
+          "more than {} recognitions, which is what --max-memory has room for; give a stricter "
+          "--t-r, or more memory",
+          max_recognitions));
 }
 
 struct MaximumScan::Threads {
@@ -63,25 +64,25 @@ std::vector<uint32_t> MaximumScan::result() const {
   return all;
 }
 
-struct HitScan::Threads {
+struct RecognitionScan::Threads {
   struct Local {
-    std::vector<Cell> hits;
+    std::vector<Cell> recognitions;
     std::vector<Cell> best;
   };
   oneapi::tbb::enumerable_thread_specific<Local> locals;
-  std::atomic<size_t> hit_count{0};
+  std::atomic<size_t> recognition_count{0};
 };
 
-HitScan::HitScan(HitScanSettings settings)
+RecognitionScan::RecognitionScan(RecognitionScanSettings settings)
     : settings_(std::move(settings)), threads_(std::make_unique<Threads>()) {}
 
-HitScan::~HitScan() = default;
+RecognitionScan::~RecognitionScan() = default;
 
-void HitScan::operator()(const ScoreRow& row) {
+void RecognitionScan::operator()(const ScoreRow& row) {
   take(row, settings_.kernels.minimum(row.scores.data(), row.scores.size()));
 }
 
-void HitScan::take(const ScoreRow& row, uint32_t least) {
+void RecognitionScan::take(const ScoreRow& row, uint32_t least) {
   Threads::Local& local = threads_->locals.local();
   if (local.best.empty()) {
     Cell none;
@@ -98,29 +99,31 @@ void HitScan::take(const ScoreRow& row, uint32_t least) {
   }
   const uint32_t limit = settings_.limits[row.sequence];
   if (least >= limit) return;
-  const size_t before = local.hits.size();
+  const size_t before = local.recognitions.size();
   for (size_t x = kernels.find_below(scores, 0, count, limit); x < count;
        x = kernels.find_below(scores, x + 1, count, limit))
-    local.hits.push_back(cell_at(row, x));
-  if (threads_->hit_count.fetch_add(local.hits.size() - before) + local.hits.size() - before >
-      settings_.max_hits)
-    refuse_hits(settings_.max_hits);
+    local.recognitions.push_back(cell_at(row, x));
+  if (threads_->recognition_count.fetch_add(local.recognitions.size() - before) +
+          local.recognitions.size() - before >
+      settings_.max_recognitions)
+    refuse_recognitions(settings_.max_recognitions);
 }
 
-HitScanResult HitScan::result() {
-  HitScanResult result;
+RecognitionScanResult RecognitionScan::result() {
+  RecognitionScanResult result;
   result.best.resize(settings_.query_windows);
-  result.hits.reserve(threads_->hit_count);
+  result.recognitions.reserve(threads_->recognition_count);
   for (Threads::Local& local : threads_->locals) {
-    result.hits.insert(result.hits.end(), local.hits.begin(), local.hits.end());
-    std::vector<Cell>().swap(local.hits);
+    result.recognitions.insert(result.recognitions.end(), local.recognitions.begin(),
+                               local.recognitions.end());
+    std::vector<Cell>().swap(local.recognitions);
     for (size_t j = 0; j < local.best.size(); ++j) {
       const Cell& candidate = local.best[j];
       if (candidate.score == kNoCell) continue;
       if (!result.best[j] || is_closer(candidate, *result.best[j])) result.best[j] = candidate;
     }
   }
-  oneapi::tbb::parallel_sort(result.hits.begin(), result.hits.end(), by_position);
+  oneapi::tbb::parallel_sort(result.recognitions.begin(), result.recognitions.end(), by_position);
   return result;
 }
 

@@ -26,8 +26,8 @@ bool by_position(const Cell& a, const Cell& b);
 /// Whether of two cells of a row `a` is the best match; ties to the smallest sequence and train
 /// window.
 bool is_closer(const Cell& a, const Cell& b);
-/// Throws the Error(usage) of a scan that may keep so many hits and finds more.
-[[noreturn]] void refuse_hits(size_t max_hits);
+/// Throws the Error(usage) of a scan that may keep so many recognitions and finds more.
+[[noreturn]] void refuse_recognitions(size_t max_recognitions);
 
 /// The largest score of each training sequence; 0 for one without windows, or if no row came.
 class MaximumScan {
@@ -44,34 +44,34 @@ class MaximumScan {
   std::unique_ptr<Threads> threads_;
 };
 
-/// What a HitScan looks for.
-struct HitScanSettings {
-  std::vector<uint32_t> limits;  ///< per sequence: a cell with score < limit is a hit
+/// What a RecognitionScan looks for.
+struct RecognitionScanSettings {
+  std::vector<uint32_t> limits;  ///< per sequence: a cell with score < limit is a recognition
   size_t query_windows = 0;
-  size_t max_hits = 0;  ///< more throw Error(usage)
+  size_t max_recognitions = 0;  ///< more throw Error(usage)
   RowKernels kernels;
 };
 
-/// What a HitScan found.
-struct HitScanResult {
-  std::vector<Cell> hits;                 ///< by query window, sequence, train window
+/// What a RecognitionScan found.
+struct RecognitionScanResult {
+  std::vector<Cell> recognitions;         ///< by query window, sequence, train window
   std::vector<std::optional<Cell>> best;  ///< per query window; none where the window has no cell.
                                           ///< Ties go to the smallest sequence and train window
 };
 
-/// Hits and best matches. The result does not depend on the order in which rows arrive.
-class HitScan {
+/// Recognitions and best matches. The result does not depend on the order in which rows arrive.
+class RecognitionScan {
  public:
-  explicit HitScan(HitScanSettings settings);
-  ~HitScan();
+  explicit RecognitionScan(RecognitionScanSettings settings);
+  ~RecognitionScan();
   void operator()(const ScoreRow& row);
   /// The same, where the smallest score of the row is known.
   void take(const ScoreRow& row, uint32_t least);
-  HitScanResult result();
+  RecognitionScanResult result();
 
  private:
   struct Threads;
-  HitScanSettings settings_;
+  RecognitionScanSettings settings_;
   std::unique_ptr<Threads> threads_;
 };
 

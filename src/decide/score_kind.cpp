@@ -12,19 +12,19 @@
 namespace vpr {
 namespace {
 
-// The smallest number that is no hit. `estimate` is off by a rounding at most.
-template <class IsHit>
-uint32_t smallest_without(double estimate, const IsHit& is_hit) {
+// The smallest number that is no recognition. `estimate` is off by a rounding at most.
+template <class IsRecognition>
+uint32_t smallest_without(double estimate, const IsRecognition& is_recognition) {
   constexpr uint32_t kMost = std::numeric_limits<uint32_t>::max();
   if (estimate >= kMost) return kMost;
   auto limit = static_cast<uint32_t>(std::max(estimate, 0.0));
-  while (limit > 0 && !is_hit(limit - 1)) --limit;
-  while (limit < kMost && is_hit(limit)) ++limit;
+  while (limit > 0 && !is_recognition(limit - 1)) --limit;
+  while (limit < kMost && is_recognition(limit)) ++limit;
   return limit;
 }
 
 constexpr std::array<std::string_view, 1> kRawSettings = {"safety_factor"};
-constexpr std::array<std::string_view, 2> kStandardizedSettings = {"score", "standardization"};
+constexpr std::array<std::string_view, 2> kZScoreSettings = {"score", "zscore"};
 
 int64_t no_offset(size_t) { return 0; }
 
@@ -69,10 +69,10 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .most_margin = 65535,
                             .least_margin = least_distance_margin};
 
-constexpr ScoreKind standardized_row(bool is_offline) {
+constexpr ScoreKind zscore_row(bool is_offline) {
   return {.order = ScoreOrder::distance,
-          .measure = "standardized score",
-          .title = "standardized score (1/1024, summed)",
+          .measure = "z-score",
+          .title = "z-score (1/1024, summed)",
           .window_symbol = "c_l",
           .threshold_symbol = "t_r",
           .frame_unit = "mean z",
@@ -83,7 +83,7 @@ constexpr ScoreKind standardized_row(bool is_offline) {
           .missing = std::numeric_limits<int32_t>::min(),
           .needs_statistics = true,
           .is_offline = is_offline,
-          .settings = kStandardizedSettings,
+          .settings = kZScoreSettings,
           .offset = score_offset,
           .frame_value = deviations_a_frame,
           .margin_unit = "deviations",
@@ -99,7 +99,7 @@ constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
                                     .missing = -1};
 
 constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kKinds = {
-    kRaw, standardized_row(false), standardized_row(true), kProbability};
+    kRaw, zscore_row(false), zscore_row(true), kProbability};
 
 }  // namespace
 
@@ -109,7 +109,7 @@ const ScoreKind& score_kind(Score score) { return kKinds[static_cast<size_t>(sco
 
 const ScoreKind& probability_kind() { return kKinds.back(); }
 
-std::span<const std::string_view> score_settings() { return kStandardizedSettings; }
+std::span<const std::string_view> score_settings() { return kZScoreSettings; }
 
 uint32_t distance_limit(double threshold, double divisor) {
   assert(std::isfinite(threshold));

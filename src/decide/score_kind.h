@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "base/enum_names.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 
@@ -101,12 +101,12 @@ struct AutomaticThreshold {
   bool is_largest = false;  ///< the largest that one may be; closest windows are no reason for less
 };
 
-/// The smallest distance that is no hit: the smallest integer D with D / divisor >= threshold, as
-/// an IEEE double division; divisor is not negative. Where it is 0 the quotient counts as 0.
-/// threshold is finite.
+/// The smallest distance that is no recognition: the smallest integer D with D / divisor >=
+/// threshold, as an IEEE double division; divisor is not negative. Where it is 0 the quotient
+/// counts as 0. threshold is finite.
 uint32_t distance_limit(double threshold, double divisor);
 
-/// The same for standardized scores of a window, whose mean z is compared: the smallest biased sum
+/// The same for z-scores of a window, whose mean z is compared: the smallest biased sum
 /// (match/score_kernels.h) with mean_z >= threshold.
 uint32_t score_limit(double threshold, size_t window_length);
 

@@ -6,7 +6,7 @@
 #include "decide/elsewhere.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 
 namespace vpr {
 namespace {
@@ -64,7 +64,7 @@ bool is_seen_in(const Searched& searched, const DescriptorSpan& walk, const RowK
   for (const Stretch& stretch :
        choose_stretches(walk, searched.walk.rows.size(), length, most_pairs)) {
     MarginScan scan(searched.elsewhere, stretch.count - length + 1, kernels);
-    match(standardized(distances.of_query(stretch.of(walk)), searched.basis, monitor),
+    match(zscores(distances.of_query(stretch.of(walk)), searched.basis, monitor),
           {length, kDefaultMemoryLimit, kernels}, {{}, {std::ref(scan)}}, monitor);
     add_traces(traces, scan.result(), length);
   }

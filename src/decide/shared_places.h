@@ -13,7 +13,7 @@ namespace vpr {
 
 /// Two walks share a place where one leaves a trace in the other: of its windows of 20 frames (or
 /// half of the shorter walk), at least a tenth have a best match in the other walk by standardized
-/// scores from the whole walk (Score::standardized_offline) with a margin of at least 3 / sqrt(20),
+/// scores from the whole walk (Score::zscore_offline) with a margin of at least 3 / sqrt(20),
 /// as had the window 10 frames before, and the two best matches lie 5 to 15 frames apart, too. (In
 /// walks of one place in other light, seasons and at other paces it was a third to nine tenths, in
 /// walks of different places at most 1 in 25; floors rendered alike can't be told from one.)

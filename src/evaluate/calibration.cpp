@@ -117,7 +117,7 @@ CalibrationAdvice missing_advice(std::span<const CalibrationWindow> windows,
   const bool any = std::any_of(windows.begin(), windows.end(), [&](const CalibrationWindow& w) {
     return w.right && *w.right >= settings.least;
   });
-  return any ? CalibrationAdvice::none_is_safe : CalibrationAdvice::no_right_hit;
+  return any ? CalibrationAdvice::none_is_safe : CalibrationAdvice::no_right_recognition;
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ namespace vpr {
 /// What a query window tells of every threshold there is. Strengths are margins,
 /// summed over the window.
 struct CalibrationWindow {
-  std::optional<int64_t> right;  ///< it has a right hit where no more than this is asked
-  std::optional<int64_t> wrong;  ///< the same of a wrong hit
+  std::optional<int64_t> right;  ///< it has a right recognition where no more than this is asked
+  std::optional<int64_t> wrong;  ///< the same of a wrong recognition
   /// What the window would reach, were its place not trained: it is wrong for sure.
   std::optional<int64_t> untrained;
 };
@@ -25,12 +25,12 @@ struct CalibrationWindow {
 /// What a walk allows to say.
 enum class CalibrationAdvice {
   calibrated,
-  no_right_hit,  ///< there is none at the least strength either
-  none_is_safe   ///< where a right hit is left, the precision is not reached
+  no_right_recognition,  ///< there is none at the least strength either
+  none_is_safe           ///< where a right recognition is left, the precision is not reached
 };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<CalibrationAdvice> = {
-    "calibrated", "no_right_hit", "none_is_safe"};
+    "calibrated", "no_right_recognition", "none_is_safe"};
 
 struct CalibrationSettings {
   /// Of the recognized windows, the share that is right: above 0, at most 1.
@@ -48,17 +48,18 @@ struct FalseRecognitions {
 };
 
 struct Calibration {
-  CalibrationAdvice advice = CalibrationAdvice::no_right_hit;
+  CalibrationAdvice advice = CalibrationAdvice::no_right_recognition;
   std::optional<int64_t> strength;  ///< of the advice `calibrated`
-  uint64_t right = 0;               ///< windows recognized at this strength, without a wrong hit
-  uint64_t wrong = 0;               ///< windows with a wrong hit
+  uint64_t right = 0;  ///< windows recognized at this strength, without a wrong recognition
+  uint64_t wrong = 0;  ///< windows with a wrong recognition
   FalseRecognitions expected;
 };
 
 /// The least strength at which the precision is reached and some window is recognized rightly. A
-/// window counts as wrong where it has a wrong hit, whatever else it has. For precision 1 it is
-/// just above all that windows reach wrongly, or would if their place were not trained; for less,
-/// only what they do reach counts. Windows must be in the order of the query; none are no window.
+/// window counts as wrong where it has a wrong recognition, whatever else it has. For precision 1
+/// it is just above all that windows reach wrongly, or would if their place were not trained; for
+/// less, only what they do reach counts. Windows must be in the order of the query; none are no
+/// window.
 Calibration calibrate(std::span<const CalibrationWindow> windows,
                       const CalibrationSettings& settings);
 

@@ -29,21 +29,21 @@ void count(LabelCounts& counts, PlaceLabel label) {
 void count_clusters(Counts& counts, const std::vector<JudgedCluster>& judged) {
   LabelCounts& clusters = counts.clusters.emplace();
   for (const JudgedCluster& cluster : judged) {
-    counts.hits.correct += cluster.hits.correct;
-    counts.hits.incorrect += cluster.hits.incorrect;
-    counts.hits.ignored += cluster.hits.ignored;
+    counts.recognitions.correct += cluster.recognitions.correct;
+    counts.recognitions.incorrect += cluster.recognitions.incorrect;
+    counts.recognitions.ignored += cluster.recognitions.ignored;
     count(clusters, cluster.label);
     if (cluster.is_mixed()) ++counts.mixed_clusters;
   }
   counts.distinct = clusters.correct;
 }
 
-void count_hits(Counts& counts, const Result& result, const GroundTruth& truth) {
+void count_recognitions(Counts& counts, const Result& result, const GroundTruth& truth) {
   std::set<std::pair<uint32_t, uint32_t>> recognized;
-  for (const Match& hit : result.hits) {
-    const PlaceLabel label = label_of(truth, hit, result.window_length());
-    count(counts.hits, label);
-    if (label == PlaceLabel::same) recognized.insert({hit.target, hit.train});
+  for (const Match& recognition : result.recognitions) {
+    const PlaceLabel label = label_of(truth, recognition, result.window_length());
+    count(counts.recognitions, label);
+    if (label == PlaceLabel::same) recognized.insert({recognition.target, recognition.train});
   }
   counts.distinct = recognized.size();
 }
@@ -75,24 +75,24 @@ size_t view_of(const std::vector<uint32_t>& starts, size_t frame) {
   return static_cast<size_t>(std::ranges::upper_bound(starts, frame) - starts.begin()) - 1;
 }
 
-void count_hits(CountsByView& counts, const Result& result, const GroundTruth& truth,
-                const Monitor& monitor) {
+void count_recognitions(CountsByView& counts, const Result& result, const GroundTruth& truth,
+                        const Monitor& monitor) {
   std::map<std::pair<uint32_t, size_t>, Tally> pairs;  // of one query view
   const auto finish_view = [&] {
-    for (const auto& [pair, tally] : pairs) count(counts.hits, tally);
+    for (const auto& [pair, tally] : pairs) count(counts.recognitions, tally);
     pairs.clear();
   };
   const size_t length = result.window_length();
   size_t present = 0;
-  for (const Match& hit : result.hits) {  // in the order of query windows
+  for (const Match& recognition : result.recognitions) {  // in the order of query windows
     check_stop(monitor);
-    const size_t anchor = anchor_of(hit.query, length);
+    const size_t anchor = anchor_of(recognition.query, length);
     const size_t view = view_of(result.views->query, anchor);
     if (view != present) finish_view();
     present = view;
-    const size_t reference = anchor_of(hit.train, length);
-    add(pairs[{hit.target, view_of(result.views->train[hit.target], reference)}],
-        truth.label(anchor, hit.target, reference));
+    const size_t reference = anchor_of(recognition.train, length);
+    add(pairs[{recognition.target, view_of(result.views->train[recognition.target], reference)}],
+        truth.label(anchor, recognition.target, reference));
   }
   finish_view();
 }
@@ -159,24 +159,26 @@ GroundTruthScope scope_of(const Result& result) {
 Clusters clusters_of(const Result& result) {
   if (result.clusters) return *result.clusters;
   Clusters single;
-  for (const Match& hit : result.hits) {
-    single.of_hit.push_back(static_cast<uint32_t>(single.all.size()));
-    single.all.push_back({hit.target, hit.query, hit.query, hit.query, hit.train, hit.train,
-                          hit.train, 1, hit.score});
+  for (const Match& recognition : result.recognitions) {
+    single.of_recognition.push_back(static_cast<uint32_t>(single.all.size()));
+    single.all.push_back({recognition.target, recognition.query, recognition.query,
+                          recognition.query, recognition.train, recognition.train,
+                          recognition.train, 1, recognition.score});
   }
   return single;
 }
 
 std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& clusters,
                                           const GroundTruth& truth, const Monitor& monitor) {
-  assert(clusters.of_hit.size() == result.hits.size());
+  assert(clusters.of_recognition.size() == result.recognitions.size());
   const size_t length = result.window_length();
   std::vector<JudgedCluster> judged;
   for (const Cluster& cluster : clusters.all)
     judged.push_back({label_of(truth, cluster, length), {}});
-  for (size_t h = 0; h < result.hits.size(); ++h) {
+  for (size_t h = 0; h < result.recognitions.size(); ++h) {
     check_stop(monitor);
-    count(judged[clusters.of_hit[h]].hits, label_of(truth, result.hits[h], length));
+    count(judged[clusters.of_recognition[h]].recognitions,
+          label_of(truth, result.recognitions[h], length));
   }
   return judged;
 }
@@ -186,7 +188,7 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
   if (result.clusters)
     count_clusters(counts, judge_clusters(result, *result.clusters, truth, monitor));
   else
-    count_hits(counts, result, truth);
+    count_recognitions(counts, result, truth);
   counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
 }
@@ -198,7 +200,7 @@ std::optional<CountsByView> count_by_view(const Result& result, const GroundTrut
   counts.query_views = result.views->query.size();
   for (size_t s = 0; s < result.targets.size(); ++s)
     if (result.targets[s].searched) counts.train_views += result.views->train[s].size();
-  count_hits(counts, result, truth, monitor);
+  count_recognitions(counts, result, truth, monitor);
   count_best_matches(counts, result, truth);
   return counts;
 }

@@ -31,26 +31,26 @@ struct BestMatchCounts {
   std::optional<double> rate() const;
 };
 
-/// How often a result is right: its hits, their clusters, and its best matches.
+/// How often a result is right: its recognitions, their clusters, and its best matches.
 struct Counts {
-  LabelCounts hits;                     ///< judged at both anchors; of FAB-MAP frame and place
+  LabelCounts recognitions;             ///< judged at both anchors; of FAB-MAP frame and place
   std::optional<LabelCounts> clusters;  ///< judged at their representative's anchors
-  uint64_t mixed_clusters = 0;          ///< correct ones of whose hits some are incorrect
+  uint64_t mixed_clusters = 0;          ///< correct ones of whose recognitions some are incorrect
   uint64_t distinct = 0;  ///< correct clusters; without any, places recognized correctly at least
                           ///< once
   BestMatchCounts best_match;
 };
 
 /// A cluster as the ground truth sees it: its representative may lie at a correct pair although
-/// many, or most, of its hits do not.
+/// many, or most, of its recognitions do not.
 struct JudgedCluster {
   PlaceLabel label = PlaceLabel::different;  ///< at its representative's anchors
-  LabelCounts hits;
+  LabelCounts recognitions;
 
-  bool is_mixed() const { return label == PlaceLabel::same && hits.incorrect > 0; }
+  bool is_mixed() const { return label == PlaceLabel::same && recognitions.incorrect > 0; }
 };
 
-/// The clusters of a result, or, of one without clusters, every hit as one of its own.
+/// The clusters of a result, or, of one without clusters, every recognition as one of its own.
 Clusters clusters_of(const Result& result);
 
 /// One for each of the clusters, in their order.
@@ -85,9 +85,9 @@ struct ViewCounts {
 /// Counts in which every view counts once, however many frames show it.
 struct CountsByView {
   size_t query_views = 0;
-  size_t train_views = 0;  ///< of the searched sequences
-  ViewCounts hits;         ///< pairs of a query view and a training view that have hits
-  ViewCounts best_match;   ///< query views that have windows with a match
+  size_t train_views = 0;   ///< of the searched sequences
+  ViewCounts recognitions;  ///< pairs of a query view and a training view that have recognitions
+  ViewCounts best_match;    ///< query views that have windows with a match
   /// The rate of best matches where every view counts as much as any other; none without one.
   std::optional<double> best_match_rate;
 };

@@ -10,7 +10,7 @@ namespace vpr {
 
 /// One value that is expected of a report.
 struct CheckedValue {
-  std::string key;       ///< where it stands, as in counts.hits.correct
+  std::string key;       ///< where it stands, as in counts.recognitions.correct
   std::string expected;  ///< "49 +- 2", "at least 60"
   std::string found;     ///< as JSON, with the difference to a number, as in "52 (+3)"
   bool is_met = false;

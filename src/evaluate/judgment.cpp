@@ -79,9 +79,10 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
   judgment.layout = layout_of(result);
   judgment.outcomes = outcomes_of(result, truth);
   order_by(judgment, judgment.outcomes.confidence);
-  for (const Match& hit : result.hits) {
+  for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
-    judgment.recognized.push_back({hit.query, column_of(judgment.layout, hit.target, hit.train)});
+    judgment.recognized.push_back(
+        {recognition.query, column_of(judgment.layout, recognition.target, recognition.train)});
   }
   judgment.fixes = fixes_of(result, truth);
   judgment.localization = localize(judgment.fixes, traveled_m);
@@ -125,22 +126,22 @@ Judgment judge(const Result& result, const ScoreMatrix& matrix, const GroundTrut
   return judgment;
 }
 
-std::vector<const Match*> fixing_hits(const Result& result) {
+std::vector<const Match*> fixing_recognitions(const Result& result) {
   const ScoreOrder order = result.score().order;
-  std::vector<const Match*> hits(result.query.frames, nullptr);
-  for (const Match& hit : result.hits) {
-    const Match*& best = hits[anchor_of(hit.query, result.window_length())];
-    if (best == nullptr || is_better(hit.score, best->score, order)) best = &hit;
+  std::vector<const Match*> recognitions(result.query.frames, nullptr);
+  for (const Match& recognition : result.recognitions) {
+    const Match*& best = recognitions[anchor_of(recognition.query, result.window_length())];
+    if (best == nullptr || is_better(recognition.score, best->score, order)) best = &recognition;
   }
-  return hits;
+  return recognitions;
 }
 
 std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth) {
-  const std::vector<const Match*> hits = fixing_hits(result);
-  std::vector<Fix> fixes(hits.size(), Fix::none);
-  for (size_t frame = 0; frame < hits.size(); ++frame)
-    if (hits[frame] != nullptr)
-      fixes[frame] = fix_of(label_of(truth, *hits[frame], result.window_length()));
+  const std::vector<const Match*> recognitions = fixing_recognitions(result);
+  std::vector<Fix> fixes(recognitions.size(), Fix::none);
+  for (size_t frame = 0; frame < recognitions.size(); ++frame)
+    if (recognitions[frame] != nullptr)
+      fixes[frame] = fix_of(label_of(truth, *recognitions[frame], result.window_length()));
   return fixes;
 }
 

@@ -10,11 +10,11 @@
 
 namespace vpr {
 
-/// The hit that fixes each query frame, or none: of the window that ends there, of several the one
-/// with the best score, ties to the first. They live as long as the result.
-std::vector<const Match*> fixing_hits(const Result& result);
-/// One fix a frame: the hit of the window that ends there; of several the one with the best score,
-/// ties to the first.
+/// The recognition that fixes each query frame, or none: of the window that ends there, of several
+/// the one with the best score, ties to the first. They live as long as the result.
+std::vector<const Match*> fixing_recognitions(const Result& result);
+/// One fix a frame: the recognition of the window that ends there; of several the one with the best
+/// score, ties to the first.
 std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth);
 /// Best matches whose key is at most `accepted`; none: no fix.
 std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
@@ -39,19 +39,20 @@ struct Judgment {
   Outcomes outcomes;
   Curve single_best;
   std::optional<Curve> other_best;  ///< the same by the other confidence, where margins are known
-  std::optional<PairJudgment> all_pairs;   ///< where there is a matrix
-  std::vector<RecognizedCell> recognized;  ///< hits of a result, accepted best matches of scores
-  std::optional<double> threshold;         ///< of accepted best matches
-  bool is_oracle = false;                  ///< the threshold was chosen from the ground truth
-  std::vector<Fix> fixes;                  ///< one a query frame
+  std::optional<PairJudgment> all_pairs;  ///< where there is a matrix
+  std::vector<RecognizedCell>
+      recognized;                   ///< recognitions of a result, accepted best matches of scores
+  std::optional<double> threshold;  ///< of accepted best matches
+  bool is_oracle = false;           ///< the threshold was chosen from the ground truth
+  std::vector<Fix> fixes;           ///< one a query frame
   Localization localization;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K of what is reported
   size_t stretch_frames = kRouteStretch;  ///< of what is reported of the recall achievement rate
 };
 
 /// Whether the frame's fix is as right as the query's best match, so that the one can stand for the
-/// other in pictures: with a threshold for each sequence, the hit may be another than the best
-/// match.
+/// other in pictures: with a threshold for each sequence, the recognition may be another than the
+/// best match.
 bool is_recognized(const Judgment& judgment, const QueryOutcome& query);
 
 /// Orders best matches by this confidence from now on. Throws Error(usage) where it is margin, and

@@ -214,12 +214,14 @@ Curve curve_of_best(const LoopJudgment& judgment, ScoreOrder order) {
 
 constexpr size_t kFirstLine = 2;  // behind the header
 
-bool is_hit(const Result& result, const Match& match) {
-  const auto found = std::lower_bound(
-      result.hits.begin(), result.hits.end(), match, [](const Match& a, const Match& b) {
-        return a.query != b.query ? a.query < b.query : a.train < b.train;
-      });
-  return found != result.hits.end() && found->query == match.query && found->train == match.train;
+bool is_recognition(const Result& result, const Match& match) {
+  const auto found =
+      std::lower_bound(result.recognitions.begin(), result.recognitions.end(), match,
+                       [](const Match& a, const Match& b) {
+                         return a.query != b.query ? a.query < b.query : a.train < b.train;
+                       });
+  return found != result.recognitions.end() && found->query == match.query &&
+         found->train == match.train;
 }
 
 bool is_decided(const Result& result) {
@@ -383,7 +385,7 @@ std::vector<ListedLoop> loops_of(const Result& result) {
   const size_t first = first_own_place(result);
   for (const auto& best : result.best) {
     if (!best || best->train < first) continue;
-    if (is_decided(result) && !is_hit(result, *best)) continue;
+    if (is_decided(result) && !is_recognition(result, *best)) continue;
     const double score =
         kind.frame_value == nullptr ? best->score : kind.frame_value(best->score, length);
     loops.push_back({anchor_of(best->query, length), anchor_of(best->train - first, length), score,

@@ -131,8 +131,8 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules);
 
 /// The best match of each query window, as last frames of both and the score a frame; where a
-/// threshold or a margin was set, those that are hits. Of FAB-MAP all, by probability. Lines are
-/// those of loops_csv. The result must be one of --loop.
+/// threshold or a margin was set, those that are recognitions. Of FAB-MAP all, by probability.
+/// Lines are those of loops_csv. The result must be one of --loop.
 std::vector<ListedLoop> loops_of(const Result& result);
 
 /// The same as a list under a name, for a trajectory. Throws Error(data) for a result that has no

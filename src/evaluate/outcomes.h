@@ -90,7 +90,7 @@ struct QueryOutcome {
   size_t right_count = 0;             ///< references of the query's place; from a matrix
   std::optional<double> margin = {};  ///< of the best match, in score a frame; none: not known
   std::optional<double> asked_margin =
-      {};  ///< that makes it a hit, where the decision is by margin
+      {};  ///< that makes it a recognition, where the decision is by margin
 };
 
 /// The best matches of all query windows: what curves and metrics are computed from.
@@ -101,7 +101,7 @@ struct Outcomes {
   bool has_ranks = false;             ///< from a matrix
   std::vector<QueryOutcome> queries;  ///< by frame
   bool has_margins = false;           ///< from a result that holds them
-  /// Accepts best matches; of a result, the one that its hits were decided by.
+  /// Accepts best matches; of a result, the one that its recognitions were decided by.
   Confidence confidence = Confidence::score;
 };
 

@@ -24,7 +24,7 @@ std::map<uint64_t, Ladder> ladders_of(Cells cells, ScoreOrder order) {
 
 Ladder::const_iterator find_first_error(const Ladder& ladder, Cells cells) {
   return std::ranges::find_if(ladder, [&](size_t cell) {
-    return cells[cell].counts.hits.incorrect > 0 || cells[cell].untrained.value_or(0) > 0;
+    return cells[cell].counts.recognitions.incorrect > 0 || cells[cell].untrained.value_or(0) > 0;
   });
 }
 
@@ -37,7 +37,7 @@ std::vector<size_t> pareto_front(Cells cells) {
   std::vector<size_t> front;
   for (size_t i = 0; i < cells.size(); ++i)
     if (std::ranges::none_of(cells, [&](const CellCounts& other) {
-          return beats(other.counts.hits, cells[i].counts.hits);
+          return beats(other.counts.recognitions, cells[i].counts.recognitions);
         }))
       front.push_back(i);
   return front;
@@ -46,7 +46,7 @@ std::vector<size_t> pareto_front(Cells cells) {
 // Ladders are visited from the shortest window and the strictest threshold on: of equals the first
 // stays.
 void keep_better(std::optional<size_t>& kept, size_t cell, Cells cells) {
-  const auto correct = [&](size_t i) { return cells[i].counts.hits.correct; };
+  const auto correct = [&](size_t i) { return cells[i].counts.recognitions.correct; };
   if (correct(cell) > (kept ? correct(*kept) : 0)) kept = cell;
 }
 
@@ -54,11 +54,11 @@ void keep_better(std::optional<size_t>& kept, size_t cell, Cells cells) {
 Advice missing_advice(Cells cells) {
   const auto any = [&](uint64_t LabelCounts::*count) {
     return std::ranges::any_of(cells, [&](const CellCounts& cell) {
-      return cell.threshold && cell.counts.hits.*count > 0;
+      return cell.threshold && cell.counts.recognitions.*count > 0;
     });
   };
   if (any(&LabelCounts::correct)) return Advice::always_errors;
-  return any(&LabelCounts::incorrect) ? Advice::no_correct_hits : Advice::no_hits;
+  return any(&LabelCounts::incorrect) ? Advice::no_correct_recognitions : Advice::no_recognitions;
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ Recommendation recommend(Cells cells, ScoreOrder order) {
   choice.pareto = pareto_front(cells);
   const std::map<uint64_t, Ladder> ladders = ladders_of(cells, order);
   if (ladders.empty()) {
-    choice.advice = cells.empty() ? Advice::no_hits : Advice::only_automatic;
+    choice.advice = cells.empty() ? Advice::no_recognitions : Advice::only_automatic;
     return choice;
   }
   for (const auto& [window, ladder] : ladders) {

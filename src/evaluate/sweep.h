@@ -21,8 +21,8 @@ struct CellCounts {
   std::optional<double> threshold;      ///< t_r, a margin or t_p; none: automatic
   std::optional<ThresholdScale> scale;  ///< of t_r; none of others
   Counts counts;
-  /// Of margins: query windows that would be hits were their own place not trained, wrong ones for
-  /// sure. None: not known.
+  /// Of margins: query windows that would be recognitions were their own place not trained, wrong
+  /// ones for sure. None: not known.
   std::optional<uint64_t> untrained = {};
 };
 
@@ -32,48 +32,49 @@ std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order);
 /// What a grid allows to say.
 enum class Advice {
   recommended,
-  no_hits,          ///< every setting is too strict, or the place is not known
-  no_correct_hits,  ///< hits, but only incorrect ones
-  always_errors,    ///< every setting with a correct hit has an incorrect one, too
-  next_errs,        ///< settings without an error, but the next looser threshold has one
-  grid_ends,        ///< settings without an error, but the next looser threshold is not in the grid
-  only_automatic    ///< automatic thresholds have no order, and so no next looser one
+  no_recognitions,          ///< every setting is too strict, or the place is not known
+  no_correct_recognitions,  ///< recognitions, but only incorrect ones
+  always_errors,            ///< every setting with a correct recognition has an incorrect one, too
+  next_errs,                ///< settings without an error, but the next looser threshold has one
+  grid_ends,      ///< settings without an error, but the next looser threshold is not in the grid
+  only_automatic  ///< automatic thresholds have no order, and so no next looser one
 };
 
 template <>
 inline constexpr std::array<std::string_view, 7> kEnumNames<Advice> = {
-    "recommended", "no_hits",   "no_correct_hits", "always_errors",
-    "next_errs",   "grid_ends", "only_automatic"};
+    "recommended", "no_recognitions", "no_correct_recognitions", "always_errors",
+    "next_errs",   "grid_ends",       "only_automatic"};
 
 /// The setting to take, or why there is none.
 struct Recommendation {
-  Advice advice = Advice::no_hits;
-  /// The cell with most correct hits among those whose threshold, every stricter and the next
-  /// looser one of the same window have no incorrect hit; of equals the one with the shortest
-  /// window, then the strictest threshold. The next looser one must be in the grid: a setting that
-  /// nobody has looked beyond is not recommended. Where it is known what windows would reach were
-  /// their place not trained, these count as incorrect hits, and the next looser threshold does not
-  /// matter. Cells with an automatic threshold are passed over.
+  Advice advice = Advice::no_recognitions;
+  /// The cell with most correct recognitions among those whose threshold, every stricter and the
+  /// next looser one of the same window have no incorrect recognition; of equals the one with the
+  /// shortest window, then the strictest threshold. The next looser one must be in the grid: a
+  /// setting that nobody has looked beyond is not recommended. Where it is known what windows would
+  /// reach were their place not trained, these count as incorrect recognitions, and the next looser
+  /// threshold does not matter. Cells with an automatic threshold are passed over.
   std::optional<size_t> cell;
-  /// The error-free cell with most correct hits, where it lacks only an error-free neighbor:
-  /// advice next_errs or grid_ends.
+  /// The error-free cell with most correct recognitions, where it lacks only an error-free
+  /// neighbor: advice next_errs or grid_ends.
   std::optional<size_t> near_miss;
-  /// Of the window of `cell` or `near_miss`: the strictest threshold with an incorrect hit, or one
-  /// that would be without its place. None: no threshold of this window in the grid has one.
+  /// Of the window of `cell` or `near_miss`: the strictest threshold with an incorrect recognition,
+  /// or one that would be without its place. None: no threshold of this window in the grid has one.
   std::optional<size_t> first_error;
-  std::vector<size_t> pareto;  ///< cells that no other beats in both correct and incorrect hits
+  std::vector<size_t>
+      pareto;  ///< cells that no other beats in both correct and incorrect recognitions
 };
 
-/// Chooses among the cells of a grid, which may be in any order. Only hits count, never clusters:
-/// as a threshold is loosened, hits and incorrect hits only become more, but clusters merge, and an
-/// incorrect one vanishes in a correct one.
+/// Chooses among the cells of a grid, which may be in any order. Only recognitions count, never
+/// clusters: as a threshold is loosened, recognitions and incorrect recognitions only become more,
+/// but clusters merge, and an incorrect one vanishes in a correct one.
 Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order);
 
 /// What is known of the uncertainty of the recommended setting: 95 % intervals of its counts.
 struct SweepIntervals {
   size_t block = 1;  ///< frames that are drawn together
-  Interval correct_hits;
-  Interval incorrect_hits;
+  Interval correct_recognitions;
+  Interval incorrect_recognitions;
   Interval correct_places = {};  ///< of sequences; a place counts at its mean query window
   Interval incorrect_places = {};
 };

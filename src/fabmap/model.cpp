@@ -147,12 +147,12 @@ double expectation(const Word& word, WordModel model, bool z, bool parent, doubl
 }
 
 void check_detector(const DetectorModel& detector) {
-  const double hit = detector.p_seen_if_there;
+  const double recognition = detector.p_seen_if_there;
   const double miss = detector.p_seen_if_not;
-  if (hit > 0 && hit < 1 && miss >= 0 && miss < hit) return;
-  throw Error(
-      ErrorKind::usage,
-      fmt::format("the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}", miss, hit));
+  if (recognition > 0 && recognition < 1 && miss >= 0 && miss < recognition) return;
+  throw Error(ErrorKind::usage,
+              fmt::format("the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}", miss,
+                          recognition));
 }
 
 const double kLogProbability = std::log(1e-6);

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 namespace {

@@ -16,7 +16,7 @@ inline constexpr size_t kMostLandmarks = 512;
 /// distances of at most kMostLandmarks of them, with a fixed number of orthogonal iterations: the
 /// same numbers on every machine and for any number of threads. Landmarks are spread evenly over
 /// the keyframes, which differ from the previous ones by a quarter of the typical distance
-/// (standardization.h), so that they do not depend on the walking speed. The subtracted share of a
+/// (zscore_model.h), so that they do not depend on the walking speed. The subtracted share of a
 /// component with eigenvalue w is w / (w + 15 t / n), where t is the sum of all eigenvalues and n
 /// the number of landmarks: most of a strong component, and almost nothing of one that this number
 /// of frames does not distinguish from noise. A component that does not exist has factor 0; none

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "match/rates.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 namespace {

@@ -196,8 +196,8 @@ uint32_t margin_near(const FilterState& filter, const Stretch& stretch, size_t b
 const std::array<FilterRate, kRates>& filter_rates() { return kFilterRates; }
 
 void check_filter(const FilterSettings& settings) {
-  require(settings.view_change >= 0 && settings.view_change <= 10, "view_change", "from 0 to 10",
-          settings.view_change);
+  require(settings.keyframe_change >= 0 && settings.keyframe_change <= 10, "keyframe_change",
+          "from 0 to 10", settings.keyframe_change);
   require(settings.sharpness >= 0.05 && settings.sharpness <= 2, "sharpness", "from 0.05 to 2",
           settings.sharpness);
   require(settings.unmatched >= -8 && settings.unmatched <= 8, "unmatched", "from -8 to 8",

@@ -94,7 +94,7 @@ void place_filter(FilterState& state, FilterCells cells);
 void restart_filter(FilterState& state);
 
 /// Adds a keyframe of the query: its z-scores to all training frames, in the format of
-/// ScoreKernels::standardize. Values, also of the off-map state, are integers in units of 1/1024
+/// ScoreKernels::to_zscores. Values, also of the off-map state, are integers in units of 1/1024
 /// deviations; smaller is likelier. Time O(cells). Unspecified if there are no places.
 void advance_filter(FilterState& state, std::span<const uint16_t> scores);
 

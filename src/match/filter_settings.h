@@ -9,7 +9,7 @@ struct FilterSettings {
   /// A frame that differs from the last keyframe by at least this share of the typical distance is
   /// a keyframe, in the query and in training sequences; the filter steps from keyframe to
   /// keyframe.
-  double view_change = 0.15;
+  double keyframe_change = 0.15;
   double sharpness = 0.5;     ///< log-likelihood per deviation
   double unmatched = -0.5;    ///< the z with equal likelihood off the map and at its training frame
   double jump = 0.001;        ///< probability of a jump to any place, per keyframe
@@ -35,7 +35,7 @@ struct FilterSettings {
 
 template <class Visitor>
 void visit_fields(FilterSettings& settings, Visitor&& visit) {
-  visit("view_change", settings.view_change);
+  visit("keyframe_change", settings.keyframe_change);
   visit("sharpness", settings.sharpness);
   visit("unmatched", settings.unmatched);
   visit("jump", settings.jump);

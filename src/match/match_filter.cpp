@@ -103,7 +103,7 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   assert(distances.is_in_order());
   FilteredQuery query;
   query.filter = start_filter(distances, settings.filter,
-                              settings.filter.view_change * distances.typical_distance);
+                              settings.filter.keyframe_change * distances.typical_distance);
   query.look = start_second_look(query.filter);
   query.track.kernels = settings.kernels;
   query.track.shared = settings.shared_places;
@@ -126,7 +126,7 @@ PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
   find_scores(query, distances, frame.row);
   const double change = change_since(query, distances, frame.row);
   if (query.view.empty() ||
-      change >= query.filter.settings.view_change * distances.typical_distance) {
+      change >= query.filter.settings.keyframe_change * distances.typical_distance) {
     const DescriptorRow view = distances.query.rows[frame.row];
     query.view.assign(view.begin(), view.end());
     advance_filter(query.filter, query.scores);

@@ -27,7 +27,7 @@ struct EqualWeights {
 
 struct PastState {
   FrameDistances distances;
-  StandardizationSettings settings;
+  ZScoreSettings settings;
   ScoreKernels kernels;
   size_t least_lag = 0;
   std::vector<uint8_t> readable;
@@ -100,7 +100,7 @@ void take_row(PastState& state, size_t frame, const RowSums& sums) {
   const double mean_so_far = state.sum_of_means / static_cast<double>(state.rows);
   state.offsets[frame] = static_cast<float>(state.settings.center ? row_mean : mean_so_far);
   state.mean[frame] = static_cast<float>(state.settings.start_bias * (row_mean - mean_so_far));
-  state.views.least_change = state.settings.view_change * mean_so_far;
+  state.views.least_change = state.settings.keyframe_change * mean_so_far;
 }
 
 double variance_so_far(const PastState& state) {
@@ -158,15 +158,14 @@ void begin_row(PastState& state, size_t frame) {
             static_cast<float>(variance_so_far(state)));
   state.started = past;
   for_each_chunk(compared, [&](size_t first, size_t last) {
-    state.kernels.standardize(state.row.data() + first, state.offsets[frame], {},
-                              state.mean.data() + first, state.variance.data() + first,
-                              state.least_variance, state.most_variance,
-                              state.scores.data() + first, last - first);
+    state.kernels.to_zscores(state.row.data() + first, state.offsets[frame], {},
+                             state.mean.data() + first, state.variance.data() + first,
+                             state.least_variance, state.most_variance, state.scores.data() + first,
+                             last - first);
   });
 }
 
-std::shared_ptr<PastState> start_past(FrameDistances distances,
-                                      const StandardizationSettings& settings) {
+std::shared_ptr<PastState> start_past(FrameDistances distances, const ZScoreSettings& settings) {
   auto state = std::make_shared<PastState>();
   const size_t frames = distances.query_frames;
   state->settings = settings;
@@ -191,16 +190,14 @@ std::shared_ptr<PastState> start_past(FrameDistances distances,
 
 }  // namespace
 
-void check_past_settings(const StandardizationSettings& settings) {
-  if (settings.components != 0 && settings.components != StandardizationSettings{}.components)
-    throw Error(
-        ErrorKind::usage,
-        "standardization.components are components of a whole training sequence, which a sequence "
-        "against itself (--loop) does not have yet; remove them");
+void check_past_settings(const ZScoreSettings& settings) {
+  if (settings.components != 0 && settings.components != ZScoreSettings{}.components)
+    throw Error(ErrorKind::usage,
+                "zscore.components are components of a whole training sequence, which a sequence "
+                "against itself (--loop) does not have yet; remove them");
 }
 
-FrameDistances standardized_past(FrameDistances distances,
-                                 const StandardizationSettings& settings) {
+FrameDistances past_zscores(FrameDistances distances, const ZScoreSettings& settings) {
   assert(distances.past.size() == distances.query_frames && !distances.is_in_order());
   const auto state = start_past(std::move(distances), settings);
   FrameDistances scores = state->distances;

@@ -92,8 +92,8 @@ std::vector<std::optional<size_t>> plain_schedule(const DescriptorSpan& query,
                                                   const ScoreBasis& basis) {
   std::vector<std::optional<size_t>> learned(query.rows.size());
   std::vector<size_t> views;  // all keyframes, increasing
-  const double least_change = basis.settings.view_change * basis.typical_distance;
-  const size_t lag = basis.settings.lag_views;
+  const double least_change = basis.settings.keyframe_change * basis.typical_distance;
+  const size_t lag = basis.settings.lag_keyframes;
   for (size_t j = 0; j < query.rows.size(); ++j) {
     if (contains(query.unreadable, j) || !basis.settings.learn) continue;
     const size_t recent = std::min(views.size(), lag);
@@ -128,8 +128,7 @@ struct Sums {
   }
 };
 
-double standardized(double x, const Sums& sums, const StandardizationSettings& settings,
-                    uint16_t largest) {
+double zscores(double x, const Sums& sums, const ZScoreSettings& settings, uint16_t largest) {
   constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
   const double deviation = settings.divide ? std::max(std::sqrt(std::max(sums.variance, 0.0)),
                                                       deviation_floor(settings, largest))
@@ -221,7 +220,7 @@ PlainUpdates plain_updates(std::span<const DescriptorSpan> centered_over,
 std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
                                        const DescriptorRows& query, const PlainUpdates& updates,
                                        const ScoreBasis& basis) {
-  const StandardizationSettings& settings = basis.settings;
+  const ZScoreSettings& settings = basis.settings;
   const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
   const double forgetting = basis.offline ? 1 : settings.forgetting;
   const double start = basis.mean[frame];
@@ -240,7 +239,7 @@ std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
   std::vector<double> scores;
   for (size_t j = 0; j < query.size(); ++j) {
     if (!basis.offline && updates.learned[j]) sums.add(centered(*updates.learned[j]), forgetting);
-    scores.push_back(standardized(centered(j), sums, settings, largest));
+    scores.push_back(zscores(centered(j), sums, settings, largest));
   }
   return scores;
 }

@@ -10,7 +10,7 @@
 #include "base/monitor.h"
 #include "describe/descriptor_rows.h"
 #include "match/components.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 namespace {

@@ -74,7 +74,7 @@ void visit_fields(LshSettings& settings, Visitor&& visit) {
   visit("probe_level", settings.probe_level);
 }
 
-/// The default memory limit for rings and hits in bytes.
+/// The default memory limit for rings and recognitions in bytes.
 inline constexpr size_t kDefaultMemoryLimit = size_t{1} << 33;
 
 /// The number of training frames per number of query frames; reduced.

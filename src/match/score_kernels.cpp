@@ -131,9 +131,9 @@ void Learn(const uint16_t* distances, float offset, const CommonPart& common, fl
 }
 
 template <bool kCommon>
-HWY_INLINE void StandardizeRow(const Row<kCommon> row, const float* mean, const float* variance,
-                               float least_variance, float most_variance,
-                               uint16_t* HWY_RESTRICT out, size_t count) {
+HWY_INLINE void ZScoreRow(const Row<kCommon> row, const float* mean, const float* variance,
+                          float least_variance, float most_variance, uint16_t* HWY_RESTRICT out,
+                          size_t count) {
   const FloatTag d;
   const auto least = hn::Set(d, least_variance);
   const auto most = hn::Set(d, most_variance);
@@ -158,20 +158,20 @@ HWY_INLINE void StandardizeRow(const Row<kCommon> row, const float* mean, const 
   }
 }
 
-void Standardize(const uint16_t* distances, float offset, const CommonPart& common,
-                 const float* mean, const float* variance, float least_variance,
-                 float most_variance, uint16_t* out, size_t count) {
+void ToZScores(const uint16_t* distances, float offset, const CommonPart& common, const float* mean,
+               const float* variance, float least_variance, float most_variance, uint16_t* out,
+               size_t count) {
   if (common.loadings[0] == nullptr)
-    StandardizeRow(Row<false>{distances, offset, {}}, mean, variance, least_variance, most_variance,
-                   out, count);
+    ZScoreRow(Row<false>{distances, offset, {}}, mean, variance, least_variance, most_variance, out,
+              count);
   else
-    StandardizeRow(Row<true>{distances, offset, common}, mean, variance, least_variance,
-                   most_variance, out, count);
+    ZScoreRow(Row<true>{distances, offset, common}, mean, variance, least_variance, most_variance,
+              out, count);
 }
 
 }  // namespace
 
-ScoreKernels Scores() { return {Learn, Standardize}; }
+ScoreKernels Scores() { return {Learn, ToZScores}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace vpr

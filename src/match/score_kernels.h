@@ -40,9 +40,9 @@ struct ScoreKernels {
                 float* mean, float* variance, size_t count);
   /// out = (((distance - offset) - common part) - mean) / sqrt(variance), with the variance within
   /// [least, most], as an integer (see above). least > 0.
-  void (*standardize)(const uint16_t* distances, float offset, const CommonPart& common,
-                      const float* mean, const float* variance, float least_variance,
-                      float most_variance, uint16_t* out, size_t count);
+  void (*to_zscores)(const uint16_t* distances, float offset, const CommonPart& common,
+                     const float* mean, const float* variance, float least_variance,
+                     float most_variance, uint16_t* out, size_t count);
 };
 
 /// The kernels for the current SIMD target (base/simd.h).

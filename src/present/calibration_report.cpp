@@ -119,7 +119,7 @@ std::string calibration_failure(const CalibratedWalk& walk) {
   // The length that recognizes most places tells best why there is no margin.
   const CalibratedLength& length =
       *std::ranges::max_element(walk.lengths, {}, &CalibratedLength::queries);
-  if (length.calibration.advice == CalibrationAdvice::no_right_hit)
+  if (length.calibration.advice == CalibrationAdvice::no_right_recognition)
     return "no window is recognized correctly; check that the ground truth belongs to this query";
   return "at every setting that recognizes a window correctly, others are incorrect, or would be "
          "if their place were not trained";

@@ -223,7 +223,7 @@ void visit_fields(LabelCounts& counts, Visitor&& visit) {
 
 template <class Visitor>
 void visit_fields(Counts& counts, Visitor&& visit) {
-  visit("hits", counts.hits);
+  visit("recognitions", counts.recognitions);
   visit("places", IfSet{counts.clusters});
   if (counts.clusters) visit("mixed_places", counts.mixed_clusters);
   visit("distinct", counts.distinct);
@@ -252,7 +252,7 @@ template <class Visitor>
 void visit_fields(CountsByView& counts, Visitor&& visit) {
   visit("query_views", counts.query_views);
   visit("train_views", counts.train_views);
-  visit("hits", counts.hits);
+  visit("recognitions", counts.recognitions);
   visit("best_match", ViewBestMatch{counts});
 }
 
@@ -264,7 +264,7 @@ void visit_fields(ReportedPlace& place, Visitor&& visit) {
   visit("train", place.train);
   visit("train_range", RangeForm{place.train_range});
   visit("label", place.judged.label);
-  visit("hits", place.judged.hits);
+  visit("recognitions", place.judged.recognitions);
 }
 
 template <class Visitor>

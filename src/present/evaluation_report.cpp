@@ -16,7 +16,7 @@ constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
 constexpr const char* kUnreachableProtocol =
     "neither is one whose anchor has matches only where no training window ends";
 
-/// Every place with what its hits are: the place is judged at its mean, whatever they say.
+/// Every place with what its recognitions are: the place is judged at its mean, whatever they say.
 std::vector<ReportedPlace> places_of(const JudgedResult& judged) {
   std::vector<ReportedPlace> places;
   const Result& result = judged.result;
@@ -42,10 +42,11 @@ void define_windows(Definitions& define, const Result& result) {
   define.insert(
       define.end(),
       {{"anchor", kAnchorProtocol},
-       {"hits", fmt::format(fmt::runtime(decision_kind(settings.decision).hits), measure)},
+       {"recognitions",
+        fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
        {"places", result.path ? "confirmed tracks, judged at their middle frame"
-                              : "clusters of hits, judged at their mean"},
-       {"mixed_places", "correct places of whose hits some are incorrect"},
+                              : "clusters of recognitions, judged at their mean"},
+       {"mixed_places", "correct places of whose recognitions some are incorrect"},
        {"distinct", "correct places"},
        {"best_match", fmt::format("the window with the lowest {}, ties to the first; rate = "
                                   "correct / (queries - ignored)",
@@ -58,7 +59,7 @@ void define_windows(Definitions& define, const Result& result) {
 void define_places(Definitions& define) {
   define.insert(
       define.end(),
-      {{"hits", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
+      {{"recognitions", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
        {"distinct", "places recognized correctly at least once"},
        {"best_match",
         "the place of the likeliest view, the new place left out, ties to the first; a frame "
@@ -80,7 +81,8 @@ void define_scores(Definitions& define, size_t window_length) {
 }
 
 constexpr const char* kViewProtocol =
-    "frames in a row that look alike are one view; a pair of views with hits, and a query view "
+    "frames in a row that look alike are one view; a pair of views with recognitions, and a query "
+    "view "
     "with best matches, counts once: correct or incorrect if all of its windows are, else mixed; "
     "rate = "
     "mean over query views of the share of their windows that is right";

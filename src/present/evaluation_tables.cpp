@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kMostPlaces = 20;  // in a printed list
 
-// What hits were decided by: t_r, t_p, or the setting of another decision.
+// What recognitions were decided by: t_r, t_p, or the setting of another decision.
 std::string_view decided_by(const QuerySettings& settings) {
   const auto* of_sequence = std::get_if<SequenceQuerySettings>(&settings);
   return of_sequence != nullptr ? decision_kind(of_sequence->decision).symbol
@@ -196,14 +196,14 @@ Table localization_table(const Report& report) {
 
 // The counts by view; none for a report without them.
 Table view_table(const CountsByView& counts) {
-  const auto& [query_views, train_views, hits, best, rate] = counts;
+  const auto& [query_views, train_views, recognitions, best, rate] = counts;
   Table table;
   table.title =
       fmt::format("By view (frames in a row that look alike count once: {} and {})",
                   counted(query_views, "query view"), counted(train_views, "training view"));
-  add_column(table, "view pairs right", hits.correct);
-  add_column(table, "view pairs wrong", hits.incorrect);
-  add_column(table, "view pairs mixed", hits.mixed);
+  add_column(table, "view pairs right", recognitions.correct);
+  add_column(table, "view pairs wrong", recognitions.incorrect);
+  add_column(table, "view pairs mixed", recognitions.mixed);
   add_column(table, "views right", best.correct);
   add_column(table, "views wrong", best.incorrect);
   add_column(table, "views mixed", best.mixed);
@@ -211,22 +211,24 @@ Table view_table(const CountsByView& counts) {
   return table;
 }
 
-// The first kMostPlaces places of a sequence result, with the right and wrong hits of each; empty
-// for other reports, and where there is none.
+// The first kMostPlaces places of a sequence result, with the right and wrong recognitions of each;
+// empty for other reports, and where there is none.
 std::string recognitions_text(const Report& report) {
   if (!report.recognitions || report.recognitions->empty()) return "";
   const std::vector<ReportedPlace>& places = *report.recognitions;
   Table table;
-  table.title =
-      fmt::format("Places, judged at their {} (mixed: right there, but some hits are wrong)",
-                  has_paths(report.method) ? "middle frame" : "mean");
-  table.columns = {"sequence", "query frames", "train frames", "place", "hits right", "hits wrong"};
+  table.title = fmt::format(
+      "Places, judged at their {} (mixed: right there, but some recognitions are wrong)",
+      has_paths(report.method) ? "middle frame" : "mean");
+  table.columns = {"sequence", "query frames",       "train frames",
+                   "place",    "recognitions right", "recognitions wrong"};
   for (const ReportedPlace& place : places) {
     if (table.rows.size() == kMostPlaces) break;
-    const LabelCounts& hits = place.judged.hits;
+    const LabelCounts& recognitions = place.judged.recognitions;
     table.rows.push_back({place.sequence, range_text(place.query_range),
                           range_text(place.train_range), std::string(verdict_text(place.judged)),
-                          std::to_string(hits.correct), std::to_string(hits.incorrect)});
+                          std::to_string(recognitions.correct),
+                          std::to_string(recognitions.incorrect)});
   }
   return render_table(table, TableFormat::text) +
          (places.size() > kMostPlaces
@@ -332,7 +334,7 @@ Table report_table(const Report& report) {
       fmt::format("{} on {} ({})", of_query != nullptr ? method_title(report) : report.method,
                   report.query, report.protocol.ground_truth);
   if (of_query != nullptr) {
-    const auto& [hits, places, mixed, distinct, unused] = report.counts;
+    const auto& [recognitions, places, mixed, distinct, unused] = report.counts;
     const ScoreKind& score = score_of(*of_query);
     for (const std::string_view symbol : {score.window_symbol, decided_by(*of_query)})
       add_column(table, symbol, text(settings[std::string(symbol)]));
@@ -340,8 +342,8 @@ Table report_table(const Report& report) {
       add_column(table, "scale",
                  settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
                                              : text(settings["t_r_scale"]));
-    add_column(table, "hits right", hits.correct);
-    add_column(table, "hits wrong", hits.incorrect);
+    add_column(table, "recognitions right", recognitions.correct);
+    add_column(table, "recognitions wrong", recognitions.incorrect);
     if (places) {
       add_column(table, "places right", places->correct);
       add_column(table, "of these mixed", mixed);
@@ -361,7 +363,7 @@ Table report_table(const Report& report) {
 Table unjudged_table(const Report& report) {
   Table table;
   table.title = evaluation_title(report) + ", not judged";
-  add_column(table, "hits", report.counts.hits.ignored);
+  add_column(table, "recognitions", report.counts.recognitions.ignored);
   if (report.counts.clusters) add_column(table, "places", report.counts.clusters->ignored);
   const auto best =
       std::ranges::count(report.outcomes.queries, Verdict::ignored, &QueryOutcome::verdict);

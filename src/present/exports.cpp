@@ -32,11 +32,12 @@ std::vector<std::optional<FrameMatch>> fix_matches(const Evaluation& evaluation)
     return matches;
   }
   const Result& result = evaluation.result->result;
-  const std::vector<const Match*> hits = fixing_hits(result);
-  for (size_t frame = 0; frame < hits.size(); ++frame) {
-    if (hits[frame] == nullptr) continue;
-    const uint32_t sequence = result.places ? 0 : hits[frame]->target;
-    matches[frame] = FrameMatch{sequence, anchor_of(hits[frame]->train, result.window_length())};
+  const std::vector<const Match*> recognitions = fixing_recognitions(result);
+  for (size_t frame = 0; frame < recognitions.size(); ++frame) {
+    if (recognitions[frame] == nullptr) continue;
+    const uint32_t sequence = result.places ? 0 : recognitions[frame]->target;
+    matches[frame] =
+        FrameMatch{sequence, anchor_of(recognitions[frame]->train, result.window_length())};
   }
   return matches;
 }
@@ -64,7 +65,7 @@ std::string outcomes_csv_header() {
 
 std::string recognitions_csv_header() {
   return "name,query,sequence,first_frame,frame,last_frame,train_first_frame,train_frame,"
-         "train_last_frame,hits,hits_right,hits_wrong,score,outcome\n";
+         "train_last_frame,recognitions,recognitions_right,recognitions_wrong,score,outcome\n";
 }
 
 std::string outcomes_csv(const Judgment& judgment, const std::string& name,
@@ -104,16 +105,16 @@ std::string recognitions_csv(const JudgedResult& judged, const std::string& name
     const JudgedCluster& one = judged.clusters[c];
     const std::string& target = result.places ? result.places->names[cluster.train_window]
                                               : result.targets[cluster.target].sequence.name;
-    text +=
-        fmt::format("{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target),
-                    cluster.query_first, anchor_of(cluster.query_window, length),
-                    anchor_of(cluster.query_last, length), cluster.train_first,
-                    anchor_of(cluster.train_window, length), anchor_of(cluster.train_last, length),
-                    cluster.hits, one.hits.correct, one.hits.incorrect, cluster.best_score,
-                    one.is_mixed()                       ? "mixed"
-                    : one.label == PlaceLabel::same      ? "right"
-                    : one.label == PlaceLabel::different ? "wrong"
-                                                         : "ignored");
+    text += fmt::format("{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target),
+                        cluster.query_first, anchor_of(cluster.query_window, length),
+                        anchor_of(cluster.query_last, length), cluster.train_first,
+                        anchor_of(cluster.train_window, length),
+                        anchor_of(cluster.train_last, length), cluster.recognitions,
+                        one.recognitions.correct, one.recognitions.incorrect, cluster.best_score,
+                        one.is_mixed()                       ? "mixed"
+                        : one.label == PlaceLabel::same      ? "right"
+                        : one.label == PlaceLabel::different ? "wrong"
+                                                             : "ignored");
   }
   return text;
 }

@@ -25,9 +25,9 @@ std::string recognitions_csv_header();
 std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                          const std::string& query);
 
-/// One row a cluster of hits: the frames that its windows cover, and the frames at which it is
-/// judged. Of a result without clusters one row a hit: a frame and a place, whose index the "train"
-/// columns hold.
+/// One row a cluster of recognitions: the frames that its windows cover, and the frames at which it
+/// is judged. Of a result without clusters one row a recognition: a frame and a place, whose index
+/// the "train" columns hold.
 std::string recognitions_csv(const JudgedResult& judged, const std::string& name);
 
 /// Positions of training frames (of FAB-MAP: of places, as one sequence), by sequence of the scope

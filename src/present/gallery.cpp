@@ -118,7 +118,7 @@ std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTr
   };
   const Verdict good = truth.is_known ? Verdict::correct : Verdict::ignored;
   choose(GalleryKind::mistake, Verdict::incorrect, true);
-  choose(GalleryKind::hit, good, true);
+  choose(GalleryKind::recognition, good, true);
   choose(GalleryKind::weak, good, false);
   return items;
 }

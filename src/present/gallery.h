@@ -17,10 +17,10 @@
 namespace vpr {
 
 /// What a picture pair shows.
-enum class GalleryKind { mistake, hit, weak };
+enum class GalleryKind { mistake, recognition, weak };
 template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<GalleryKind> = {"mistake", "hit",
-                                                                            "weak"};
+inline constexpr std::array<std::string_view, 3> kEnumNames<GalleryKind> = {"mistake",
+                                                                            "recognition", "weak"};
 
 /// A query frame beside the training frame that it was taken for.
 struct GalleryItem {
@@ -29,11 +29,11 @@ struct GalleryItem {
   std::optional<FrameMatch> truth;  ///< where it should have been, if that is known
 };
 
-/// The worst mistakes (the most confident incorrect best matches), the best hits and the weakest
-/// correct best matches: at most `most` of each, in this order; where the ground truth is not
-/// known, the best and the weakest of all best matches. Of queries less than a window (or
-/// five frames) apart the first in this order is taken; ties go to the earlier query. A query
-/// stands for one kind only.
+/// The worst mistakes (the most confident incorrect best matches), the best recognitions and the
+/// weakest correct best matches: at most `most` of each, in this order; where the ground truth is
+/// not known, the best and the weakest of all best matches. Of queries less than a window (or five
+/// frames) apart the first in this order is taken; ties go to the earlier query. A query stands for
+/// one kind only.
 std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
                                         size_t most);
 

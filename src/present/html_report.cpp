@@ -244,7 +244,7 @@ std::string html_report(const Evaluation& evaluation, const Report& report, cons
        {"matrix_title", evaluation.matrix ? "Scores of all pairs" : "Recognitions of all pairs"},
        {"matrix_legend", legend_html(meanings_of(charts.matrix))},
        {"matrix", page_svg(charts.matrix)},
-       {"gallery_title", truth.is_known ? "Mistakes and hits" : "Best matches"},
+       {"gallery_title", truth.is_known ? "Mistakes and recognitions" : "Best matches"},
        {"mistakes", truth.is_known ? std::string(kMistakes) : ""},
        {"weak", truth.is_known ? "weakest right ones" : "weakest matches"},
        {"gallery_note", html_escaped(gallery.note())},

@@ -38,10 +38,10 @@ struct MatchColumns {
   }
 };
 
-MatchColumns hit_columns(const Result& result) {
+MatchColumns recognition_columns(const Result& result) {
   MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
-  columns.indices.reserve(columns.columns * result.hits.size());
-  for (const Match& hit : result.hits) columns.add(hit);
+  columns.indices.reserve(columns.columns * result.recognitions.size());
+  for (const Match& recognition : result.recognitions) columns.add(recognition);
   return columns;
 }
 
@@ -191,7 +191,7 @@ Json clusters_json(const Clusters& clusters, size_t length) {
         {{"target", one.target},
          {"query", extent_json(one.query_window, one.query_first, one.query_last, length)},
          {"train", extent_json(one.train_window, one.train_first, one.train_last, length)},
-         {"hits", one.hits},
+         {"recognitions", one.recognitions},
          {"best_score", static_cast<int64_t>(one.best_score)}});
   return json;
 }
@@ -209,12 +209,12 @@ Json result_json(const Result& result, const ResultContext& context) {
     json["targets"].push_back(target_json(target, result));
   if (result.places)
     json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
-  json["totals"] = {{"hits", result.hits.size()}};
+  json["totals"] = {{"recognitions", result.recognitions.size()}};
   if (result.recall)
     json["recall"] = {{"windows", result.recall->windows},
                       {"found_best", result.recall->found_best},
-                      {"hits", result.recall->hits},
-                      {"found_hits", result.hits.size()}};
+                      {"recognitions", result.recall->recognitions},
+                      {"found_recognitions", result.recognitions.size()}};
   if (result.clusters) {
     json["totals"]["clusters"] = result.clusters->all.size();
     json["clusters"] = clusters_json(*result.clusters, result.window_length());
@@ -237,9 +237,9 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
         known != context.checksums.end() ? known->second : file_checksum(file->temporary());
   }
   const Companions companions{path, outputs, json["files"]};
-  const MatchColumns hits = hit_columns(result);
-  companions.write("hits", hits.indices, hits.columns);
-  companions.write("hit_scores", hits.scores);
+  const MatchColumns recognitions = recognition_columns(result);
+  companions.write("recognitions", recognitions.indices, recognitions.columns);
+  companions.write("recognition_scores", recognitions.scores);
   const MatchColumns best = best_columns(result);
   companions.write("best", best.indices, best.columns);
   companions.write("best_scores", best.scores);
@@ -260,16 +260,11 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
 }
 
 Json live_line(const LineFrame& frame, const Result* result, size_t window) {
-  Json line = {{"schema", "vpr.live/1"},
-               {"frame", frame.number},
-               {"name", frame.name},
-               {"readable", frame.is_readable},
-               {"match", nullptr},
-               {"margin", nullptr},
-               {"nowhere", nullptr},
-               {"rate", nullptr},
-               {"hits", 0},
-               {"recognized", false}};
+  Json line = {{"schema", "vpr.live/1"}, {"frame", frame.number},
+               {"name", frame.name},     {"readable", frame.is_readable},
+               {"match", nullptr},       {"margin", nullptr},
+               {"nowhere", nullptr},     {"rate", nullptr},
+               {"recognitions", 0},      {"recognized", false}};
   if (result == nullptr) return line;
   const size_t length = result->window_length();
   if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
@@ -280,9 +275,9 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
         std::isnan(nowhere) ? nowhere : result->score().frame_value(nowhere, length));
     line["rate"] = number_or_null(result->path->rates[window]);
   }
-  const auto hits = std::ranges::count(result->hits, window, &Match::query);
-  line["hits"] = hits;
-  line["recognized"] = hits > 0;
+  const auto recognitions = std::ranges::count(result->recognitions, window, &Match::query);
+  line["recognitions"] = recognitions;
+  line["recognized"] = recognitions > 0;
   return line;
 }
 

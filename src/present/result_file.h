@@ -1,5 +1,6 @@
-// Result files (vpr.result/2): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy
-// and the other arrays of kResultArrays. Also the lines of a live query (vpr.live/1).
+// Result files (vpr.result/2): RESULT.json and, named after it, RESULT.recognitions.npy,
+// RESULT.best.npy and the other arrays of kResultArrays. Also the lines of a live query
+// (vpr.live/1).
 #pragma once
 
 #include <array>
@@ -32,8 +33,8 @@ struct ResultContext {
 };
 
 /// The arrays that a result may have beside it.
-inline constexpr std::array<const char*, 11> kResultArrays = {"hits.npy",
-                                                              "hit_scores.npy",
+inline constexpr std::array<const char*, 11> kResultArrays = {"recognitions.npy",
+                                                              "recognition_scores.npy",
                                                               "best.npy",
                                                               "best_scores.npy",
                                                               "margins.npy",
@@ -44,7 +45,7 @@ inline constexpr std::array<const char*, 11> kResultArrays = {"hits.npy",
                                                               "best_rates.npy",
                                                               "train_source_frames.npy"};
 
-/// RESULT.hits.npy for RESULT.json.
+/// RESULT.recognitions.npy for RESULT.json.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
 
 /// Claims the result and its companions.

@@ -167,7 +167,7 @@ bool is_inside(const Match& match, const Result& result) {
          is_score(match.score, result);
 }
 
-/// Rows of hits.npy or best.npy with their scores; none where a query has no best match.
+/// Rows of recognitions.npy or best.npy with their scores; none where a query has no best match.
 std::vector<std::optional<Match>> read_rows(const ResultSource& source, const std::string& name,
                                             const std::string& scores_name, const Result& result) {
   const NpyArray array = source.open(name);
@@ -216,14 +216,16 @@ std::vector<uint32_t> take_views(std::span<const int32_t> rows, size_t& row, int
 }
 
 void read_matches(const ResultSource& source, Result& result) {
-  for (const auto& hit : read_rows(source, "hits", "hit_scores", result)) {
-    if (!hit) source.fields.fail("hits.npy holds a hit of nothing");
-    result.hits.push_back(*hit);
+  for (const auto& recognition : read_rows(source, "recognitions", "recognition_scores", result)) {
+    if (!recognition) source.fields.fail("recognitions.npy holds a recognition of nothing");
+    result.recognitions.push_back(*recognition);
   }
-  const auto position = [](const Match& hit) { return std::tie(hit.query, hit.target, hit.train); };
-  for (size_t h = 1; h < result.hits.size(); ++h)
-    if (position(result.hits[h - 1]) >= position(result.hits[h]))
-      source.fields.fail("its hits are not in order");
+  const auto position = [](const Match& recognition) {
+    return std::tie(recognition.query, recognition.target, recognition.train);
+  };
+  for (size_t h = 1; h < result.recognitions.size(); ++h)
+    if (position(result.recognitions[h - 1]) >= position(result.recognitions[h]))
+      source.fields.fail("its recognitions are not in order");
   result.best = read_rows(source, "best", "best_scores", result);
   if (result.best.size() != result.query_windows)
     source.fields.fail("best matches do not fit the query");
@@ -300,13 +302,13 @@ void read_new_place(const ResultSource& source, Result& result) {
     source.fields.fail("new_place.npy does not fit the query");
 }
 
-// The clusters that the file claims are those of its hits.
+// The clusters that the file claims are those of its recognitions.
 void read_clusters(const ResultSource& source, Result& result, const Monitor& monitor) {
   const int64_t eps = std::get<SequenceQuerySettings>(result.settings).clustering.eps;
   if (eps < 0 || eps > kMaxEps) source.fields.fail("its clustering.eps is out of range");
   cluster(result, monitor);
   if (source.fields.list("clusters") != clusters_json(*result.clusters, result.window_length()))
-    source.fields.fail("its clusters are not those of its hits");
+    source.fields.fail("its clusters are not those of its recognitions");
 }
 
 // Files beside the result, of names that its user chose. They may be gone, but not of another run.

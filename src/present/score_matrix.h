@@ -103,8 +103,8 @@ ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth,
 Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
                    const std::string& reference_word, const std::string& score_words);
 
-/// The matrix of a result, in the pixels that its rows gave. Without a ground truth, hits are not
-/// judged.
+/// The matrix of a result, in the pixels that its rows gave. Without a ground truth, recognitions
+/// are not judged.
 Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
                           const Monitor& monitor);
 

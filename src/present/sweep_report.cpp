@@ -50,9 +50,10 @@ Json choice_json(const Sweep& sweep, size_t first) {
   for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
   add_selection(json, sweep.query.selection);
   if (sweep.intervals) {
-    json["intervals"] = {{"block", sweep.intervals->block},
-                         {"correct_hits", interval_json(sweep.intervals->correct_hits)},
-                         {"incorrect_hits", interval_json(sweep.intervals->incorrect_hits)}};
+    json["intervals"] = {
+        {"block", sweep.intervals->block},
+        {"correct_recognitions", interval_json(sweep.intervals->correct_recognitions)},
+        {"incorrect_recognitions", interval_json(sweep.intervals->incorrect_recognitions)}};
     if (sweep.cells.front().counts.clusters) {
       json["intervals"]["correct_places"] = interval_json(sweep.intervals->correct_places);
       json["intervals"]["incorrect_places"] = interval_json(sweep.intervals->incorrect_places);
@@ -90,8 +91,9 @@ std::string cell_name(const Sweep& sweep, const CellCounts& cell) {
 /// The two texts of a cell in a table: right and wrong.
 using CellTexts = std::pair<std::string, std::string> (*)(const Counts&);
 
-std::pair<std::string, std::string> hit_texts(const Counts& counts) {
-  return {std::to_string(counts.hits.correct), std::to_string(counts.hits.incorrect)};
+std::pair<std::string, std::string> recognition_texts(const Counts& counts) {
+  return {std::to_string(counts.recognitions.correct),
+          std::to_string(counts.recognitions.incorrect)};
 }
 
 std::pair<std::string, std::string> place_texts(const Counts& counts) {
@@ -137,16 +139,17 @@ std::string first_error_text(const Sweep& sweep) {
   const std::string window =
       fmt::format("{} {}", sweep.score->window_symbol, sweep.cells[*choice.cell].window);
   if (!choice.first_error)
-    return fmt::format("{} has no incorrect hit in the whole grid.\n", window);
+    return fmt::format("{} has no incorrect recognition in the whole grid.\n", window);
   const CellCounts& error = sweep.cells[*choice.first_error];
-  const LabelCounts& hits = error.counts.hits;
-  if (hits.incorrect == 0)
+  const LabelCounts& recognitions = error.counts.recognitions;
+  if (recognitions.incorrect == 0)
     return fmt::format("At {} {}, {} of {} would be wrong, were their places not trained.\n",
                        sweep.threshold_symbol, threshold_text(error),
                        counted(*error.untrained, "window"), window);
   return fmt::format("The first error of {} is at {} {}: {}, {} correct.\n", window,
                      sweep.threshold_symbol, threshold_text(error),
-                     counted(hits.incorrect, "incorrect hit"), hits.correct);
+                     counted(recognitions.incorrect, "incorrect recognition"),
+                     recognitions.correct);
 }
 
 // Whether cells know what windows would reach were their places not trained.
@@ -166,8 +169,9 @@ std::string intervals_text(const SweepIntervals& intervals, bool with_places) {
   const auto range = [](const Interval& interval) {
     return fmt::format("{:.0f} to {:.0f}", interval.low, interval.high);
   };
-  std::string text = fmt::format("Correct hits {}, incorrect {}", range(intervals.correct_hits),
-                                 range(intervals.incorrect_hits));
+  std::string text =
+      fmt::format("Correct recognitions {}, incorrect {}", range(intervals.correct_recognitions),
+                  range(intervals.incorrect_recognitions));
   if (with_places)
     text += fmt::format("; correct places {}, incorrect {}", range(intervals.correct_places),
                         range(intervals.incorrect_places));
@@ -192,21 +196,21 @@ Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t LabelCoun
   chart.x = name_axis(sweep.score->window_symbol, windows, false);
   chart.y = name_axis(sweep.threshold_symbol, thresholds, true);
   uint64_t most = 1;
-  for (const CellCounts& cell : sweep.cells) most = std::max(most, cell.counts.hits.*count);
+  for (const CellCounts& cell : sweep.cells) most = std::max(most, cell.counts.recognitions.*count);
   cv::Mat image(static_cast<int>(thresholds.size()), static_cast<int>(windows.size()), CV_8UC3,
                 cv::Scalar::all(255));
   Series numbers{"", {}, SeriesStyle::points, meaning, SeriesMark::none};
   for (const CellCounts& cell : sweep.cells) {
     const auto x = std::ranges::find(windows, window_text(cell)) - windows.begin();
     const auto y = std::ranges::find(thresholds, threshold_text(cell)) - thresholds.begin();
-    const uint64_t hits = cell.counts.hits.*count;
+    const uint64_t recognitions = cell.counts.recognitions.*count;
     // From white to the full color, by the square root of the share in the largest count.
-    const double share = std::sqrt(static_cast<double>(hits) / static_cast<double>(most));
+    const double share = std::sqrt(static_cast<double>(recognitions) / static_cast<double>(most));
     cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(y), static_cast<int>(x));
     const cv::Vec3b full = bgr_of(meaning);
     for (int c = 0; c < 3; ++c) pixel[c] = static_cast<uint8_t>(255 + share * (full[c] - 255));
     numbers.points.emplace_back(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-    numbers.labels.push_back(std::to_string(hits));
+    numbers.labels.push_back(std::to_string(recognitions));
   }
   chart.series = {numbers};
   chart.image = chart_image(image, 1);
@@ -243,9 +247,11 @@ std::string config_text(const QuerySettings& settings) {
 }
 
 Chart sweep_chart(const Sweep& sweep) {
-  Chart chart{"correct-incorrect", fmt::format("{}: hits", sweep.query.name), {"incorrect hits"}};
+  Chart chart{"correct-incorrect",
+              fmt::format("{}: recognitions", sweep.query.name),
+              {"incorrect recognitions"}};
   chart.x.from_zero = true;
-  chart.y.label = "correct hits";
+  chart.y.label = "correct recognitions";
   const auto looseness = [&](const CellCounts* cell) {
     return looseness_of(*cell, sweep.threshold_order);
   };
@@ -266,8 +272,8 @@ Chart sweep_chart(const Sweep& sweep) {
         series.points.push_back(kChartGap);
         series.labels.emplace_back();
       }
-      series.points.emplace_back(static_cast<double>(cell->counts.hits.incorrect),
-                                 static_cast<double>(cell->counts.hits.correct));
+      series.points.emplace_back(static_cast<double>(cell->counts.recognitions.incorrect),
+                                 static_cast<double>(cell->counts.recognitions.correct));
       series.labels.push_back(sweep.threshold_symbol + " " + threshold_text(*cell));
     }
     chart.series.push_back(series);
@@ -278,8 +284,10 @@ Chart sweep_chart(const Sweep& sweep) {
 std::string heat_map_png(const std::vector<Sweep>& sweeps) {
   std::vector<Chart> charts;
   for (const Sweep& sweep : sweeps) {
-    charts.push_back(heat_chart(sweep, "correct hits", &LabelCounts::correct, Meaning::right));
-    charts.push_back(heat_chart(sweep, "incorrect hits", &LabelCounts::incorrect, Meaning::wrong));
+    charts.push_back(
+        heat_chart(sweep, "correct recognitions", &LabelCounts::correct, Meaning::right));
+    charts.push_back(
+        heat_chart(sweep, "incorrect recognitions", &LabelCounts::incorrect, Meaning::wrong));
   }
   return chart_png(charts, 2);
 }
@@ -290,9 +298,9 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
       sweeps, [](const Sweep& sweep) { return sweep.recommendation.cell.has_value(); });
   std::vector<Table> tables = {
       grid_table(sweeps,
-                 fmt::format("hits by {} and {}{}", first.threshold_symbol,
+                 fmt::format("recognitions by {} and {}{}", first.threshold_symbol,
                              first.score->window_symbol, any_star ? " (* recommended)" : ""),
-                 hit_texts, true, true)};
+                 recognition_texts, true, true)};
   const bool any_mixed = std::ranges::any_of(sweeps, [](const Sweep& sweep) {
     return std::ranges::any_of(
         sweep.cells, [](const CellCounts& cell) { return cell.counts.mixed_clusters > 0; });
@@ -300,8 +308,9 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
   if (has_places(first))
     tables.push_back(grid_table(
         sweeps,
-        any_mixed ? "places, judged at their mean (in brackets: right there, but with wrong hits)"
-                  : "places",
+        any_mixed
+            ? "places, judged at their mean (in brackets: right there, but with wrong recognitions)"
+            : "places",
         place_texts, true, false));
   tables.push_back(grid_table(sweeps, fmt::format("best matches by {}", first.score->window_symbol),
                               best_texts, false, false));
@@ -314,7 +323,7 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
   for (const Sweep& sweep : sweeps)
     for (size_t c = 0; c < sweep.cells.size(); ++c) {
       const CellCounts& cell = sweep.cells[c];
-      const auto& [hits, places, mixed, distinct, best] = cell.counts;
+      const auto& [recognitions, places, mixed, distinct, best] = cell.counts;
       const Recommendation& choice = sweep.recommendation;
       const bool is_pareto = std::ranges::find(choice.pareto, c) != choice.pareto.end();
       const bool has_places = places.has_value();
@@ -328,9 +337,9 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
       add_column(row, sweep.threshold_symbol, threshold_text(cell));
       add_column(row, "scale",
                  std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure));
-      add_column(row, "hits_correct", hits.correct);
-      add_column(row, "hits_incorrect", hits.incorrect);
-      add_column(row, "hits_ignored", hits.ignored);
+      add_column(row, "recognitions_correct", recognitions.correct);
+      add_column(row, "recognitions_incorrect", recognitions.incorrect);
+      add_column(row, "recognitions_ignored", recognitions.ignored);
       add_column(row, "places_correct", of_places(judged.correct));
       add_column(row, "places_mixed", of_places(mixed));
       add_column(row, "places_incorrect", of_places(judged.incorrect));
@@ -348,30 +357,31 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
 std::string reason_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
   const std::string& symbol = sweep.threshold_symbol;
-  const auto correct_hits = [&](const std::optional<size_t>& cell) {
-    return counted(sweep.cells[*cell].counts.hits.correct, "correct hit");
+  const auto correct_recognitions = [&](const std::optional<size_t>& cell) {
+    return counted(sweep.cells[*cell].counts.recognitions.correct, "correct recognition");
   };
   const auto near_miss = [&] {
     return fmt::format("{} has {} and no incorrect one",
                        cell_name(sweep, sweep.cells[*choice.near_miss]),
-                       correct_hits(choice.near_miss));
+                       correct_recognitions(choice.near_miss));
   };
   switch (choice.advice) {
     case Advice::recommended:
       if (sweep.cells[*choice.cell].untrained)
-        return correct_hits(choice.cell) +
-               ", the most of all settings that neither have an incorrect hit nor would, were the "
+        return correct_recognitions(choice.cell) +
+               ", the most of all settings that neither have an incorrect recognition nor would, "
+               "were the "
                "places not trained";
       return fmt::format(
-          "{}, the most of all settings without an incorrect hit at "
+          "{}, the most of all settings without an incorrect recognition at "
           "this, every stricter and the next looser {}",
-          correct_hits(choice.cell), symbol);
-    case Advice::no_hits:
-      return "no setting has a hit";
-    case Advice::no_correct_hits:
-      return "all hits are incorrect; check that the ground truth belongs to this query";
+          correct_recognitions(choice.cell), symbol);
+    case Advice::no_recognitions:
+      return "no setting has a recognition";
+    case Advice::no_correct_recognitions:
+      return "all recognitions are incorrect; check that the ground truth belongs to this query";
     case Advice::always_errors:
-      return fmt::format("every setting with a correct hit also has an incorrect one{}",
+      return fmt::format("every setting with a correct recognition also has an incorrect one{}",
                          knows_untrained(sweep) ? ", or would if its place were not trained" : "");
     case Advice::next_errs:
       return fmt::format("{}, but the next looser {} of the grid, {}, has one; add steps between",
@@ -402,13 +412,14 @@ std::string validation_text(const ValidatedCell& validation) {
   const auto pair_text = [](const LabelCounts& labels) {
     return fmt::format("{} right, {} wrong", labels.correct, labels.incorrect);
   };
-  std::string text = fmt::format("On {}: hits {}", validation.query_name, pair_text(counts.hits));
+  std::string text =
+      fmt::format("On {}: recognitions {}", validation.query_name, pair_text(counts.recognitions));
   if (counts.clusters)
-    text += fmt::format(
-        "; places {}{}", pair_text(*counts.clusters),
-        counts.mixed_clusters == 0
-            ? ""
-            : fmt::format(" ({} of the right ones with wrong hits)", counts.mixed_clusters));
+    text += fmt::format("; places {}{}", pair_text(*counts.clusters),
+                        counts.mixed_clusters == 0
+                            ? ""
+                            : fmt::format(" ({} of the right ones with wrong recognitions)",
+                                          counts.mixed_clusters));
   const BestMatchCounts& best = counts.best_match;
   return text +
          fmt::format("; best matches {} of {} right.\n", best.correct, best.queries - best.ignored);

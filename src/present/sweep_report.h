@@ -21,15 +21,16 @@ Json sweep_json(std::string_view method, const QuerySettings& base,
 /// Settings as vpr-query --config takes them (vpr.config/1).
 std::string config_text(const QuerySettings& settings);
 
-/// Correct against incorrect hits, a line a window.
+/// Correct against incorrect recognitions, a line a window.
 Chart sweep_chart(const Sweep& sweep);
 
-/// Correct and incorrect hits over the grid, side by side, one sweep below the other: a PNG file.
+/// Correct and incorrect recognitions over the grid, side by side, one sweep below the other: a PNG
+/// file.
 std::string heat_map_png(const std::vector<Sweep>& sweeps);
 
-/// Hits, places (of sequences, with the number of mixed ones) and best matches, in the layout of
-/// the paper's tables: a row a query and threshold, two columns a window; the recommended cell has
-/// a star. All sweeps have the same grid, and there is at least one.
+/// Recognitions, places (of sequences, with the number of mixed ones) and best matches, in the
+/// layout of the paper's tables: a row a query and threshold, two columns a window; the recommended
+/// cell has a star. All sweeps have the same grid, and there is at least one.
 std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps);
 
 /// One row a cell and one column a number, for CSV. The two families differ in the names of their

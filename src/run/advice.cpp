@@ -13,15 +13,16 @@ namespace vpr {
 
 namespace {
 
-constexpr double kMostHits = 0.2;   // of all cells
-constexpr size_t kFewest = 4;       // one frame in so many is reason to use the filter
-constexpr double kSameSpeed = 1.2;  // and its inverse
+constexpr double kMostRecognitions = 0.2;  // of all cells
+constexpr size_t kFewest = 4;              // one frame in so many is reason to use the filter
+constexpr double kSameSpeed = 1.2;         // and its inverse
 
 // The median speed of the recognized frames; none if no speed is known.
 std::optional<double> recognized_rate(const Result& result) {
   std::vector<double> rates;
-  for (const Match& hit : result.hits)
-    if (const double rate = result.path->rates[hit.query]; !std::isnan(rate)) rates.push_back(rate);
+  for (const Match& recognition : result.recognitions)
+    if (const double rate = result.path->rates[recognition.query]; !std::isnan(rate))
+      rates.push_back(rate);
   if (rates.empty()) return std::nullopt;
   const auto middle = rates.begin() + static_cast<ptrdiff_t>(rates.size() / 2);
   std::nth_element(rates.begin(), middle, rates.end());
@@ -37,16 +38,17 @@ bool is_searched(const SequenceQuerySettings& settings, const std::string& name)
 
 }  // namespace
 
-std::optional<std::string> too_many_hits(const Result& result) {
+std::optional<std::string> too_many_recognitions(const Result& result) {
   double train_windows = 0;
   for (const Target& target : result.targets)
     if (target.searched) train_windows += static_cast<double>(target.windows);
   const auto queries = static_cast<double>(
       std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
-  const double share = static_cast<double>(result.hits.size()) / (train_windows * queries);
-  if (!(share > kMostHits)) return std::nullopt;
-  return fmt::format("{:.0f} % of all window pairs are hits: t_r is too large to tell places apart",
-                     100 * share);
+  const double share = static_cast<double>(result.recognitions.size()) / (train_windows * queries);
+  if (!(share > kMostRecognitions)) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of all window pairs are recognitions: t_r is too large to tell places apart",
+      100 * share);
 }
 
 std::string nothing_recognized(const Result& result) {
@@ -77,7 +79,7 @@ std::string filter_finding(const SequenceDatabase& database, const DescriptorSet
   const QueryResources plain = {resources.kernels, resources.memory_limit, 0, resources.seed};
   const Result result =
       run_query(plan_query(database, query, "", filter, plain, silent), plain, {}, silent).result;
-  if (result.hits.empty())
+  if (result.recognitions.empty())
     return "Nothing is recognized at any speed: the query may show another place or the opposite "
            "direction.";
   const size_t recognized = recognized_windows(result);

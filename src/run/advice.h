@@ -11,10 +11,10 @@
 
 namespace vpr {
 
-/// One sentence if more than a fifth of all window pairs of a result are hits.
-std::optional<std::string> too_many_hits(const Result& result);
+/// One sentence if more than a fifth of all window pairs of a result are recognitions.
+std::optional<std::string> too_many_recognitions(const Result& result);
 
-/// One sentence on a result without hits, from its settings alone.
+/// One sentence on a result without recognitions, from its settings alone.
 std::string nothing_recognized(const Result& result);
 
 /// One sentence on a query whose windows recognize nothing: how many of its frames the method

@@ -38,10 +38,11 @@ std::vector<Found> found_of(const Evaluation& evaluation) {
   std::vector<Found> all;
   if (evaluation.result) {
     const Result& result = evaluation.result->result;
-    for (const Match* hit : fixing_hits(result))
-      if (hit != nullptr)
-        all.push_back({anchor_of(hit->query, result.window_length()),
-                       {hit->target, anchor_of(hit->train, result.window_length())}});
+    for (const Match* recognition : fixing_recognitions(result))
+      if (recognition != nullptr)
+        all.push_back(
+            {anchor_of(recognition->query, result.window_length()),
+             {recognition->target, anchor_of(recognition->train, result.window_length())}});
   }
   if (!all.empty()) return all;
   for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)

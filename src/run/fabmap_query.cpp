@@ -116,9 +116,9 @@ void check_query_settings(const FabmapQuerySettings& settings) {
   find_fabmap_variant(settings.variant);
 }
 
-void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double> posterior,
-                 const ViewWindow& window, uint64_t frames_in_a_row,
-                 const std::vector<uint32_t>& place_of) {
+void append_recognitions(std::vector<Match>& recognitions, size_t frame,
+                         std::span<const double> posterior, const ViewWindow& window,
+                         uint64_t frames_in_a_row, const std::vector<uint32_t>& place_of) {
   std::map<uint32_t, Match> found;
   for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
     if (window.run[view] < frames_in_a_row) continue;
@@ -126,7 +126,7 @@ void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double>
     const auto [entry, is_new] = found.emplace(match.train, match);
     if (!is_new && match.score > entry->second.score) entry->second = match;
   }
-  for (const auto& [place, match] : found) hits.push_back(match);
+  for (const auto& [place, match] : found) recognitions.push_back(match);
 }
 
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
@@ -182,7 +182,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       const Match best = likeliest_view(frame, posterior, place_of);
       if (std::isfinite(views[best.view])) result.best.back() = best;
     }
-    append_hits(result.hits, frame, shown, window, settings.window, place_of);
+    append_recognitions(result.recognitions, frame, shown, window, settings.window, place_of);
     if (!unreadable) previous = std::move(posterior);
   };
   const size_t at_once = frames_at_once(place_of.size());

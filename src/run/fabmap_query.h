@@ -32,9 +32,9 @@ void check_query_settings(const FabmapQuerySettings& settings);
 
 /// Appends the places whose views have been above t_p for so many frames in a row, each by its
 /// likeliest such view. `posterior`: new place first; of a frame that recognizes nothing, empty.
-void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double> posterior,
-                 const ViewWindow& window, uint64_t frames_in_a_row,
-                 const std::vector<uint32_t>& place_of);
+void append_recognitions(std::vector<Match>& recognitions, size_t frame,
+                         std::span<const double> posterior, const ViewWindow& window,
+                         uint64_t frames_in_a_row, const std::vector<uint32_t>& place_of);
 
 /// The database with every frame of the query as a place of its own behind it: what `loop`
 /// searches.
@@ -42,8 +42,9 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
                           const std::string& query_name);
 
 /// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
-/// no best match and no hit, and break a window of c_w frames. The same for any number of threads.
-/// Throws Error(usage) for settings out of range, or a database without places unless `loop`.
+/// no best match and no recognition, and break a window of c_w frames. The same for any number of
+/// threads. Throws Error(usage) for settings out of range, or a database without places unless
+/// `loop`.
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);

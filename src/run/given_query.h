@@ -15,7 +15,7 @@ struct GivenQuery {
 
 /// All queries of a matrix against its references, or those that `sequences` name by ranges of
 /// numbers; none: all are one sequence, "references". Frames without any score can't be read.
-/// Standardized scores start without any bias, from how far the first readable frame's distances
+/// Z-scores start without any bias, from how far the first readable frame's distances
 /// spread, and every frame is a view. Thresholds and half-widths are not known. The matrix must
 /// outlive what is returned. Throws Error(usage) for a range that it does not have, and for names
 /// that are used twice.

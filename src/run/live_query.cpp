@@ -24,8 +24,7 @@ size_t new_index(const std::vector<size_t>& kept, size_t row) {
 }
 
 // The state of the rows that are kept, and room for the new one.
-void keep_rows(StandardizedState& state, const std::vector<size_t>& kept,
-               FrameDistances distances) {
+void keep_rows(ZScoreState& state, const std::vector<size_t>& kept, FrameDistances distances) {
   std::vector<FrameTerms> terms;
   for (const size_t row : kept) terms.push_back(state.terms[row]);
   terms.resize(kept.size() + 1);
@@ -75,12 +74,12 @@ LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis) {
   LiveFrames live;
   live.raw = raw;
   if (basis != nullptr) {
-    live.state = start_standardized(std::move(raw), *basis, {});
+    live.state = start_zscores(std::move(raw), *basis, {});
     live.fusion = basis->fusion;
     live.fusion_state = std::make_shared<FusionState>();
   }
   live.distances =
-      live.state ? fused(standardized(live.state), live.fusion, live.fusion_state) : live.raw;
+      live.state ? fused(zscores(live.state), live.fusion, live.fusion_state) : live.raw;
   return live;
 }
 
@@ -99,7 +98,7 @@ void add_frame(LiveFrames& live, FrameRow frame) {
       {DescriptorRows(rows.shape, live.bytes), live.unreadable, nullptr, live.words});
   distances.train_runs = live.raw.train_runs;
   if (live.state) keep_rows(*live.state, kept, distances);
-  live.distances = live.state ? fused(standardized(live.state), live.fusion, live.fusion_state)
+  live.distances = live.state ? fused(zscores(live.state), live.fusion, live.fusion_state)
                               : std::move(distances);
   ++live.frames;
 }

@@ -7,7 +7,7 @@
 
 #include "match/fastable_online.h"
 #include "match/rows.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "run/query.h"
 
 namespace vpr {
@@ -22,8 +22,8 @@ struct FrameRow {
 /// The distances of the frame that came last. Of the frames before it only those are kept from
 /// which something may still be learned, so that a query may go on for ever. Copies share state.
 struct LiveFrames {
-  FrameDistances raw;                        ///< of a query without frames
-  std::shared_ptr<StandardizedState> state;  ///< of standardized scores; null for distances
+  FrameDistances raw;                  ///< of a query without frames
+  std::shared_ptr<ZScoreState> state;  ///< of z-scores; null for distances
   FusionBasis fusion;
   std::shared_ptr<FusionState> fusion_state;
   std::vector<uint8_t> bytes;      ///< of the rows that are kept, the last frame's last
@@ -37,7 +37,7 @@ struct LiveFrames {
 };
 
 /// `raw`: of a query without frames, and of_query is set. `basis`: of the same training frames, for
-/// standardized scores that are no offline ones; null for distances.
+/// z-scores that are no offline ones; null for distances.
 LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis);
 
 /// The next frame, which is copied. Rows of `distances` hold until the next call.

@@ -10,9 +10,9 @@
 namespace vpr {
 namespace {
 
-SearchRecall recall_of(const HitScanResult& found, const HitScanResult& exact) {
+SearchRecall recall_of(const RecognitionScanResult& found, const RecognitionScanResult& exact) {
   SearchRecall recall;
-  recall.hits = exact.hits.size();
+  recall.recognitions = exact.recognitions.size();
   for (size_t window = 0; window < exact.best.size(); ++window) {
     if (!exact.best[window]) continue;
     ++recall.windows;
@@ -35,13 +35,13 @@ QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
     if (!plan.sequences[s].searched) distances.train[s] = {};
   QueryRun run;
   Stopwatch watch;
-  HitScan some(scan_settings(plan, resources));
+  RecognitionScan some(scan_settings(plan, resources));
   match_lsh(distances, windows, monitor, std::ref(some));
-  const HitScanResult found = some.result();
+  const RecognitionScanResult found = some.result();
   run.result = make_result(plan, found);
   run.seconds["match"] = watch.elapsed_s();
   watch = {};
-  HitScan all(scan_settings(plan, resources));
+  RecognitionScan all(scan_settings(plan, resources));
   match(distances, windows, {{std::ref(all)}}, monitor);
   run.result.recall = recall_of(found, all.result());
   run.seconds["recall"] = watch.elapsed_s();

@@ -5,9 +5,9 @@
 
 namespace vpr {
 
-/// Hits and best matches among the windows that share a hash bucket with a query window, with their
-/// exact distances; the recall of the search against FastABLE; clusters. The result has no margins.
-/// Throws Error(usage) for descriptors that are not binary, and what plan_query throws.
+/// Recognitions and best matches among the windows that share a hash bucket with a query window,
+/// with their exact distances; the recall of the search against FastABLE; clusters. The result has
+/// no margins. Throws Error(usage) for descriptors that are not binary, and what plan_query throws.
 QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
                    const std::string& query_name, const ResolvedSettings& settings,
                    const QueryResources& resources, const Monitor& monitor);

@@ -15,7 +15,7 @@ namespace vpr {
 /// What does not change the result.
 struct QueryResources {
   RowKernels kernels;
-  size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and hits
+  size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
   size_t verify_cells = 0;                    ///< recompute so many cells by definition
   uint64_t seed = 1;                          ///< of their choice
 };
@@ -27,7 +27,7 @@ struct QueryRun {
   size_t verified_cells = 0;
 };
 
-/// The database at `path` as the settings need it: with statistics for standardized scores, and
+/// The database at `path` as the settings need it: with statistics for z-scores, and
 /// fused with FAB-MAP's database at `fabmap` unless that is empty. Warns of an automatic margin of
 /// fused scores. Throws what read_sequence_database, check_automatic and fuse_views throw, and
 /// Error(data) for a database of imported descriptors that cannot describe frames as they arrive.
@@ -60,9 +60,9 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
                       const ResolvedSettings& settings, const QueryResources& resources,
                       const Monitor& monitor);
 
-/// Distances, hits, best matches and clusters of a planned query. Every row also goes to
+/// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to
 /// `observers`. Throws Error(expectation) if a verified cell differs, and what score_basis
-/// and start_standardized throw.
+/// and start_zscores throw.
 QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
                    const Monitor& monitor);
 

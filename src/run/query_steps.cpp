@@ -9,13 +9,14 @@
 #include "base/error.h"
 #include "match/match.h"
 #include "match/rates.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
-constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
+constexpr size_t kMostRecognitions = 4'000'000'000;  // clusters are numbered by 32 bits
+constexpr size_t kBytesPerRecognition =
+    64;  // while recognitions are collected, sorted, clustered and written
 
 }  // namespace
 
@@ -74,12 +75,13 @@ std::optional<ResultViews> find_views(const QueryPlan& plan) {
   return views;
 }
 
-HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {
-  HitScanSettings settings;
+RecognitionScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {
+  RecognitionScanSettings settings;
   for (const Target& sequence : result.sequences)
     settings.limits.push_back(sequence.distance_limit);
   settings.query_windows = result.query_windows;
-  settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
+  settings.max_recognitions =
+      std::min(resources.memory_limit / kBytesPerRecognition, kMostRecognitions);
   settings.kernels = resources.kernels;
   return settings;
 }
@@ -94,7 +96,7 @@ MatchSettings match_settings(const QueryPlan& plan, const QueryResources& resour
 }
 
 ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
-    : plan_(plan), hits_(scan_settings(plan, resources)) {
+    : plan_(plan), recognitions_(scan_settings(plan, resources)) {
   if (has_paths(plan.settings.method)) {
     path_.emplace(plan.query_sequence.frames);
     margins_.resize(plan.query_sequence.frames);
@@ -104,7 +106,7 @@ ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
 }
 
 Sinks ResultRows::sinks() {
-  Sinks sinks{{std::ref(hits_)}, {}};
+  Sinks sinks{{std::ref(recognitions_)}, {}};
   if (scan_) sinks.rows.push_back(std::ref(*scan_));
   if (path_) sinks.rows.push_back([this](std::span<const ScoreRow> row) { take_path(row); });
   return sinks;
@@ -121,7 +123,7 @@ void ResultRows::take_path(std::span<const ScoreRow> row) {
 
 Result ResultRows::result() {
   if (scan_) margins_ = scan_->result().margins;
-  Result result = make_result(plan_, hits_.result(), margins_);
+  Result result = make_result(plan_, recognitions_.result(), margins_);
   result.path = std::move(path_);
   return result;
 }

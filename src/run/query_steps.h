@@ -26,8 +26,8 @@ void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima)
 /// distance.
 std::optional<ResultViews> find_views(const QueryPlan& plan);
 
-/// What a result needs of the rows of a planned query, which must outlive it: hits, best matches
-/// and their margins, and the reports of the filter.
+/// What a result needs of the rows of a planned query, which must outlive it: recognitions, best
+/// matches and their margins, and the reports of the filter.
 class ResultRows {
  public:
   ResultRows(const QueryPlan& plan, const QueryResources& resources);
@@ -40,7 +40,7 @@ class ResultRows {
   void take_path(std::span<const ScoreRow> row);
 
   const QueryPlan& plan_;
-  HitScan hits_;
+  RecognitionScan recognitions_;
   std::optional<MarginScan> scan_;  ///< none: the filter reports margins, or there are none
   std::vector<std::optional<uint32_t>> margins_;
   std::optional<ResultPath> path_;
@@ -49,7 +49,7 @@ class ResultRows {
 /// What matchers take of a plan.
 MatchSettings match_settings(const QueryPlan& plan, const QueryResources& resources);
 
-/// A scan for hits below the result's limits.
-HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);
+/// A scan for recognitions below the result's limits.
+RecognitionScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);
 
 }  // namespace vpr

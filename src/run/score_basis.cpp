@@ -6,7 +6,7 @@
 #include "match/components.h"
 #include "match/distance_statistics.h"
 #include "match/past_scores.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "run/train.h"
 
 namespace vpr {
@@ -25,10 +25,10 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
   if (!kind.needs_statistics || settings.loop) return std::nullopt;
   if (learned == nullptr)
     throw Error(ErrorKind::usage,
-                "the database has no training statistics, which standardized scores start from; "
+                "the database has no training statistics, which z-scores start from; "
                 "train it again");
   assert(learned->components);
-  ScoreBasis basis = make_score_basis(settings.standardization, kind.is_offline, *learned);
+  ScoreBasis basis = make_score_basis(settings.zscore, kind.is_offline, *learned);
   if (settings.fusion_weight) {
     if (learned->fused == nullptr)
       throw Error(ErrorKind::usage,
@@ -41,9 +41,9 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const QueryPlan& plan, const Monitor& monitor) {
   if (plan.settings.loop && score_kind(plan.settings.score).needs_statistics)
-    return standardized_past(std::move(distances), plan.settings.standardization);
+    return past_zscores(std::move(distances), plan.settings.zscore);
   if (!basis) return distances;
-  return standardized(std::move(distances), *basis, monitor);
+  return zscores(std::move(distances), *basis, monitor);
 }
 
 }  // namespace vpr

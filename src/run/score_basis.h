@@ -1,13 +1,13 @@
-// What standardized scores of a database start from, and distances as either score takes them.
+// What z-scores of a database start from, and distances as either score takes them.
 #pragma once
 
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 #include "run/query.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
 
-/// Gives a database what standardized scores start from: the components of its training frames,
+/// Gives a database what z-scores start from: the components of its training frames,
 /// which are not stored, and statistics by default settings where it has none. Throws
 /// Error(interrupted) once the user wants to stop.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
@@ -19,7 +19,7 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings);
 
 /// Distances as a plan scores them: standardized by `basis`, or as they are. Throws what
-/// start_standardized throws.
+/// start_zscores throws.
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const QueryPlan& plan, const Monitor& monitor);
 

@@ -22,7 +22,7 @@ namespace {
 /// One window length: a plan for each threshold, and what is found for all of them.
 struct LengthSweep {
   std::vector<QueryPlan> planned;                  // as many as thresholds
-  HitScanResult found;                             // below the largest limit of any of them
+  RecognitionScanResult found;                     // below the largest limit of any of them
   std::vector<std::optional<uint32_t>> margins;    // where the decision asks for them
   std::vector<std::optional<uint32_t>> untrained;  // the same
 };
@@ -57,17 +57,17 @@ bool any_relative(const std::vector<LengthSweep>& sweeps) {
   return std::any_of(sweeps.front().planned.begin(), sweeps.front().planned.end(), needs_maxima);
 }
 
-// All lengths keep their hits at the same time: each may have its share of the memory.
+// All lengths keep their recognitions at the same time: each may have its share of the memory.
 QueryResources share_of(QueryResources resources, size_t lengths) {
   resources.memory_limit /= lengths;
   return resources;
 }
 
-// Hits below the largest limit of any threshold, sequence by sequence.
-HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
-  HitScanSettings widest = scan_settings(sweep.planned.front(), resources);
+// Recognitions below the largest limit of any threshold, sequence by sequence.
+RecognitionScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
+  RecognitionScanSettings widest = scan_settings(sweep.planned.front(), resources);
   for (const QueryPlan& plan : sweep.planned) {
-    const HitScanSettings settings = scan_settings(plan, resources);
+    const RecognitionScanSettings settings = scan_settings(plan, resources);
     for (size_t s = 0; s < widest.limits.size(); ++s)
       widest.limits[s] = std::max(widest.limits[s], settings.limits[s]);
   }
@@ -101,13 +101,13 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     }
   }
   const bool has_margins = first.settings.decision == Decision::margin;
-  std::deque<HitScan> hits;
+  std::deque<RecognitionScan> recognitions;
   std::deque<MarginScan> margins;
   std::deque<LabeledScan> labeled;
   for (size_t l = 0; l < lengths.size(); ++l) {
     Sinks& sinks = passes[l].sinks;
     sinks = {{std::ref(
-        hits.emplace_back(widest_scan(lengths[l], share_of(resources, lengths.size()))))}};
+        recognitions.emplace_back(widest_scan(lengths[l], share_of(resources, lengths.size()))))}};
     if (!has_margins) continue;
     const QueryPlan& plan = lengths[l].planned.front();
     sinks.rows = {
@@ -117,7 +117,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   }
   match_all();
   for (size_t l = 0; l < lengths.size(); ++l) {
-    lengths[l].found = hits[l].result();
+    lengths[l].found = recognitions[l].result();
     if (!has_margins) continue;
     lengths[l].margins = margins[l].result().margins;
     lengths[l].untrained = labeled[l].result();
@@ -126,11 +126,12 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
 
 // The result of one cell: what the widest search found below its own limits.
 Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monitor& monitor) {
-  const HitScanResult& widest = length.found;
-  const HitScanSettings limits = scan_settings(plan, {});
-  HitScanResult found{{}, widest.best};
-  for (const Cell& hit : widest.hits)
-    if (hit.score < limits.limits[hit.sequence]) found.hits.push_back(hit);
+  const RecognitionScanResult& widest = length.found;
+  const RecognitionScanSettings limits = scan_settings(plan, {});
+  RecognitionScanResult found{{}, widest.best};
+  for (const Cell& recognition : widest.recognitions)
+    if (recognition.score < limits.limits[recognition.sequence])
+      found.recognitions.push_back(recognition);
   Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;
@@ -237,7 +238,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
   check_grid(grid, base);
   const std::vector<uint32_t> place_of = database.places();
   const size_t thresholds = grid.thresholds.size();
-  std::vector<std::vector<Match>> hits(grid.windows.size() * thresholds);
+  std::vector<std::vector<Match>> recognitions(grid.windows.size() * thresholds);
   std::vector<ViewWindow> windows(thresholds);
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
     // A frame without words recognizes nothing.
@@ -246,7 +247,8 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     for (size_t t = 0; t < thresholds; ++t) {
       windows[t].add(shown, *grid.thresholds[t], place_of.size());
       for (size_t w = 0; w < grid.windows.size(); ++w)
-        append_hits(hits[w * thresholds + t], frame, shown, windows[t], grid.windows[w], place_of);
+        append_recognitions(recognitions[w * thresholds + t], frame, shown, windows[t],
+                            grid.windows[w], place_of);
     }
   };
   const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
@@ -256,7 +258,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     settings.window = grid.windows[cell / thresholds];
     settings.place_threshold = *grid.thresholds[cell % thresholds];
     result.settings = settings;
-    result.hits = hits[cell];
+    result.recognitions = recognitions[cell];
     return result;
   };
   return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, monitor);
@@ -297,10 +299,10 @@ SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, u
       if (label_of(truth, match, length) == wanted) counts[query_of(match)] += 1;
     return bootstrap_sum(counts, block, seed);
   };
-  const auto of_hit = [](const Match& hit) { return hit.query; };
+  const auto of_recognition = [](const Match& recognition) { return recognition.query; };
   const auto of_cluster = [](const Cluster& cluster) { return cluster.query_window; };
-  SweepIntervals intervals{block, interval(result.hits, of_hit, PlaceLabel::same),
-                           interval(result.hits, of_hit, PlaceLabel::different)};
+  SweepIntervals intervals{block, interval(result.recognitions, of_recognition, PlaceLabel::same),
+                           interval(result.recognitions, of_recognition, PlaceLabel::different)};
   if (!result.clusters) return intervals;
   const std::vector<Cluster>& clusters = result.clusters->all;
   intervals.correct_places = interval(clusters, of_cluster, PlaceLabel::same);

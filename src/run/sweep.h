@@ -38,17 +38,17 @@ Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
                   uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of = {});
 
-/// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
-/// blocks of c_l windows, for neighbors share most of their frames, or of c_w frames, but at least
-/// 8.
+/// 95 % intervals of the recognitions and clusters of a result, by the block bootstrap over query
+/// windows: blocks of c_l windows, for neighbors share most of their frames, or of c_w frames, but
+/// at least 8.
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed);
 
 /// The counts that vpr-query and vpr-eval give for every cell, by window, then threshold, and which
 /// cell to choose. Frame distances are computed once (twice with thresholds relative to the largest
 /// distance): windows of all lengths come from the same pass, thresholds of one length from its
-/// hits at the largest. `base`: the other settings, resolved with the choice kSweepChoice. Each
-/// warning is said once. Throws as plan_query does, and Error(usage) where the hits of all lengths
-/// do not fit into the memory together.
+/// recognitions at the largest. `base`: the other settings, resolved with the choice kSweepChoice.
+/// Each warning is said once. Throws as plan_query does, and Error(usage) where the recognitions of
+/// all lengths do not fit into the memory together.
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
                       const std::string& query_name, const ResolvedSettings& base, const Grid& grid,
                       const TruthReader& read_truth, const QueryResources& resources,

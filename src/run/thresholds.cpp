@@ -50,7 +50,7 @@ void check_automatic(const SequenceDatabase& database, const SequenceQuerySettin
   if (is_automatic && database.sequences.size() < 2)
     throw Error(ErrorKind::usage,
                 "the automatic t_r needs two or more training sequences. Use --method filter, "
-                "--score standardized --decide margin, or a number, as in --t-r 0.6.");
+                "--score zscore --decide margin, or a number, as in --t-r 0.6.");
 }
 
 std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& database,

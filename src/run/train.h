@@ -19,7 +19,7 @@ struct SequenceTrainSettings {
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
   double safety_factor = 1;     ///< multiplies them
   bool skip_unreadable = false;
-  StatisticsSettings statistics;  ///< what standardized scores start from
+  StatisticsSettings statistics;  ///< what z-scores start from
 };
 
 template <class Visitor>

@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "decide/query_settings.h"
 #include "decide/row_scan.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 
@@ -29,7 +29,7 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const Descr
                               const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor);
 
-/// The same for standardized scores, as biased sums: the cells that are farther than
+/// The same for z-scores, as biased sums: the cells that are farther than
 /// score_tolerance from the plain oracle, with its score rounded to fixed point. `basis`: of all
 /// sequences.
 std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,

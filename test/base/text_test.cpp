@@ -52,9 +52,9 @@ TEST_CASE("rows are selected by name, and the nearest name is suggested for an u
 }
 
 TEST_CASE("a count of one has no plural") {
-  CHECK(counted(0, "hit") == "0 hits");
-  CHECK(counted(1, "hit") == "1 hit");
-  CHECK(counted(2, "incorrect hit") == "2 incorrect hits");
+  CHECK(counted(0, "recognition") == "0 recognitions");
+  CHECK(counted(1, "recognition") == "1 recognition");
+  CHECK(counted(2, "incorrect recognition") == "2 incorrect recognitions");
   CHECK(counted(1, "query", "queries") == "1 query");
   CHECK(counted(3, "query", "queries") == "3 queries");
 }

@@ -49,8 +49,12 @@ BenchResult make_result() {
                   {{"ring", 1}, {"fps", 426330.1}, {"times_openable", 71.2345}}),
          make_row("openable", 8000, c_l, {{"fps", 42}}, "12 cells of a row sampled"),
          make_row("lsh", 8000, c_l, {{"build_s", 3.25}, {"recall", 0.989}, {"fps", 42}})});
-  result.rows.push_back(
-      {"cluster", {{"hits", 1e6}}, "set of hits", {68, 67, 69, 66, 70, 5}, {{"places", 3}}, ""});
+  result.rows.push_back({"cluster",
+                         {{"recognitions", 1e6}},
+                         "set of recognitions",
+                         {68, 67, 69, 66, 70, 5},
+                         {{"places", 3}},
+                         ""});
   return result;
 }
 
@@ -179,7 +183,7 @@ TEST_CASE("rows of one kind form one table, with their common parts in its title
                                                       "0.002146 to 0.003146", "10000", "426330",
                                                       "x OpenABLE 71.2"});
   CHECK(tables[0].rows[2].back() == "build s 3.25, recall 0.989");
-  CHECK(tables[1].title == "matching: milliseconds per set of hits, hits 1000000");
+  CHECK(tables[1].title == "matching: milliseconds per set of recognitions, recognitions 1000000");
   CHECK(tables[1].columns ==
         std::vector<std::string>{"work", "median", "quartiles", "runs", "places"});
 }
@@ -194,9 +198,9 @@ TEST_CASE("tables for people fit 120 columns; the one for programs has every col
     }
   }
   const Table all = rows_table(make_result());
-  CHECK(all.columns == std::vector<std::string>{"work", "frames", "c_l", "query_frames", "hits",
-                                                "per", "median", "lower quartile", "upper quartile",
-                                                "repetitions", "ring", "fps", "times_openable",
-                                                "build_s", "recall", "places", "note"});
+  CHECK(all.columns == std::vector<std::string>{
+                           "work", "frames", "c_l", "query_frames", "recognitions", "per", "median",
+                           "lower quartile", "upper quartile", "repetitions", "ring", "fps",
+                           "times_openable", "build_s", "recall", "places", "note"});
   CHECK(all.rows.size() == 7);
 }

@@ -17,7 +17,7 @@ MatchingBenchSettings small_settings() {
   settings.databases = {30, 500};
   settings.window_lengths = {1, 20};
   settings.query_frames = {25};
-  settings.clustered_hits = 1000;
+  settings.clustered_recognitions = 1000;
   settings.seconds = 1e-3;
   return settings;
 }
@@ -75,7 +75,7 @@ TEST_CASE("recorded codes are timed up to the length of the recording") {
   settings.methods = {"fastable-online", "lsh"};
   settings.databases = {40, 100};
   settings.window_lengths = {5};
-  settings.clustered_hits = 0;
+  settings.clustered_recognitions = 0;
   const auto walk = generate_walk(60, 1);
   const RecordedCodes recorded{walk, repeat_walk(walk, 10, 25, 5, 2)};
   const BenchResult result = bench_matching(settings, recorded, 1, select_kernels(), {});
@@ -91,7 +91,7 @@ TEST_CASE("a database that exceeds the memory is omitted") {
   settings.databases = {50'000'000};
   settings.descriptor_length = 4096;  // 800 GB
   settings.window_lengths = {5};
-  settings.clustered_hits = 0;
+  settings.clustered_recognitions = 0;
   const BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
   CHECK(result.rows.empty());
   REQUIRE(result.left_out.size() == 1);
@@ -115,7 +115,7 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
 TEST_CASE("vectors are timed by the methods that accept any distances, after a check of cells") {
   for (const uint64_t precision : {8, 16}) {
     MatchingBenchSettings settings = small_settings();
-    settings.methods = {"fastable-online", "fastable", "standardized", "openable", "lsh"};
+    settings.methods = {"fastable-online", "fastable", "zscore", "openable", "lsh"};
     settings.descriptor_length = 40;
     settings.precision = precision;
     const BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
@@ -123,8 +123,7 @@ TEST_CASE("vectors are timed by the methods that accept any distances, after a c
       return std::any_of(result.rows.begin(), result.rows.end(),
                          [&](const BenchRow& row) { return row.work == work; });
     };
-    for (const char* work : {"fastable-online", "fastable", "standardized", "openable"})
-      CHECK(has(work));
+    for (const char* work : {"fastable-online", "fastable", "zscore", "openable"}) CHECK(has(work));
     CHECK_FALSE(has("lsh"));
   }
   MatchingBenchSettings settings = small_settings();

@@ -32,8 +32,8 @@ TEST_CASE("train, query and evaluate yield correct counts") {
   const Json report = printed_json(
       "vpr-eval", {out / "r.json", "--dataset", world().dataset(), "-o", out / "e.json", "--json"});
   CHECK(report == file_json(out / "e.json"));
-  CHECK(report["counts"]["hits"]["correct"].get<int>() > 20);
-  CHECK(report["counts"]["hits"]["incorrect"] == 0);
+  CHECK(report["counts"]["recognitions"]["correct"].get<int>() > 20);
+  CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
   CHECK(report["counts"]["distinct"].get<int>() >= 1);
   CHECK(report["best_match"]["rate"].get<double>() > 0.8);
 }
@@ -42,18 +42,18 @@ TEST_CASE("results are byte-identical for any threads, SIMD target and method") 
   const TemporaryFolder out;
   run_program("vpr-query", query_words({"-o", out / "a.json", "--threads", "1"}));
   const std::string expected = comparable(out / "a.json");
-  const std::string hits = read_text(out / "a.hits.npy");
+  const std::string recognitions = read_text(out / "a.recognitions.npy");
   for (const std::string& target : simd_targets()) {
     const std::string name = "r" + target;
     run_ok("vpr-query", query_words({"-o", out / (name + ".json"), "--threads", "2"}),
            {"VPR_SIMD=" + target});
     CHECK(comparable(out / (name + ".json")) == expected);
-    CHECK(read_text(out / (name + ".hits.npy")) == hits);
+    CHECK(read_text(out / (name + ".recognitions.npy")) == recognitions);
   }
   for (const std::string method : {"openable", "fastable-online"}) {
     run_program("vpr-query", query_words({"-o", out / (method + ".json"), "--method", method,
                                           "--max-memory", "1M"}));
-    CHECK(read_text(out / (method + ".hits.npy")) == hits);
+    CHECK(read_text(out / (method + ".recognitions.npy")) == recognitions);
   }
 }
 
@@ -106,16 +106,16 @@ TEST_CASE("a saved matrix holds every distance and can be drawn") {
   const auto values = matrix.values<int32_t>(2);
   CHECK(matrix.shape()[0] == result["query"]["windows"]);
   CHECK(matrix.shape()[1] == result["matrix"]["columns"]);
-  const NpyArray hits(out / "r.hits.npy");
-  const auto cells = hits.values<int32_t>(2);
-  const auto scores = read_array<double>(out / "r.hit_scores.npy");
+  const NpyArray recognitions(out / "r.recognitions.npy");
+  const auto cells = recognitions.values<int32_t>(2);
+  const auto scores = read_array<double>(out / "r.recognition_scores.npy");
   const auto second = result["matrix"]["sequences"][1]["first_column"].get<int>();
   for (const auto& v : values) REQUIRE((v >= 0 && v <= 13860));
-  for (size_t i = 0; i < hits.shape()[0]; ++i)
+  for (size_t i = 0; i < recognitions.shape()[0]; ++i)
     REQUIRE(values[size_t(cells[3 * i]) * matrix.shape()[1] +
                    size_t(cells[3 * i + 1] == 0 ? 0 : second) + size_t(cells[3 * i + 2])] ==
             scores[i]);
-  CHECK(hits.shape()[0] > 0);
+  CHECK(recognitions.shape()[0] > 0);
   run_ok("vpr-query", query_words({"-o", out / "p.json", "--save-matrix", out / "d.png"}));
   CHECK(read_text(out / "d.png").substr(1, 3) == "PNG");
 }
@@ -167,7 +167,7 @@ TEST_CASE("settings are read from a file, and flags take precedence") {
 TEST_CASE("a result can be used as its own settings") {
   const TemporaryFolder out;
   const std::vector<Words> all = {
-      {"--t-r", "0.6", "--seed", "7"}, {}, {"--score", "standardized", "--t-r", "-1"}};
+      {"--t-r", "0.6", "--seed", "7"}, {}, {"--score", "zscore", "--t-r", "-1"}};
   for (const auto& settings : all) {
     run_ok("vpr-query", query_words(joined(settings, {"-o", out / "r.json", "--force"})));
     const Json first = file_json(out / "r.json");
@@ -202,9 +202,9 @@ TEST_CASE("a database and a query are sufficient") {
   const Words words = {out / "one.vprdb", "--query", world().walk("back"), "--c-l", "10"};
   check_failure("vpr-query", words, 2,
                 "the automatic t_r needs two or more training sequences. Use --method filter, "
-                "--score standardized --decide margin, or a number, as in --t-r 0.6.");
+                "--score zscore --decide margin, or a number, as in --t-r 0.6.");
   const auto single =
-      run_program("vpr-query", joined(words, {"--score", "standardized", "--decide", "margin"}));
+      run_program("vpr-query", joined(words, {"--score", "zscore", "--decide", "margin"}));
   INFO(single.out << single.err);
   CHECK(single.exit_code == 0);
   CHECK(has(single.out, "\none"));
@@ -212,10 +212,9 @@ TEST_CASE("a database and a query are sufficient") {
 }
 
 TEST_CASE("if nothing or everything is recognized, no looser threshold is suggested") {
-  for (const Words& strict :
-       {Words{"--t-r", "0.01"},
-        {"--score", "standardized", "--t-r", "-20"},
-        {"--score", "standardized", "--decide", "margin", "--margin", "60"}}) {
+  for (const Words& strict : {Words{"--t-r", "0.01"},
+                              {"--score", "zscore", "--t-r", "-20"},
+                              {"--score", "zscore", "--decide", "margin", "--margin", "60"}}) {
     const auto none = run_program("vpr-query", query_words(strict));
     INFO(none.out);
     CHECK(none.exit_code == 0);
@@ -229,7 +228,7 @@ TEST_CASE("if nothing or everything is recognized, no looser threshold is sugges
   CHECK(has(other.out, "may show another place or the opposite direction"));
   CHECK_FALSE(has(other.out, "use --method filter"));
   const auto all = run_program("vpr-query", query_words({"--t-r", "1"}));
-  CHECK(has(all.err, "% of all window pairs are hits: t_r is too large"));
+  CHECK(has(all.err, "% of all window pairs are recognitions: t_r is too large"));
   CHECK_FALSE(has(all.out, "vpr-query"));
 }
 
@@ -242,7 +241,8 @@ TEST_CASE("tables can be text, CSV, Markdown and LaTeX") {
         .out;
   };
   CHECK(has(table("text"), "c_l"));
-  CHECK(table("csv").find("name,method,query,c_l,t_r,scale,hits right,hits wrong,") == 0);
+  CHECK(table("csv").find(
+            "name,method,query,c_l,t_r,scale,recognitions right,recognitions wrong,") == 0);
   CHECK(has(table("markdown"), "| c_l |"));
   CHECK(has(table("latex"), "\\begin{tabular}"));
 }
@@ -256,7 +256,7 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   const auto looked = ok(eval({"--html", out / "page.html", "--query", world().walk("back")}));
   CHECK(looked.err.empty());
   CHECK(has(looked.out, "Nothing is judged without a ground truth."));
-  CHECK(has(looked.out, "hits"));
+  CHECK(has(looked.out, "recognitions"));
   CHECK_FALSE(has(looked.out, "right"));
   const std::string page = read_text(out / "page.html");
   CHECK(has(page, "recognized, not judged"));

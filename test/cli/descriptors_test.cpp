@@ -81,8 +81,8 @@ TEST_CASE("every decision and score supports imported descriptors, and cells are
   for (const std::string precision : {"8", "16"}) {
     for (const Words& words :
          {Words{"--c-l", "5", "--t-r", "auto"}, Words{"--c-l", "5", "--t-r", "0.5"},
-          Words{"--c-l", "3", "--score", "standardized", "--t-r", "-3"},
-          Words{"--c-l", "5", "--score", "standardized-offline", "--t-r", "-3"},
+          Words{"--c-l", "3", "--score", "zscore", "--t-r", "-3"},
+          Words{"--c-l", "5", "--score", "zscore-offline", "--t-r", "-3"},
           Words{"--c-l", "5", "--method", "openable", "--t-r", "0.5"},
           Words{"--c-l", "5", "--method", "fastable-online", "--t-r", "0.5"},
           Words{"--c-l", "4", "--rates", "1/2,1,2", "--t-r", "0.5"}}) {
@@ -90,17 +90,16 @@ TEST_CASE("every decision and score supports imported descriptors, and cells are
       INFO(fmt::format("{} bits, {}", precision, fmt::join(words, " ")));
       const Json json = printed_json(
           query(joined(words, has_rates ? Words{} : Words{"--verify", "60"}), precision));
-      CHECK(json["totals"]["hits"] > 0);
+      CHECK(json["totals"]["recognitions"] > 0);
       CHECK(json.contains("verification") == !has_rates);
       for (const Json& best : json["clusters"]) {
         CHECK(best["target"] == 1);
         CHECK(best["train"]["window"].get<int>() == best["query"]["window"].get<int>() + 2);
       }
     }
-    const Json margins = printed_json(
-        query({"--c-l", "5", "--score", "standardized", "--decide", "margin", "--margin", "0.5"},
-              precision));
-    CHECK(margins["totals"]["hits"] > 10);
+    const Json margins = printed_json(query(
+        {"--c-l", "5", "--score", "zscore", "--decide", "margin", "--margin", "0.5"}, precision));
+    CHECK(margins["totals"]["recognitions"] > 10);
     const Json filtered = printed_json(query({"--method", "filter", "--margin", "1"}, precision));
     CHECK(filtered["settings"]["method"] == "filter");
   }
@@ -194,7 +193,7 @@ TEST_CASE("missing rows keep their index and never match") {
   const Json json =
       printed_json("vpr-query", {out / "g.vprdb", "--query-npy", out / "gap.npy", "--c-l", "3",
                                  "--t-r", "0.01", "--skip-unreadable", "--json"});
-  CHECK(json["totals"]["hits"] == 28 - 3);  // the windows with frame 12 have none
+  CHECK(json["totals"]["recognitions"] == 28 - 3);  // the windows with frame 12 have none
 }
 
 TEST_CASE("bits from files match like LDB, also with hashing") {
@@ -211,7 +210,7 @@ TEST_CASE("bits from files match like LDB, also with hashing") {
     const Json json = printed_json(
         "vpr-query", {out / "b.vprdb", "--query-npy", out / "q.npy", "--c-l", "4", "--t-r", "3",
                       "--t-r-scale", "bits", "--method", method, "--json"});
-    CHECK(json["totals"]["hits"] == 17);
+    CHECK(json["totals"]["recognitions"] == 17);
   }
   check_failure(query({"--c-l", "4", "--method", "lsh", "--t-r", "3", "--t-r-scale", "bits"}), 2,
                 "lsh needs raw distances of binary descriptors");
@@ -231,7 +230,7 @@ TEST_CASE("imported descriptors can be used in data sets, lists and folders") {
   run_ok("vpr-train", {"descriptors", "--npy", out / "train", "--c-l", "3", "-o", out / "f.vprdb"});
   const Json json = printed_json("vpr-query", {out / "f.vprdb", "--query-npy", out / "query",
                                                "--c-l", "3", "--t-r", "0.01", "--json"});
-  CHECK(json["totals"]["hits"] == 10);
+  CHECK(json["totals"]["recognitions"] == 10);
 }
 
 TEST_CASE("exported descriptors have the same distances after import") {
@@ -350,7 +349,7 @@ TEST_CASE("frames can have other built-in descriptors") {
         printed_json("vpr-query", {out / (name + ".vprdb"), "--query", world().walk("back"),
                                    "--c-l", "5", "--t-r", "0.5", "--verify", "50", "--json"});
     CHECK(json["verification"]["differences"] == 0);
-    CHECK(json["totals"]["hits"] > 0);
+    CHECK(json["totals"]["recognitions"] > 0);
   }
   check_failure("vpr-train",
                 {"fastable", "--train", one, "--descriptor", "thumb", "-o", out / "x.vprdb"}, 2,

@@ -101,7 +101,7 @@ TEST_CASE("settings out of range are refused") {
 
 TEST_CASE("thresholds on another scale are refused, and the converted one is suggested") {
   check_refused(bench().query({"--c-l", "5", "--t-r", "55"}), 2, "--t-r 55 --t-r-scale bits");
-  check_refused(bench().query({"--c-l", "5", "--score", "standardized", "--t-r", "0.5"}), 2,
+  check_refused(bench().query({"--c-l", "5", "--score", "zscore", "--t-r", "0.5"}), 2,
                 "--t-r -1.5");
 }
 
@@ -182,11 +182,11 @@ TEST_CASE("writing an output twice is refused, and a failed run leaves no matrix
   const TemporaryFolder out;
   const Words base = {bench().database(), "--query", bench().folder / "query", "--c-l", "5", "-o",
                       out / "m.json"};
-  auto twice = joined(base, {"--force", "--save-matrix", out / "m.hits.npy"});
+  auto twice = joined(base, {"--force", "--save-matrix", out / "m.recognitions.npy"});
   check_refused(run_program("vpr-query", twice), 2, "written twice");
   check_refused(run_program("vpr-query", joined(base, {"--max-memory", "1", "--t-r", "1",
                                                        "--save-matrix", out / "d.npy"})),
-                2, "hits");
+                2, "recognitions");
   CHECK(list_folder(out.path()).empty());
 }
 
@@ -194,7 +194,7 @@ TEST_CASE("numbers have common notations and are checked for their range") {
   const TemporaryFolder out;
   ok(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}));
   ok(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}));
-  for (const char* kind : {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy",
+  for (const char* kind : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
                            "r.best_scores.npy", "r.margins.npy", "r.views.npy"})
     fs::remove(bench().folder / kind);
   check_refused(bench().query({"--threads", "-1"}), 2, "threads");

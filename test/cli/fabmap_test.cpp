@@ -218,8 +218,9 @@ TEST_CASE("an undecodable frame never matches, as a view or in a loop") {
   ok(run_train({"-o", out / "v.vprdb"}));
   run_ok("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop", "--skip-unreadable",
                        "--t-p", "0.5", "-o", out / "l.json"});
-  const NpyArray hits(out / "l.hits.npy");
-  for (size_t i = 0; i < hits.shape()[0]; ++i) CHECK(hits.values<int32_t>(2)[4 * i + 3] != 3);
+  const NpyArray recognitions(out / "l.recognitions.npy");
+  for (size_t i = 0; i < recognitions.shape()[0]; ++i)
+    CHECK(recognitions.values<int32_t>(2)[4 * i + 3] != 3);
 }
 
 TEST_CASE("a FAB-MAP database does not depend on the instruction sets that OpenCV finds") {
@@ -304,8 +305,8 @@ TEST_CASE("damage in any file of a FAB-MAP result is detected") {
     return run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"});
   };
   ok(eval());
-  for (const std::string name : {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy",
-                                 "r.best_scores.npy", "r.new_place.npy"}) {
+  for (const std::string name : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy",
+                                 "r.best.npy", "r.best_scores.npy", "r.new_place.npy"}) {
     INFO(name);
     const std::string whole = read_text(out / name);
     for (const std::string& text :

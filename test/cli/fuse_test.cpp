@@ -29,12 +29,12 @@ RunOutcome query(Words words) {
 TEST_CASE("a fused query reports its FAB-MAP database") {
   const Json json =
       printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--t-r", "-2", "--json"}));
-  CHECK(json["settings"]["score"] == "standardized");
+  CHECK(json["settings"]["score"] == "zscore");
   CHECK(json["settings"]["fuse_beta"] == 0.2);
   CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
   CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
   const Json alone =
-      printed_json(query({"--score", "standardized", "--c-l", "10", "--t-r", "-2", "--json"}));
+      printed_json(query({"--score", "zscore", "--c-l", "10", "--t-r", "-2", "--json"}));
   CHECK_FALSE(alone["settings"].contains("fuse_beta"));
   CHECK_FALSE(alone["provenance"].contains("fused"));
   CHECK(alone["provenance"]["query"] == json["provenance"]["query"]);

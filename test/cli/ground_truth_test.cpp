@@ -54,7 +54,7 @@ TEST_CASE("a result has the same counts with every format of its ground truth") 
   convert(walk().path("g.csv"), "matrix", out / "g.npy");
   for (const std::string name : {"g.npz", "g.npy"}) {
     INFO(name);
-    // No hit is an ignored pair, so that formats without ignored pairs have equal counts.
+    // No recognition is an ignored pair, so that formats without ignored pairs have equal counts.
     CHECK(counts(out / name) == expected);
   }
   convert(out / "g.npz", "pairs", out / "g.npz.csv");

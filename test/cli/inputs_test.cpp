@@ -331,7 +331,8 @@ TEST_CASE("windows of a matrix of frame distances equal those of the database") 
     run_ok("vpr-query", joined({world().database(), "--query", world().walk("back")},
                                joined(common, {out / "coded.json"})));
     ok(query_matrix("s.npy", joined(common, {out / "read.json"})));
-    for (const char* kind : {"hits", "hit_scores", "best", "best_scores", "margins"})
+    for (const char* kind :
+         {"recognitions", "recognition_scores", "best", "best_scores", "margins"})
       CHECK(read_text(out / fmt::format("coded.{}.npy", kind)) ==
             read_text(out / fmt::format("read.{}.npy", kind)));
     const Json json = file_json(out / "read.json");
@@ -353,7 +354,7 @@ TEST_CASE("a result records the kind of scores of its matrix, and whether they w
 
 TEST_CASE("similarities have the best matches of distances, and are evaluated like any result") {
   const TemporaryFolder out;
-  for (const char* score : {"raw", "standardized", "standardized-offline"}) {
+  for (const char* score : {"raw", "zscore", "zscore-offline"}) {
     INFO(score);
     for (const auto& [file, how] :
          {std::pair("s.npy", Words{"--distance"}),
@@ -383,7 +384,7 @@ TEST_CASE("a matrix alone reports the missing inputs") {
   check({"--distance", "--method", "lsh"}, 2, "--method lsh does not go with --scores");
   check({"--distance", "--follow"}, 2, "--follow");
   check({"--distance", "--query-npy", "x.npy"}, 2, "--query-npy");
-  check({"--distance", "--score", "standardized", "--verify", "5"}, 2, "--verify");
+  check({"--distance", "--score", "zscore", "--verify", "5"}, 2, "--verify");
   check({"--distance", "--train-sequence", "a=0:100000"}, 2, "the matrix has");
   check({"--distance", "--train-sequence", "0:5"}, 2, "NAME=FIRST:LAST");
   check({"--distance", "--train-sequence", "a=0:5", "--train-sequence", "a=5:9"}, 2, "called a");

@@ -65,8 +65,8 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
            {"--c-l", "10"},
            {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
            {"--c-l", "5", "--t-r", "150", "--t-r-scale", "bits"},
-           {"--c-l", "5", "--score", "standardized", "--t-r", "-1.5"},
-           {"--c-l", "5", "--score", "standardized", "--decide", "margin", "--threads", "3"},
+           {"--c-l", "5", "--score", "zscore", "--t-r", "-1.5"},
+           {"--c-l", "5", "--score", "zscore", "--decide", "margin", "--threads", "3"},
            {"--method", "filter"}}) {
     INFO(words.back());
     const Words all = joined(words, {"--skip-unreadable"});
@@ -135,7 +135,7 @@ TEST_CASE("a video is followed to its end") {
       if (i >= 2) names.push_back(fmt::format("#{}", i));
     }
   }
-  const Words words = {"--c-l", "3", "--score", "standardized", "--decide", "margin"};
+  const Words words = {"--c-l", "3", "--score", "zscore", "--decide", "margin"};
   const auto expected = offline_lines(path + "@2:12", words, names);
   const auto live = run_ok("vpr-query", words_of(path + "@2:12", joined(words, {"--follow"})));
   CHECK(lines_of(live.out) == expected);
@@ -145,7 +145,7 @@ TEST_CASE("inputs that cannot be followed are refused with a sentence") {
   const std::string back = world().walk("back");
   for (const auto& [words, named] : std::vector<std::pair<Words, std::string>>{
            {{"--t-r", "0.5"}, "relative"},
-           {{"--score", "standardized-offline"}, "standardized-offline"},
+           {{"--score", "zscore-offline"}, "zscore-offline"},
            {{"--rates", "1,2"}, "rates"},
            {{"--method", "lsh"}, "lsh"},
            {{"--decide", "margin", "--max-memory", "100"}, "--max-memory"},
@@ -178,20 +178,20 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     const Json json = printed_json(query({back + range, "-o", path, "--json"}));
     CHECK(json["settings"]["method"] == "filter");
     CHECK(json["settings"]["c_l"] == 1);
-    CHECK(json["settings"]["score"] == "standardized");
+    CHECK(json["settings"]["score"] == "zscore");
     CHECK(json["settings"]["decide"] == "margin");
     CHECK(json["settings"]["margin"] == 3);
     CHECK(json["settings"]["filter"]["sharpness"] == 0.5);
-    CHECK(json["totals"]["hits"] > 0);
+    CHECK(json["totals"]["recognitions"] > 0);
     CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
     CHECK(json["clusters"].size() == 1);  // one track at any rate
     if (!range.empty()) continue;
     const Json report =
         printed_json("vpr-eval", {path, "--ground-truth", world().truth("back"), "--json"});
-    CHECK(report["counts"]["hits"]["correct"] == json["totals"]["hits"]);
-    CHECK(report["counts"]["hits"]["incorrect"] == 0);
+    CHECK(report["counts"]["recognitions"]["correct"] == json["totals"]["recognitions"]);
+    CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
     CHECK(report["confidence"] == "margin");
-    CHECK(report["protocol"]["hits"] ==
+    CHECK(report["protocol"]["recognitions"] ==
           "best matches with a path score better than the best one elsewhere by at least the "
           "margin");
     // The last frame's rate: both sequences have the same speed.
@@ -207,7 +207,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
 TEST_CASE("a query of one frame, and one with a gap, can be filtered") {
   const std::string back = world().walk("back");
   const Json one = printed_json(query({back + "@0:1", "--json"}));
-  CHECK(one["totals"]["hits"] == 0);
+  CHECK(one["totals"]["recognitions"] == 0);
   CHECK(one["query"]["windows"] == 1);
   const TemporaryFolder folder;
   write_text(folder / "list.txt", back + "/00000.png\nnowhere.png\n" + back + "/00001.png\n");

@@ -162,7 +162,7 @@ struct RenderedLaps {
 TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
   const RenderedLaps laps;
   const std::string list = laps.folder / "loops.csv";
-  for (const char* score : {"raw", "standardized"}) {
+  for (const char* score : {"raw", "zscore"}) {
     INFO(score);
     ok(laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result, "--save-loops", list}));
     const Json by_result = laps.judge(laps.result, {});
@@ -179,7 +179,7 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
   }
   // The identical frames of the second lap have distance 0.
   CHECK(printed_json(laps.query({"--loop-gap", "15", "--t-r", "1", "--save-loops", list, "-o",
-                                 laps.result, "--json"}))["totals"]["hits"] == 17);
+                                 laps.result, "--json"}))["totals"]["recognitions"] == 17);
   const Json right = laps.judge(list, {"--distance"});
   CHECK(right["loops"]["listed"] == 17);
   CHECK(right["loops"]["wrong"] == 0);
@@ -225,7 +225,7 @@ TEST_CASE("--loop without a database refuses incompatible flags") {
   refused({"--method", "lsh"}, "lsh");
   refused({"--method", "filter"}, "filter");
   refused({"--rates", "1,2"}, "--rates");
-  refused({"--score", "standardized-offline"}, "later frames");
+  refused({"--score", "zscore-offline"}, "later frames");
   refused({"--t-r", "0.5", "--t-r-scale", "relative"}, "relative");
   refused({"--decide", "margin"}, "--margin");
   refused({"--times", laps.poses}, "30s");
@@ -277,7 +277,7 @@ TEST_CASE("loops of a sequence are the same for any threads and any SIMD target"
       const std::string list = laps.folder / "loops.csv";
       run_ok("vpr-query",
              {"--loop", "--query", laps.frames, "--c-l", "4", "--loop-gap", "15", "--score",
-              "standardized", "--threads", threads, "--save-loops", list, "--force"},
+              "zscore", "--threads", threads, "--save-loops", list, "--force"},
              {"VPR_SIMD=" + target});
       if (expected.empty()) expected = read_text(list);
       CHECK(read_text(list) == expected);

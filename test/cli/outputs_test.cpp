@@ -56,7 +56,7 @@ TEST_CASE("a matrix of another result is refused") {
   check_sentence(eval("b.npy"), 4, "is not the matrix that");
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}));
   fs::rename(walks.path("c.json"), walks.path("a.json"));  // it names no matrix
-  for (const std::string kind : {"hits", "hit_scores", "best", "best_scores"})
+  for (const std::string kind : {"recognitions", "recognition_scores", "best", "best_scores"})
     fs::rename(walks.path("c." + kind + ".npy"), walks.path("a." + kind + ".npy"));
   const auto unknown = ok(eval("a.npy"));
   CHECK(has(unknown.err, "names no matrix"));
@@ -91,7 +91,7 @@ TEST_CASE("an output never replaces an input of its run, not even with --force")
                                     "--force", "-o", walks.path(output)});
   };
   const std::string result = walks.read("r.json");
-  for (const char* name : {"r.json", "r.hits.npy", "gt.csv"})
+  for (const char* name : {"r.json", "r.recognitions.npy", "gt.csv"})
     check_sentence(eval(name), 2, "is an input of this run");
   const auto query = [&](const std::string& output) {
     return walks.query({"--query", walks.path("two"), "--force", "-o", walks.path(output)});

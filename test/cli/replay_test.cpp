@@ -322,7 +322,7 @@ TEST_CASE("windows of several rates equal the definition, and store the rate of 
                                            more));
   };
   const Words rates = {"--rates", "1/2,2/3,1,3/2,2"};
-  for (const char* score : {"raw", "standardized"}) {
+  for (const char* score : {"raw", "zscore"}) {
     INFO(score);
     ok(run("r.json", joined(rates, {"--score", score, "--warp", "2", "--force"})));
   }

@@ -53,7 +53,7 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
   ok(evaluate(result, {"--fixes-tum", out / "f.txt", "--outcomes-csv", out / "o.csv"}));
-  // For single frames, the closest hit is the best match, which the rows name.
+  // For single frames, the closest recognition is the best match, which the rows name.
   const Json dataset = file_json(world().dataset());
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
   std::map<std::string, std::vector<std::optional<RoutePoint>>> routes;
@@ -212,7 +212,7 @@ TEST_CASE("a folder's table never replaces its reports and results") {
   const auto write = [&](const std::string& name) {
     return run_program("vpr-eval", {"report", out / "all", "-o", out / name, "--force"});
   };
-  for (const char* name : {"all/report.json", "all/first.json", "all/first.hits.npy"}) {
+  for (const char* name : {"all/report.json", "all/first.json", "all/first.recognitions.npy"}) {
     const std::string before = read_text(out / name);
     check_failure(write(name), 2, "is an input of this run");
     CHECK(read_text(out / name) == before);

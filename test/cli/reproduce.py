@@ -50,12 +50,12 @@ def check_files(folder):
     check("| 20 | paper: FastABLE over OpenABLE, A | 11.4 | 9.8 |" in lines, lines)
     check(len(lines) == 14 and lines[-1] == "0 of 0 findings hold.", lines)
 
-    counts = tables.cells_of([({"sequence": "S", "data": "d", "query": "q", "c_l": 40, "hits": 3},
-                               {"hits": 5})])
+    counts = tables.cells_of([({"sequence": "S", "data": "d", "query": "q", "c_l": 40, "recognitions": 3},
+                               {"recognitions": 5})])
     outcomes = findings.check_all(
-        [{"finding": "F", "place": "table 4", "kind": "zero", "where": {"measure": "hits"}},
+        [{"finding": "F", "place": "table 4", "kind": "zero", "where": {"measure": "recognitions"}},
          {"finding": "G", "place": "table 4", "kind": "zero", "where": {"measure": "places"}},
-         {"finding": "H", "place": "table 4", "kind": "falls with", "where": {"measure": "hits"},
+         {"finding": "H", "place": "table 4", "kind": "falls with", "where": {"measure": "recognitions"},
           "over": ["c_l"], "contradicted": "table 4 rises"}],
         [{**counts[0], "c_l": 20}, *counts])
     tables.write_markdown(folder / "tab4.md", "Table 4", "sequence", counts, ["A note."], outcomes)

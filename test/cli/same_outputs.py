@@ -48,7 +48,7 @@ def corridor():
         yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --method {method} --c-l 20 --t-r 0.65 "
                f"--save-matrix {method}.npy -o {method}.json")
         yield f"vpr-eval {method}.json {CORRIDOR_TRUTH} -o {method}.report.json"
-    for score in "standardized", "standardized-offline":
+    for score in "zscore", "zscore-offline":
         yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --score {score} --t-r=-2 --c-l 10 "
                f"--save-matrix {score}.npy -o {score}.json")
         yield (f"vpr-eval {score}.json {CORRIDOR_TRUTH} --html {score}.html --query {CORRIDOR}/query "

@@ -17,8 +17,8 @@ trap 'rm -rf "$out"' EXIT
 "$bin/vpr-tune" fastable "$out/one.vprdb" --query "$out/building/upstairs" --ground-truth aligned --c-l 10 \
   --t-r 0.5 -o "$out/s6.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --method lsh -o "$out/r3.json" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized --t-r -2 -o "$out/r4.json" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized-offline --t-r -2 --c-l 10 \
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score zscore --t-r -2 -o "$out/r4.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score zscore-offline --t-r -2 --c-l 10 \
   --verify 10 -o "$out/r5.json" --quiet
 "$bin/vpr-eval" "$out/r5.json" --dataset "$out/building/dataset.json" -o "$out/e5.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" -o "$out/e.json" --quiet
@@ -30,7 +30,7 @@ trap 'rm -rf "$out"' EXIT
   -o "$out/several.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --name mine -o "$out/en.json" --quiet
 "$bin/vpr-eval" compare "$out/e.json" "$out/em.json" -o "$out/cmp.json" --quiet
-echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >"$out/x.json"
+echo '{"schema": "vpr.expected/1", "counts": {"recognitions": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
 "$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
 printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >"$out/poses.csv"
@@ -73,7 +73,7 @@ tail -n 1 "$out/live" >"$out/l2.json"
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/query.txt" --follow --c-l 5 --quiet | tail -n 1 >"$out/l3.json"
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
-  --score standardized --t-r=-2,-3 -o "$out/s2.json" --quiet
+  --score zscore --t-r=-2,-3 -o "$out/s2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query \
   --save-config "$out/best.json" -o "$out/s3.json" --quiet
 data=$out/building/dataset.json

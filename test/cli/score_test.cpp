@@ -51,31 +51,29 @@ const Walks& walks() {
 
 TEST_CASE("negative thresholds are accepted as flags, and the result describes the scores") {
   const Json json = printed_json(
-      walks().query({"--score", "standardized", "--t-r", "-1.5", "--verify", "50", "--json"}));
-  CHECK(json["settings"]["score"] == "standardized");
+      walks().query({"--score", "zscore", "--t-r", "-1.5", "--verify", "50", "--json"}));
+  CHECK(json["settings"]["score"] == "zscore");
   CHECK(json["settings"]["t_r"] == -1.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
-  CHECK(json["settings"]["standardization"]["forgetting"] == 0.98);
+  CHECK(json["settings"]["zscore"]["forgetting"] == 0.98);
   CHECK(json["statistics"]["neighbor_frames"] == 5);
   CHECK(json["targets"][1]["limit"] == -3 * 1536);
-  CHECK(json["totals"]["hits"] > 0);
+  CHECK(json["totals"]["recognitions"] > 0);
   CHECK(json["verification"]["differences"] == 0);
   for (const Json& place : json["clusters"]) CHECK(place["best_score"] < -3 * 1536);
-  ok(walks().query(
-      {"--score", "standardized", "--t-r", "-1.5", "--t-r-scale", "mean-z", "--json"}));
+  ok(walks().query({"--score", "zscore", "--t-r", "-1.5", "--t-r-scale", "mean-z", "--json"}));
 }
 
 TEST_CASE("scales and settings without meaning for a score are usage errors") {
   for (const Words& words :
-       {Words{"--score", "standardized", "--t-r", "0.4", "--t-r-scale", "relative"},
-        Words{"--score", "standardized", "--t-r", "200", "--t-r-scale", "bits"},
-        Words{"--score", "standardized-offline", "--t-r", "200", "--t-r-scale", "bits"},
+       {Words{"--score", "zscore", "--t-r", "0.4", "--t-r-scale", "relative"},
+        Words{"--score", "zscore", "--t-r", "200", "--t-r-scale", "bits"},
+        Words{"--score", "zscore-offline", "--t-r", "200", "--t-r-scale", "bits"},
         Words{"--t-r", "-1", "--t-r-scale", "mean-z"}, Words{"--t-r", "-1"},
-        Words{"--score", "standardized", "--method", "openable", "--t-r", "-1"},
-        Words{"--score", "standardized", "--method", "lsh", "--t-r", "-1"},
-        Words{"--score", "standardized", "--safety-factor", "0.9"},
-        Words{"--score", "standardized"}, Words{"--score", "standardized"},
-        Words{"--score", "standardized", "--max-memory", "10"}}) {
+        Words{"--score", "zscore", "--method", "openable", "--t-r", "-1"},
+        Words{"--score", "zscore", "--method", "lsh", "--t-r", "-1"},
+        Words{"--score", "zscore", "--safety-factor", "0.9"}, Words{"--score", "zscore"},
+        Words{"--score", "zscore"}, Words{"--score", "zscore", "--max-memory", "10"}}) {
     const auto outcome = walks().query(joined(words, {"--json"}));
     INFO(fmt::format("{}", outcome.err));
     CHECK(outcome.exit_code == 2);
@@ -85,11 +83,11 @@ TEST_CASE("scales and settings without meaning for a score are usage errors") {
 
 TEST_CASE("every setting of z-scores can be set in the configuration") {
   write_text(walks().folder / "c.json",
-             R"({"score": "standardized", "t_r": -1, "standardization": {"forgetting": 0.9,
-                       "start_weight": 3, "deviation_floor": 20, "view_change": 0,
-                       "lag_views": 1}})");
+             R"({"score": "zscore", "t_r": -1, "zscore": {"forgetting": 0.9,
+                       "start_weight": 3, "deviation_floor": 20, "keyframe_change": 0,
+                       "lag_keyframes": 1}})");
   CHECK(printed_json(walks().query({"--config", walks().folder / "c.json", "--verify", "100",
-                                    "--json"}))["settings"]["standardization"]["lag_views"] == 1);
+                                    "--json"}))["settings"]["zscore"]["lag_keyframes"] == 1);
   write_text(walks().folder / "t.json",
              R"({"statistics": {"neighbor_frames": 2, "samples": 7, "seed": 3}})");
   run_ok("vpr-train", {"fastable", "--train", walks().folder / "one", "--config",
@@ -104,7 +102,7 @@ TEST_CASE("unreadable frames have no score, also in the matrix") {
   fs::copy(walks().folder / "query", folder / "query");
   write_text(folder / "query/05.png", "no image");
   run_ok("vpr-query", {walks().database(), "--query", folder / "query", "--c-l", "3", "--score",
-                       "standardized", "--t-r", "0", "--skip-unreadable", "--save-matrix",
+                       "zscore", "--t-r", "0", "--skip-unreadable", "--save-matrix",
                        folder / "m.npy", "--verify", "60", "-o", folder / "r.json"});
   const NpyArray best(folder / "r.best.npy");
   const auto rows = best.values<int32_t>(2);
@@ -137,10 +135,9 @@ TEST_CASE("unreadable frames have no score, also in the matrix") {
 TEST_CASE("vpr-tune sweeps thresholds of scores") {
   write_text(walks().folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n");
   const auto sweep = [](const std::string& truth, const std::string& thresholds) {
-    return run_program(
-        "vpr-tune",
-        {"fastable", walks().database(), "--query", walks().folder / "query", "--score",
-         "standardized", "--ground-truth", truth, "--c-l", "2,3", "--t-r", thresholds, "--json"});
+    return run_program("vpr-tune", {"fastable", walks().database(), "--query",
+                                    walks().folder / "query", "--score", "zscore", "--ground-truth",
+                                    truth, "--c-l", "2,3", "--t-r", thresholds, "--json"});
   };
   const std::string pairs = walks().folder / "pairs.csv";
   CHECK(sweep("aligned", "-3:-1:1").exit_code == 2);  // aligned needs a single training sequence
@@ -158,7 +155,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   CHECK(json["settings"]["margin"] == 400.0);
   CHECK_FALSE(json["settings"].contains("t_r"));
   CHECK(json["targets"][1]["margin"] == 400.0);
-  CHECK(json["totals"]["hits"] == 8);
+  CHECK(json["totals"]["recognitions"] == 8);
   CHECK(json["files"].contains("margins"));
   const auto report = [&](Words more) {
     return printed_json(
@@ -166,14 +163,14 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
         joined({result, "--ground-truth", walks().folder / "truth.csv", "--json"}, more));
   };
   const Json by_score = report({"--confidence", "score"});
-  CHECK(by_score["counts"]["hits"]["correct"] == 8);
-  CHECK(by_score["counts"]["hits"]["incorrect"] == 0);
+  CHECK(by_score["counts"]["recognitions"]["correct"] == 8);
+  CHECK(by_score["counts"]["recognitions"]["incorrect"] == 0);
   CHECK(by_score["metrics"]["by_margin"]["recall_at_100_precision"] >= 0.8);
   CHECK_FALSE(by_score.contains("confidence"));
   const fs::path page = walks().folder / "page.html";
   const Json by_margin = report({"--html", page, "--force"});  // the decision of the result
   CHECK(by_margin["confidence"] == "margin");
-  CHECK(by_margin["protocol"]["hits"] ==
+  CHECK(by_margin["protocol"]["recognitions"] ==
         "best matches with a distance better than the best one elsewhere by at least the margin");
   CHECK(by_margin["metrics"]["single_best"] == by_score["metrics"]["by_margin"]);
   CHECK(by_margin["metrics"]["by_score"]["average_precision"] ==
@@ -195,7 +192,7 @@ TEST_CASE("invalid margins and settings without effect are refused with advice")
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "-1"}), "from 0 to 65535"));
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "nan"}), "\"auto\""));
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "1e9"}), "bits a frame"));
-  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "65", "--score", "standardized"}),
+  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "65", "--score", "zscore"}),
             "from 0 to 64 deviations"));
   CHECK(has(walks().refusal({"--margin", "10"}), "--decide margin"));
   CHECK(has(walks().refusal({"--decide", "margin", "--t-r", "0.5"}), "--decide threshold"));
@@ -218,7 +215,7 @@ TEST_CASE("vpr-tune sweeps margins, and its recommendation is a query's settings
   const Json config = Json::parse(read_text(best));
   CHECK(config["decide"] == "margin");
   CHECK(printed_json("vpr-query", {walks().database(), "--query", walks().folder / "query",
-                                   "--config", best, "--json"})["totals"]["hits"] > 0);
+                                   "--config", best, "--json"})["totals"]["recognitions"] > 0);
   const auto refused =
       run_program("vpr-tune", {"fastable", walks().database(), "--query", walks().folder / "query",
                                "--ground-truth", walks().folder / "truth.csv", "--margin", "1"});

@@ -40,7 +40,7 @@ void visit_fields(EvalOptions& options, Visitor&& visit) {
 template <class S>
 constexpr const char* kDefinition = nullptr;
 template <>
-constexpr const char* kDefinition<StandardizationSettings> = "standardization_settings";
+constexpr const char* kDefinition<ZScoreSettings> = "zscore_settings";
 template <>
 constexpr const char* kDefinition<FilterSettings> = "filter_settings";
 template <>
@@ -176,7 +176,7 @@ const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& pla
         {"/$defs/describe_bench_settings", open<DescribeBenchSettings>},
         {"/$defs/fabmap_bench_settings", open<FabmapBenchSettings>},
         {"/$defs/realtime_bench_settings", open<RealtimeBenchSettings>},
-        {"/$defs/standardization_settings", closed<StandardizationSettings>},
+        {"/$defs/zscore_settings", closed<ZScoreSettings>},
         {"/$defs/filter_settings", closed<FilterSettings>},
         {"/$defs/lsh_settings", closed<LshSettings>},
         {"/$defs/cluster_settings", closed<ClusterSettings>},

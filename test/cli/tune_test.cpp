@@ -65,7 +65,7 @@ TEST_CASE("FAB-MAP's sweep has the counts of single queries as well") {
     const Json report = printed_json(
         "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "25", "--json"});
     CHECK(cell["counts"] == report["counts"]);
-    correct += cell["counts"]["hits"]["correct"].get<uint64_t>();
+    correct += cell["counts"]["recognitions"]["correct"].get<uint64_t>();
   }
   CHECK(correct > 0);
 }
@@ -93,7 +93,8 @@ TEST_CASE("the recommended setting is reported for another sequence") {
   CHECK_FALSE(has(outcome.err, "not seen"));
   const Json query = file_json(out / "s.json")["queries"][0];
   CHECK(query["validation"]["query"] == "again");
-  CHECK(query["intervals"]["correct_hits"][0] <= query["intervals"]["correct_hits"][1]);
+  CHECK(query["intervals"]["correct_recognitions"][0] <=
+        query["intervals"]["correct_recognitions"][1]);
   CHECK(read_text(out / "h.png").substr(1, 3) == "PNG");
   const auto same =
       run_ok("vpr-tune", fastable({"--validate", world().walk("back"), "--validate-ground-truth",
@@ -175,7 +176,7 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
                               more));
   };
   const auto plain = ok(run({}));
-  CHECK(has(plain.out, "hits by t_r and c_l (* recommended)"));
+  CHECK(has(plain.out, "recognitions by t_r and c_l (* recommended)"));
   CHECK(has(plain.out, "vpr-query " + world().database()));
   const auto saved = ok(run({"--save-config", out / "c.json", "-o", out / "s.json"}));
   CHECK(has(saved.out, "--config " + (out / "c.json").string()));
@@ -187,7 +188,7 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
   CHECK(config == settings);
   const Json cell = sweep["cells"][sweep["queries"][0]["recommended"].get<size_t>()];
   CHECK(settings["c_l"] == cell["c_l"]);
-  CHECK(cell["counts"]["hits"]["incorrect"] == 0);
+  CHECK(cell["counts"]["recognitions"]["incorrect"] == 0);
   // The counts of the recommended cell, from the file alone.
   run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--config",
                        out / "c.json", "-o", out / "r.json"});
@@ -204,12 +205,12 @@ TEST_CASE("without a recommendation there is no configuration, and the exit code
                                "--ground-truth", world().truth("back"), "--c-l", "5", "--t-r",
                                "0.01,0.02", "--save-config", out / "c.json", "-o", out / "s.json"});
   CHECK(outcome.exit_code == 5);
-  CHECK(has(outcome.err, "no setting has a hit"));
+  CHECK(has(outcome.err, "no setting has a recognition"));
   CHECK(has(outcome.err, "use --method filter"));
   CHECK_FALSE(has(outcome.err, "longer c_l"));
   CHECK(list_folder(out.path()) == Words{"s.json"});
   const Json query = file_json(out / "s.json")["queries"][0];
-  CHECK(query["advice"] == "no_hits");
+  CHECK(query["advice"] == "no_recognitions");
   CHECK((query["recommended"].is_null() && query["recommended_settings"].is_null()));
 }
 
@@ -221,7 +222,7 @@ TEST_CASE("FAB-MAP has a default grid and a configuration as well") {
   const Json sweep = file_json(out / "s.json");
   CHECK(sweep["cells"].size() == 5 * 10);
   CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') == 1 + 5 * 10);
-  CHECK(outcome.out.starts_with("query,c_w,t_p,scale,hits_correct,hits_incorrect"));
+  CHECK(outcome.out.starts_with("query,c_w,t_p,scale,recognitions_correct,recognitions_incorrect"));
 }
 
 TEST_CASE("the validation may be another query of the data set, selected by name") {
@@ -240,7 +241,7 @@ TEST_CASE("the validation may be another query of the data set, selected by name
                                           more));
   };
   const auto outcome = ok(run({"--validate", "again"}));
-  CHECK(has(outcome.out, "On again: hits "));
+  CHECK(has(outcome.out, "On again: recognitions "));
   CHECK_FALSE(has(outcome.out, "{"));
   CHECK(run({"--validate", "nobody"}).exit_code == 2);
   CHECK(run({"--validate-ground-truth", world().truth("again")}).exit_code == 2);
@@ -256,9 +257,9 @@ TEST_CASE("vpr-query with a calibration as configuration has its recognitions") 
     const size_t chosen = calibration["chosen"];
     const Json& recognized = calibration["lengths"][chosen]["recognized"];
     CHECK(recognized["wrong"] == 0);
-    const Json hits = query_with(out / "c.json", out)["counts"]["hits"];
-    CHECK(hits["incorrect"] == 0);
-    CHECK(hits["correct"] == recognized["right"]);
+    const Json recognitions = query_with(out / "c.json", out)["counts"]["recognitions"];
+    CHECK(recognitions["incorrect"] == 0);
+    CHECK(recognitions["correct"] == recognized["right"]);
     const double windows = calibration["lengths"][chosen]["windows"];
     const Json& interval = calibration["lengths"][chosen]["false_recognitions"]["interval"];
     CHECK(calibration["in_an_hour"]["interval"][1].get<double>() ==
@@ -287,7 +288,7 @@ TEST_CASE("impossible calibrations are refused with a sentence") {
         "vpr-tune calibrate does not go with --method lsh");
   write_text(out / "raw.json", R"({"c_l": 5, "t_r": -1.5})");
   fails({"--config", out / "raw.json"}, 2, "--t-r does not go with --decide margin");
-  write_text(out / "fused.json", R"({"score": "standardized", "fuse_beta": 0.2})");
+  write_text(out / "fused.json", R"({"score": "zscore", "fuse_beta": 0.2})");
   fails({"--config", out / "fused.json"}, 2, "--fuse does not go with vpr-tune calibrate");
   write_text(out / "none.csv", "query,sequence,reference,label\n0,one,0,ignore\n");
   check_failure("vpr-tune", calibrate({}, out / "none.csv"), 2,

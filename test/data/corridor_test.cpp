@@ -81,21 +81,21 @@ TEST_CASE("best matches on the corridor, aligned within 3 frames") {
   }
 }
 
-TEST_CASE("hits and places on the corridor with its labeled pairs") {
+TEST_CASE("recognitions and places on the corridor with its labeled pairs") {
   const auto corridor = real_data("data/corridor");
   if (!corridor) return;
   const TemporaryFolder out;
   struct Row {
     const char* c_l;
     const char* t_r;
-    std::array<int, 4> counts;  // hits correct and incorrect, places correct and incorrect
+    std::array<int, 4> counts;  // recognitions correct and incorrect, places correct and incorrect
   };
   for (const Row& row : {Row{"5", "0.45", {52, 16, 3, 1}}, Row{"10", "0.55", {59, 21, 2, 1}},
                          Row{"20", "0.65", {63, 0, 2, 0}}}) {
     const Json counts = evaluate(out, *corridor, {"--c-l", row.c_l, "--t-r", row.t_r},
                                  {"--ground-truth", *corridor / "ground_truth.csv"})["counts"];
-    CHECK(counts["hits"]["correct"] == row.counts[0]);
-    CHECK(counts["hits"]["incorrect"] == row.counts[1]);
+    CHECK(counts["recognitions"]["correct"] == row.counts[0]);
+    CHECK(counts["recognitions"]["incorrect"] == row.counts[1]);
     CHECK(counts["places"]["correct"] == row.counts[2]);
     CHECK(counts["places"]["incorrect"] == row.counts[3]);
     CHECK(counts["distinct"] == row.counts[2]);
@@ -189,7 +189,7 @@ TEST_CASE("a confirmed track through the corridor is one place, at equal and at 
                       "--method", "filter", "--force", "-o", out / "r.json", "--json"});
     REQUIRE(result["clusters"].size() == 1);
     const Json& place = result["clusters"][0];
-    CHECK(place["hits"] == result["totals"]["hits"]);
+    CHECK(place["recognitions"] == result["totals"]["recognitions"]);
     CHECK(place["query"]["first_frame"] == first);
     CHECK(place["query"]["last_frame"] == last);
     CHECK(place["train"]["last_frame"] == 110);
@@ -198,7 +198,7 @@ TEST_CASE("a confirmed track through the corridor is one place, at equal and at 
                                  "--reference-step", range.empty() ? "1" : "2", "--json"});
     const Json report = Json::parse(eval.out);
     CHECK(report["counts"]["distinct"] == 1);
-    CHECK(report["counts"]["hits"]["correct"] == result["totals"]["hits"]);
+    CHECK(report["counts"]["recognitions"]["correct"] == result["totals"]["recognitions"]);
     CHECK(report["recognitions"][0]["query_range"] == Json({first, last}));
   }
 }

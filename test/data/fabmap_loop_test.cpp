@@ -107,8 +107,8 @@ TEST_CASE("our own vocabulary recognizes the second lap") {
   const Json report = printed_json("vpr-eval", {out / "r.json", "--ground-truth",
                                                 (*loop / "ground_truth.csv").string(), "--json"});
   CHECK(report["best_match"]["correct"].get<int>() >= 34);
-  CHECK(report["counts"]["hits"]["correct"].get<int>() >= 31);
-  CHECK(report["counts"]["hits"]["incorrect"].get<int>() <= 6);
+  CHECK(report["counts"]["recognitions"]["correct"].get<int>() >= 31);
+  CHECK(report["counts"]["recognitions"]["incorrect"].get<int>() <= 6);
 }
 
 // Frame 5 of the second lap (46.jpg) shows no word. Its posterior for the training frames without
@@ -139,11 +139,11 @@ TEST_CASE("with OpenFABMAP's words, every recognition of the second lap is corre
                    {})
           .result;
   CHECK(of_frame_5 > 0.6);
-  CHECK(result.hits.size() == 34);
+  CHECK(result.recognitions.size() == 34);
   CHECK_FALSE(result.best[5]);
-  for (const Match& hit : result.hits) {
-    INFO("frame " << hit.query << ", place " << hit.train);
-    CHECK(hit.query != 5);
-    CHECK(std::abs(static_cast<int>(hit.query) - static_cast<int>(hit.train)) <= 3);
+  for (const Match& recognition : result.recognitions) {
+    INFO("frame " << recognition.query << ", place " << recognition.train);
+    CHECK(recognition.query != 5);
+    CHECK(std::abs(static_cast<int>(recognition.query) - static_cast<int>(recognition.train)) <= 3);
   }
 }

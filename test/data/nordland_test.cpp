@@ -23,12 +23,12 @@ TEST_CASE("best matches on Nordland, aligned within 2 frames, in percent") {
   }
 }
 
-TEST_CASE("relative thresholds on Nordland use the finished maximum: 2583 hits, not 631") {
+TEST_CASE("relative thresholds on Nordland use the finished maximum: 2583 recognitions, not 631") {
   const auto nordland = real_data("data/nordland");
   if (!nordland) return;
   const TemporaryFolder out;
   run_program("vpr-train", {"fastable", "--train", *nordland / "summer", "-o", out / "n.vprdb"});
   const auto query = run_program("vpr-query", {out / "n.vprdb", "--query", *nordland / "winter",
                                                "--c-l", "50", "--t-r", "0.55", "--json"});
-  CHECK(Json::parse(query.out)["totals"]["hits"] == 2583);
+  CHECK(Json::parse(query.out)["totals"]["recognitions"] == 2583);
 }

@@ -106,7 +106,7 @@ TEST_CASE("a single short sequence has no false margins, and therefore the minim
   const auto none = false_margins({&span, 1}, make_elsewhere({1}, {}), nullptr, match(9), {});
   CHECK(none.empty());
   CHECK(automatic_margin(none, score_kind(Score::raw), 600, 9) == Approx(0.45 * 600 / 3));
-  CHECK(automatic_margin(none, score_kind(Score::standardized), 600, 9) == 1);
+  CHECK(automatic_margin(none, score_kind(Score::zscore), 600, 9) == 1);
 }
 
 TEST_CASE("the automatic margin is a mean above the largest false one, and at least the minimum") {
@@ -117,7 +117,7 @@ TEST_CASE("the automatic margin is a mean above the largest false one, and at le
   };
   CHECK(automatic(Score::raw, 100) == 60.4);
   CHECK(automatic(Score::raw, 10'000) == Approx(2.7));  // the minimum
-  CHECK(automatic(Score::standardized, 1) == 6040.0 / 1024);
+  CHECK(automatic(Score::zscore, 1) == 6040.0 / 1024);
   margins.assign(101, 0);
   CHECK(automatic(Score::raw, 100) == Approx(27));
 }

@@ -41,8 +41,8 @@ const std::vector<Asked> kAsked = {
     {"--method openable", [](auto& s) { s.method = "openable"; }},
     {"--fuse", [](auto& s) { s.fusion_weight = 0.2; }},
     {"--score raw", {}},
-    {"--score standardized", [](auto& s) { s.score = Score::standardized; }},
-    {"--score standardized-offline", [](auto& s) { s.score = Score::standardized_offline; }},
+    {"--score zscore", [](auto& s) { s.score = Score::zscore; }},
+    {"--score zscore-offline", [](auto& s) { s.score = Score::zscore_offline; }},
     {"--rates", [](auto& s) { s.rates = {"1/2"}; }},
     {"--c-l", {}},
     {"--decide threshold", {}},
@@ -120,17 +120,13 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
   const std::vector<Refused> all = {
       // Scores and decisions.
       {{"--t-r-scale mean-z"}, "--t-r-scale mean-z", "--score raw"},
-      {{"--score standardized", "--t-r", "--t-r-scale bits"},
-       "--t-r-scale bits",
-       "--score standardized"},
-      {{"--score standardized", "--t-r-scale relative", "--t-r"}, "relative", "standardized"},
-      {{"--score standardized-offline", "--t-r", "--t-r-scale bits"},
-       "--t-r-scale bits",
-       "offline"},
-      {{"--score standardized"}, "--t-r auto", "--score standardized"},
-      {{"--score standardized-offline"}, "--t-r auto", "--score standardized-offline"},
-      {{"--score standardized", "--safety-factor", "--t-r"}, "--safety-factor", "standardized"},
-      {{"--score standardized", "--method openable"}, "--score standardized", "openable"},
+      {{"--score zscore", "--t-r", "--t-r-scale bits"}, "--t-r-scale bits", "--score zscore"},
+      {{"--score zscore", "--t-r-scale relative", "--t-r"}, "relative", "zscore"},
+      {{"--score zscore-offline", "--t-r", "--t-r-scale bits"}, "--t-r-scale bits", "offline"},
+      {{"--score zscore"}, "--t-r auto", "--score zscore"},
+      {{"--score zscore-offline"}, "--t-r auto", "--score zscore-offline"},
+      {{"--score zscore", "--safety-factor", "--t-r"}, "--safety-factor", "zscore"},
+      {{"--score zscore", "--method openable"}, "--score zscore", "openable"},
       {{"--margin"}, "--margin", "--decide threshold"},
       {{"--decide margin", "--t-r"}, "--t-r", "--decide margin"},
       {{"--decide margin", "--t-r-scale bits"}, "--t-r-scale bits", "--decide margin"},
@@ -141,7 +137,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--rates", "--method filter"}, "--rates", "--method filter"},
       {{"--rates", "--method lsh"}, "--rates", "--method lsh"},
       {{"--decide margin", "--method lsh"}, "--decide margin", "--method lsh"},
-      {{"--score standardized", "--t-r", "--method lsh"}, "standardized", "--method lsh"},
+      {{"--score zscore", "--t-r", "--method lsh"}, "zscore", "--method lsh"},
       {{"--t-r", "--method lsh"}, "a relative --t-r", "--method lsh"},
       {{"--save-matrix", "--method lsh"}, "--save-matrix", "--method lsh"},
       {{"--verify", "--method lsh"}, "--verify", "--method lsh"},
@@ -166,7 +162,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--loop", "--method filter"}, "--method filter", "--loop"},
       {{"--loop", "--method lsh"}, "--method lsh", "--loop"},
       {{"--loop", "--rates"}, "--rates", "--loop"},
-      {{"--loop", "--score standardized-offline"}, "offline", "--loop"},
+      {{"--loop", "--score zscore-offline"}, "offline", "--loop"},
       {{"--loop", "--fuse"}, "--fuse", "--loop"},
       {{"--loop", "--t-r-scale relative"}, "relative", "--loop"},
       {{"--loop", "--decide margin"}, "--margin auto", "--loop"},
@@ -206,7 +202,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       // Frames as they arrive.
       {{"--follow", "--method openable"}, "--follow", "--method openable"},
       {{"--follow", "--method lsh"}, "--follow", "--method lsh"},
-      {{"--follow", "--score standardized-offline"}, "offline", "--follow"},
+      {{"--follow", "--score zscore-offline"}, "offline", "--follow"},
       {{"--follow", "--rates"}, "--rates", "--follow"},
       {{"--follow", "--t-r"}, "a relative --t-r", "--follow"},
       {{"--follow", "--output"}, "--output", "--follow"},
@@ -252,19 +248,19 @@ TEST_CASE("choices that can be combined are accepted") {
       {"--follow", "--t-r", "--t-r-scale bits", "--skip-unreadable"},
       {"--follow", "--t-r-scale relative"},
       {"--follow", "--decide margin", "--fuse"},
-      {"--score standardized", "--t-r", "--t-r-scale mean-z", "--rates", "--fuse"},
-      {"--score standardized-offline", "--decide margin", "--margin", "--margin-width"},
-      {"--score standardized", "--decide margin", "--verify", "--save-matrix", "--output"},
+      {"--score zscore", "--t-r", "--t-r-scale mean-z", "--rates", "--fuse"},
+      {"--score zscore-offline", "--decide margin", "--margin", "--margin-width"},
+      {"--score zscore", "--decide margin", "--verify", "--save-matrix", "--output"},
       {"--safety-factor", "--warp", "--fps", "--query", "--dataset", "--query-times"},
       {"--loop", "--query", "--dataset", "--save-loops", "--descriptor", "--save-matrix"},
-      {"--loop", "a --loop-gap in seconds", "--times", "--score standardized", "--t-r"},
+      {"--loop", "a --loop-gap in seconds", "--times", "--score zscore", "--t-r"},
       {"--loop", "--decide margin", "--margin", "--method openable"},
       {"--scores", "--query", "--warp", "--train-sequence", "--distance", "--missing"},
-      {"--scores", "--score standardized", "--only-sequence", "--same-place", "--rates"},
+      {"--scores", "--score zscore", "--only-sequence", "--same-place", "--rates"},
       {"--scores", "--decide margin", "--margin", "--margin-width", "--similarity"},
-      {"vpr-tune fastable", "--score standardized", "--fuse", "--rates", "--t-r"},
+      {"vpr-tune fastable", "--score zscore", "--fuse", "--rates", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
-      {"vpr-tune calibrate", "--decide margin", "--score standardized", "--method filter"},
+      {"vpr-tune calibrate", "--decide margin", "--score zscore", "--method filter"},
       {"a FAB-MAP database", "--loop", "--save-loops"}};
   for (const auto& flags : all) {
     std::string words;
@@ -293,7 +289,7 @@ TEST_CASE("the table knows what each method can do") {
     INFO(method.name);
     SequenceQuerySettings settings;
     settings.method = method.name;
-    settings.score = Score::standardized;
+    settings.score = Score::zscore;
     if (!method.has_paths) settings.distance_threshold = -1;
     const auto refused = [&] { return test::error_kind([&] { ResolvedSettings{settings}; }); };
     CHECK(refused().has_value() != method.has_scores);
@@ -310,7 +306,7 @@ TEST_CASE("resolving fills in what settings imply") {
   settings.method = "filter";
   const ResolvedSettings filter(settings);
   CHECK(filter->window_length == 1);
-  CHECK(filter->score == Score::standardized);
+  CHECK(filter->score == Score::zscore);
   CHECK(filter->decision == Decision::margin);
   CHECK(filter->margin == kFilterMargin);
   CHECK_FALSE(filter->threshold_scale);
@@ -318,7 +314,7 @@ TEST_CASE("resolving fills in what settings imply") {
   settings.distance_threshold = -1;
   const ResolvedSettings fused(settings, {kDatabaseChoice, "--fuse"});
   CHECK(fused->fusion_weight == kFusionWeight);
-  CHECK(fused->score == Score::standardized);
+  CHECK(fused->score == Score::zscore);
   settings = {};
   by_loop(settings);
   const ResolvedSettings loop(settings, {});

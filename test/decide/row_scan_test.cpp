@@ -44,33 +44,35 @@ ScoreRow as_row(const Piece& piece) {
   return {piece.query, piece.sequence, piece.first, piece.scores};
 }
 
-HitScanSettings scan_settings(size_t max_hits = 100000) {
-  return {{3, 6}, 20, max_hits, select_kernels()};
+RecognitionScanSettings scan_settings(size_t max_recognitions = 100000) {
+  return {{3, 6}, 20, max_recognitions, select_kernels()};
 }
 
 }  // namespace
 
-TEST_CASE("hits are strictly below their sequence's limit, and the first best match wins a tie") {
-  HitScan scan(scan_settings());
+TEST_CASE(
+    "recognitions are strictly below their sequence's limit, and the first best match wins a tie") {
+  RecognitionScan scan(scan_settings());
   scan({0, 0, 10, std::vector<uint32_t>{5, 2, 3}});
   scan({0, 1, 0, std::vector<uint32_t>{2, 5, 6}});
   scan({0, 0, 4, std::vector<uint32_t>{2}});
-  const HitScanResult result = scan.result();
-  CHECK(result.hits == std::vector<Cell>{{0, 0, 4, 2}, {0, 0, 11, 2}, {0, 1, 0, 2}, {0, 1, 1, 5}});
+  const RecognitionScanResult result = scan.result();
+  CHECK(result.recognitions ==
+        std::vector<Cell>{{0, 0, 4, 2}, {0, 0, 11, 2}, {0, 1, 0, 2}, {0, 1, 1, 5}});
   CHECK(result.best.at(0) == Cell{0, 0, 4, 2});
   CHECK_FALSE(result.best.at(1).has_value());
 }
 
 TEST_CASE("the result does not depend on the order of rows or the number of threads") {
   const std::vector<Piece> pieces = random_pieces(1);
-  std::vector<Cell> hits;
+  std::vector<Cell> recognitions;
   std::vector<std::optional<Cell>> best(20);
   std::vector<uint32_t> maxima(2, 0);
   for (const Piece& piece : pieces) {
     for (size_t x = 0; x < piece.scores.size(); ++x) {
       const Cell cell{uint32_t(piece.query), uint32_t(piece.sequence), uint32_t(piece.first + x),
                       piece.scores[x]};
-      if (cell.score < (piece.sequence == 0 ? 3U : 6U)) hits.push_back(cell);
+      if (cell.score < (piece.sequence == 0 ? 3U : 6U)) recognitions.push_back(cell);
       auto& kept = best[piece.query];
       if (!kept || cell.score < kept->score) kept = cell;
       maxima[piece.sequence] = std::max(maxima[piece.sequence], cell.score);
@@ -82,14 +84,14 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
     RandomEngine engine(threads);
     for (size_t i = shuffled.size(); i > 1; --i)
       std::swap(shuffled[i - 1], shuffled[uniform_below(engine, i)]);
-    HitScan scan(scan_settings());
+    RecognitionScan scan(scan_settings());
     MaximumScan maximum(2, select_kernels());
     parallel_for(shuffled.size(), {}, [&](size_t i) {
       scan(as_row(shuffled[i]));
       maximum(as_row(shuffled[i]));
     });
-    const HitScanResult result = scan.result();
-    CHECK(result.hits == hits);
+    const RecognitionScanResult result = scan.result();
+    CHECK(result.recognitions == recognitions);
     CHECK(result.best == best);
     CHECK(maximum.result() == maxima);
   }
@@ -99,8 +101,8 @@ TEST_CASE("the maxima of no rows are 0") {
   CHECK(MaximumScan(3, select_kernels()).result() == std::vector<uint32_t>{0, 0, 0});
 }
 
-TEST_CASE("more hits than the limit are an error with advice") {
-  HitScan scan(scan_settings(2));
+TEST_CASE("more recognitions than the limit are an error with advice") {
+  RecognitionScan scan(scan_settings(2));
   const std::string text = test::error_text([&] {
     scan({0, 1, 0, std::vector<uint32_t>{1, 1, 1}});
   });

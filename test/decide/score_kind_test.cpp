@@ -15,15 +15,15 @@ TEST_CASE("each score has its entry") {
   CHECK(&score_kinds().back() == &probability_kind());
   CHECK(probability_kind().order == ScoreOrder::similarity);
   CHECK_FALSE(score_kind(Score::raw).needs_statistics);
-  CHECK(score_kind(Score::standardized).needs_statistics);
-  CHECK_FALSE(score_kind(Score::standardized).is_offline);
-  CHECK(score_kind(Score::standardized_offline).is_offline);
+  CHECK(score_kind(Score::zscore).needs_statistics);
+  CHECK_FALSE(score_kind(Score::zscore).is_offline);
+  CHECK(score_kind(Score::zscore_offline).is_offline);
 }
 
 TEST_CASE("a sum of frame scores is converted to a value per frame, without its bias") {
   CHECK(score_kind(Score::raw).offset(7) == 0);
   CHECK(score_kind(Score::raw).frame_value(350, 7) == 50);
-  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+  for (const Score score : {Score::zscore, Score::zscore_offline}) {
     const ScoreKind& kind = score_kind(score);
     // Three frames, each 1.5 deviations closer than the mean.
     const auto sum = static_cast<uint32_t>(3 * kScoreBias - 3 * 1536);
@@ -33,7 +33,7 @@ TEST_CASE("a sum of frame scores is converted to a value per frame, without its 
 }
 
 TEST_CASE("sums of the longest windows fit, and none is below the value of a missing one") {
-  for (const Score score : {Score::raw, Score::standardized, Score::standardized_offline}) {
+  for (const Score score : {Score::raw, Score::zscore, Score::zscore_offline}) {
     const ScoreKind& kind = score_kind(score);
     CHECK(-kind.offset(kind.longest_window) >= int64_t{kind.missing});
     // A sum of the largest frame scores fits 32 bits.
@@ -55,16 +55,16 @@ TEST_CASE("files hold the settings of their own score") {
                                         "t_r_scale",       "safety_factor", "only_sequence",
                                         "skip_unreadable", "clustering",    "lsh"};
   std::vector<std::string> all = raw;
-  all.insert(all.end(), {"score", "standardization"});
+  all.insert(all.end(), {"score", "zscore"});
   CHECK(keys(Score::raw) == raw);
-  CHECK(keys(Score::standardized) == all);
-  CHECK(keys(Score::standardized_offline) == all);
+  CHECK(keys(Score::zscore) == all);
+  CHECK(keys(Score::zscore_offline) == all);
 }
 
 TEST_CASE("a number is on the scale of its score by default") {
   SequenceQuerySettings settings;
   CHECK(scale_of(settings) == ThresholdScale::relative);
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   CHECK(scale_of(settings) == ThresholdScale::mean_z);
   settings.threshold_scale = ThresholdScale::bits;
   CHECK(scale_of(settings) == ThresholdScale::bits);

@@ -21,7 +21,7 @@ TEST_CASE("with a divisor of zero, the quotient counts as zero") {
   CHECK(distance_limit(0, 0) == 0);
 }
 
-TEST_CASE("thresholds above every distance make every cell a hit") {
+TEST_CASE("thresholds above every distance make every cell a recognition") {
   CHECK(distance_limit(1e300, 5) == std::numeric_limits<uint32_t>::max());
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("the limit equals the division, cell by cell") {
 TEST_CASE("the limit of a mean z equals the division, also for negative thresholds") {
   CHECK(score_limit(0, 3) == 3 * 32768);
   CHECK(score_limit(-1, 1) == 32768 - 1024);
-  CHECK(score_limit(-1.5, 10) == 10 * 32768 - 15360);  // -1.5 itself is not a hit
+  CHECK(score_limit(-1.5, 10) == 10 * 32768 - 15360);  // -1.5 itself is not a recognition
   CHECK(score_limit(-32, 4) == 0);
   CHECK(score_limit(-1e300, 4) == 0);
   CHECK(score_limit(1e300, 4) == std::numeric_limits<uint32_t>::max());

@@ -27,7 +27,8 @@ TEST_CASE("the strength is just above the incorrect windows, also of windows wit
   CHECK(found.right == 3);
 }
 
-TEST_CASE("a window with a correct and an incorrect hit counts as incorrect from there on") {
+TEST_CASE(
+    "a window with a correct and an incorrect recognition counts as incorrect from there on") {
   const std::vector<CalibrationWindow> windows = {{9, 8, kNone}, {10, kNone, kNone}};
   const Calibration found = calibrate(windows, precision(1));
   CHECK(found.strength == 9);
@@ -57,12 +58,12 @@ TEST_CASE("missing requirements are reported") {
     CHECK(!found.strength);
     return found.advice;
   };
-  CHECK(advice({}) == CalibrationAdvice::no_right_hit);
+  CHECK(advice({}) == CalibrationAdvice::no_right_recognition);
   CHECK(advice({{4, kNone, 4}}) == CalibrationAdvice::none_is_safe);
   CHECK(advice({{4, 4, kNone}}, 0.9) == CalibrationAdvice::none_is_safe);
-  CHECK(advice({{kNone, 4, kNone}}) == CalibrationAdvice::no_right_hit);
-  CHECK(advice({{4, kNone, kNone}}, 1, 5) == CalibrationAdvice::no_right_hit);
-  CHECK(advice({{kNone, 4, kNone}}, 0.9) == CalibrationAdvice::no_right_hit);
+  CHECK(advice({{kNone, 4, kNone}}) == CalibrationAdvice::no_right_recognition);
+  CHECK(advice({{4, kNone, kNone}}, 1, 5) == CalibrationAdvice::no_right_recognition);
+  CHECK(advice({{kNone, 4, kNone}}, 0.9) == CalibrationAdvice::no_right_recognition);
 }
 
 TEST_CASE("without incorrect windows, the smallest strength is used") {

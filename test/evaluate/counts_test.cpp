@@ -32,12 +32,12 @@ TEST_CASE("windows are evaluated at their anchors") {
   truth.pairs.resize(10);
   truth.pairs[5].push_back({0, 5, PlaceLabel::same});
   truth.pairs[6].push_back({0, 6, PlaceLabel::ignore});
-  result.hits = {{3, 0, 3, 0, 5}, {3, 0, 4, 0, 5}, {4, 0, 4, 0, 5}, {5, 0, 5, 0, 5}};
+  result.recognitions = {{3, 0, 3, 0, 5}, {3, 0, 4, 0, 5}, {4, 0, 4, 0, 5}, {5, 0, 5, 0, 5}};
   cluster(result);
   const Counts counts = count_recognitions(result, truth);
-  CHECK(counts.hits.correct == 1);
-  CHECK(counts.hits.incorrect == 2);
-  CHECK(counts.hits.ignored == 1);
+  CHECK(counts.recognitions.correct == 1);
+  CHECK(counts.recognitions.incorrect == 2);
+  CHECK(counts.recognitions.ignored == 1);
 }
 
 TEST_CASE("places are evaluated at their mean, and the correct ones are distinct") {
@@ -49,19 +49,20 @@ TEST_CASE("places are evaluated at their mean, and the correct ones are distinct
   CHECK(counts.distinct == 1);
 }
 
-TEST_CASE("a place that is correct at its mean counts its incorrect hits") {
+TEST_CASE("a place that is correct at its mean counts its incorrect recognitions") {
   Result result = example();
-  // One cluster around (3, 3), in which only the diagonal is correct; one separate incorrect hit.
-  result.hits = {{2, 0, 2, 0, 5}, {2, 0, 4, 0, 5}, {3, 0, 3, 0, 5},
-                 {4, 0, 2, 0, 5}, {4, 0, 4, 0, 5}, {7, 0, 0, 0, 5}};
+  // One cluster around (3, 3), in which only the diagonal is correct; one separate incorrect
+  // recognition.
+  result.recognitions = {{2, 0, 2, 0, 5}, {2, 0, 4, 0, 5}, {3, 0, 3, 0, 5},
+                         {4, 0, 2, 0, 5}, {4, 0, 4, 0, 5}, {7, 0, 0, 0, 5}};
   cluster(result);
   const std::vector<JudgedCluster> judged = judge_clusters(result, *result.clusters, aligned(0));
   REQUIRE(judged.size() == 2);
   CHECK((judged[0].label == PlaceLabel::same && judged[0].is_mixed()));
-  CHECK((judged[0].hits.correct == 3 && judged[0].hits.incorrect == 2));
+  CHECK((judged[0].recognitions.correct == 3 && judged[0].recognitions.incorrect == 2));
   CHECK((judged[1].label == PlaceLabel::different && !judged[1].is_mixed()));
   const Counts counts = count_recognitions(result, aligned(0));
-  CHECK((counts.hits.correct == 3 && counts.hits.incorrect == 3));
+  CHECK((counts.recognitions.correct == 3 && counts.recognitions.incorrect == 3));
   CHECK((counts.clusters->correct == 1 && counts.clusters->incorrect == 1));
   CHECK(counts.mixed_clusters == 1);
   CHECK(count_recognitions(result, aligned(9)).mixed_clusters == 0);
@@ -130,14 +131,15 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
     result.best[window] = Match{window, 0, window, 0, 5};
   result.best[2] = Match{2, 0, 7, 0, 5};
   result.best[5] = result.best[6] = result.best[7] = Match{5, 0, 0, 0, 5};
-  result.hits = {{0, 0, 0, 0, 1}, {1, 0, 6, 0, 1}, {1, 0, 7, 0, 1}, {2, 0, 2, 0, 1},
-                 {2, 0, 3, 0, 1}, {3, 0, 6, 0, 1}, {6, 0, 7, 0, 1}, {7, 0, 6, 0, 1}};
+  result.recognitions = {{0, 0, 0, 0, 1}, {1, 0, 6, 0, 1}, {1, 0, 7, 0, 1}, {2, 0, 2, 0, 1},
+                         {2, 0, 3, 0, 1}, {3, 0, 6, 0, 1}, {6, 0, 7, 0, 1}, {7, 0, 6, 0, 1}};
   const CountsByView counts = *count_by_view(result, aligned(0));
   CHECK(counts.query_views == 5);
   CHECK(counts.train_views == 6);
-  CHECK(counts.hits.correct == 1);    // 2 and 2
-  CHECK(counts.hits.incorrect == 2);  // 3 to 6 and 8 to 9, three hits; 7 to 9 and 8 to 9, two
-  CHECK(counts.hits.mixed == 1);      // 3 to 6 and 4 to 7: frames 4 and 4, 4 and 5
+  CHECK(counts.recognitions.correct == 1);  // 2 and 2
+  CHECK(counts.recognitions.incorrect ==
+        2);  // 3 to 6 and 8 to 9, three recognitions; 7 to 9 and 8 to 9, two
+  CHECK(counts.recognitions.mixed == 1);  // 3 to 6 and 4 to 7: frames 4 and 4, 4 and 5
   CHECK(counts.best_match.correct == 1);
   CHECK(counts.best_match.mixed == 1);
   CHECK(counts.best_match.incorrect == 1);

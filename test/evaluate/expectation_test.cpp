@@ -11,7 +11,7 @@ using namespace vpr;
 namespace {
 
 const Json kReport = Json::parse(R"({"schema": "vpr.report/1", "method": "fastable",
-  "counts": {"hits": {"correct": 52, "incorrect": 16}, "distinct": 3},
+  "counts": {"recognitions": {"correct": 52, "incorrect": 16}, "distinct": 3},
   "best_match": {"correct": 48, "rate": 0.25}})");
 
 std::vector<std::string> unmet(const std::string& expected) {
@@ -21,13 +21,14 @@ std::vector<std::string> unmet(const std::string& expected) {
 }  // namespace
 
 TEST_CASE("counts must be equal, or within a stated tolerance") {
-  CHECK(unmet(R"({"schema": "vpr.expected/1", "counts": {"hits": {"correct": 52}}})").empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/1",
-                  "counts": {"hits": {"correct": {"value": 50, "tolerance": 2}}}})")
+  CHECK(unmet(R"({"schema": "vpr.expected/1", "counts": {"recognitions": {"correct": 52}}})")
             .empty());
   CHECK(unmet(R"({"schema": "vpr.expected/1",
-                  "counts": {"hits": {"correct": {"value": 49, "tolerance": 2}}}})") ==
-        std::vector<std::string>{"counts.hits.correct: expected 49 +- 2, found 52 (+3)"});
+                  "counts": {"recognitions": {"correct": {"value": 50, "tolerance": 2}}}})")
+            .empty());
+  CHECK(unmet(R"({"schema": "vpr.expected/1",
+                  "counts": {"recognitions": {"correct": {"value": 49, "tolerance": 2}}}})") ==
+        std::vector<std::string>{"counts.recognitions.correct: expected 49 +- 2, found 52 (+3)"});
   CHECK(unmet(R"({"schema": "vpr.expected/1", "counts": {"distinct": 4},
                   "best_match": {"correct": 47}})") ==
         std::vector<std::string>{"counts.distinct: expected 4, found 3 (-1)",
@@ -38,7 +39,7 @@ TEST_CASE("an earlier report can be an expectation") {
   CHECK(unmet(kReport.dump()).empty());
   Json other = kReport;
   other["method"] = "openable";
-  other["counts"]["hits"]["incorrect"] = 15;
+  other["counts"]["recognitions"]["incorrect"] = 15;
   CHECK(unmet(other.dump()).size() == 1);
 }
 
@@ -89,7 +90,7 @@ TEST_CASE("expectations that cannot fail, or cannot be met, are usage errors") {
       R"({"schema": "vpr.expected/1", "count": {"distinct": 3}})",
       R"({"schema": "vpr.expected/1", "counts": {"hist": {"correct": 3}}})",
       R"({"schema": "vpr.expected/1", "counts": {"distinct": "3"}})",
-      R"({"schema": "vpr.expected/1", "counts": {"hits": 3}})",
+      R"({"schema": "vpr.expected/1", "counts": {"recognitions": 3}})",
       R"({"schema": "vpr.expected/1", "counts": {"distinct": {"value": 3, "tolerance": -1}}})",
       R"({"schema": "vpr.expected/1", "counts": {"distinct": {"value": 3, "tol": 1}}})",
       R"({"schema": "vpr.expected/1", "counts": {"distinct": {"min": "3"}}})",
@@ -113,30 +114,30 @@ TEST_CASE("a missing rate is met only by a missing rate") {
 
 TEST_CASE("bounds are one-sided or two-sided, and inclusive") {
   const auto unmet_of = [](const std::string& bounds) {
-    return unmet(R"({"schema": "vpr.expected/1", "counts": {"hits": {"correct": )" + bounds +
-                 "}}}");
+    return unmet(R"({"schema": "vpr.expected/1", "counts": {"recognitions": {"correct": )" +
+                 bounds + "}}}");
   };
   CHECK(unmet_of(R"({"min": 52})").empty());
   CHECK(unmet_of(R"({"max": 52})").empty());
   CHECK(unmet_of(R"({"min": 50, "max": 60})").empty());
   CHECK(unmet_of(R"({"min": 53})") ==
-        std::vector<std::string>{"counts.hits.correct: expected at least 53, found 52"});
+        std::vector<std::string>{"counts.recognitions.correct: expected at least 53, found 52"});
   CHECK(unmet_of(R"({"max": 51})") ==
-        std::vector<std::string>{"counts.hits.correct: expected at most 51, found 52"});
+        std::vector<std::string>{"counts.recognitions.correct: expected at most 51, found 52"});
   CHECK(unmet_of(R"({"min": 53, "max": 60})") ==
-        std::vector<std::string>{"counts.hits.correct: expected 53 to 60, found 52"});
+        std::vector<std::string>{"counts.recognitions.correct: expected 53 to 60, found 52"});
 }
 
 TEST_CASE("updated values are met, and keep their tolerances and satisfied bounds") {
   Json report = kReport;
   report["settings"] = {{"c_l", 10}};
   const Json expected = Json::parse(R"({"schema": "vpr.expected/1",
-      "counts": {"hits": {"correct": {"value": 40, "tolerance": 2}, "incorrect": {"max": 20}},
+      "counts": {"recognitions": {"correct": {"value": 40, "tolerance": 2}, "incorrect": {"max": 20}},
                  "distinct": {"min": 4}},
       "best_match": {"correct": 1, "rate": {"min": 0.5, "max": 0.6}}, "settings": {"c_l": 20}})");
   const Json updated = updated_expectations(report, expected, "e.json");
   CHECK(updated == Json::parse(R"({"schema": "vpr.expected/1",
-      "counts": {"hits": {"correct": {"value": 52, "tolerance": 2}, "incorrect": {"max": 20}},
+      "counts": {"recognitions": {"correct": {"value": 52, "tolerance": 2}, "incorrect": {"max": 20}},
                  "distinct": {"min": 3}},
       "best_match": {"correct": 48, "rate": {"min": 0.25, "max": 0.6}}, "settings": {"c_l": 10}})"));
   CHECK(unmet_expectations(check_expectations(report, updated, "e.json")).empty());

@@ -75,7 +75,7 @@ TEST_CASE("a fix in every frame leaves no gap") {
   CHECK(found.longest_gap_m == 2);  // between two fixes
 }
 
-TEST_CASE("the closest hit of a window is its fix, at the anchor") {
+TEST_CASE("the closest recognition of a window is its fix, at the anchor") {
   Result result;
   SequenceQuerySettings settings;
   settings.window_length = 3;
@@ -83,7 +83,7 @@ TEST_CASE("the closest hit of a window is its fix, at the anchor") {
   result.query.frames = 6;
   result.query_windows = 4;
   result.targets = {{{"ref", 6}, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
-  result.hits = {
+  result.recognitions = {
       {0, 0, 0, 0, 9}, {0, 0, 3, 0, 8}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 5}, {3, 0, 3, 0, 1}};
   GroundTruth truth;
   truth.pairs.resize(6);

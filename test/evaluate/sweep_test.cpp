@@ -13,16 +13,16 @@ CellCounts cell_of(uint64_t correct, uint64_t incorrect, uint64_t window,
   CellCounts cell;
   cell.window = window;
   cell.threshold = threshold;
-  cell.counts.hits = {correct, incorrect, 0};
+  cell.counts.recognitions = {correct, incorrect, 0};
   return cell;
 }
 
-// Correct and incorrect hits at thresholds 0.1, 0.2, ...
-Cells ladder(uint64_t window, const std::vector<std::pair<uint64_t, uint64_t>>& hits) {
+// Correct and incorrect recognitions at thresholds 0.1, 0.2, ...
+Cells ladder(uint64_t window, const std::vector<std::pair<uint64_t, uint64_t>>& recognitions) {
   Cells cells;
-  for (size_t t = 0; t < hits.size(); ++t)
-    cells.push_back(
-        cell_of(hits[t].first, hits[t].second, window, 0.1 * static_cast<double>(t + 1)));
+  for (size_t t = 0; t < recognitions.size(); ++t)
+    cells.push_back(cell_of(recognitions[t].first, recognitions[t].second, window,
+                            0.1 * static_cast<double>(t + 1)));
   return cells;
 }
 
@@ -36,7 +36,8 @@ Recommendation recommend(const Cells& cells) { return vpr::recommend(cells, Scor
 }  // namespace
 
 TEST_CASE(
-    "the recommended setting has no incorrect hit, nor have any stricter ones and the next looser "
+    "the recommended setting has no incorrect recognition, nor have any stricter ones and the next "
+    "looser "
     "one") {
   // 0.2 is the last one with an error-free neighbor: the error is at 0.4.
   const Recommendation choice = ::recommend(ladder(20, {{3, 0}, {7, 0}, {9, 0}, {20, 1}, {50, 9}}));
@@ -48,7 +49,8 @@ TEST_CASE(
 }
 
 TEST_CASE("a setting without an error above one with an error is not recommended") {
-  // For clusters, an incorrect one may merge into a correct one. Hits of real sweeps only increase.
+  // For clusters, an incorrect one may merge into a correct one. Recognitions of real sweeps only
+  // increase.
   const Recommendation choice =
       ::recommend(ladder(10, {{5, 0}, {9, 4}, {24, 0}, {30, 0}, {40, 0}}));
   CHECK(!choice.cell);
@@ -57,12 +59,13 @@ TEST_CASE("a setting without an error above one with an error is not recommended
   CHECK(choice.first_error == 1);
 }
 
-TEST_CASE("the most correct hits win, then the shortest window, then the strictest threshold") {
+TEST_CASE(
+    "the most correct recognitions win, then the shortest window, then the strictest threshold") {
   const auto scores =
       joined(joined(ladder(40, {{4, 0}, {8, 0}, {8, 0}, {9, 1}}), ladder(5, {{7, 0}, {7, 0}})),
              ladder(20, {{8, 0}, {8, 0}, {8, 0}}));
   const Recommendation choice = ::recommend(scores);
-  CHECK(choice.cell == 6);  // c_l 20, 0.1: the same 8 hits as c_l 40 and as 0.2
+  CHECK(choice.cell == 6);  // c_l 20, 0.1: the same 8 recognitions as c_l 40 and as 0.2
   CHECK(!choice.first_error);
 }
 
@@ -76,7 +79,7 @@ TEST_CASE(
   CHECK(choice.cell == 1);
   CHECK(choice.first_error == 2);
   CHECK(!choice.near_miss);
-  scores[1].counts.hits.incorrect = 1;
+  scores[1].counts.recognitions.incorrect = 1;
   CHECK(::recommend(scores).cell == 0);
   scores[0].untrained = 1;
   choice = ::recommend(scores);
@@ -100,9 +103,9 @@ TEST_CASE("without a recommendation, the reason is stated") {
     CHECK(!choice.cell);
     return choice.advice;
   };
-  CHECK(advice({}) == Advice::no_hits);
-  CHECK(advice(ladder(5, {{0, 0}, {0, 0}})) == Advice::no_hits);
-  CHECK(advice(ladder(5, {{0, 0}, {0, 3}})) == Advice::no_correct_hits);
+  CHECK(advice({}) == Advice::no_recognitions);
+  CHECK(advice(ladder(5, {{0, 0}, {0, 0}})) == Advice::no_recognitions);
+  CHECK(advice(ladder(5, {{0, 0}, {0, 3}})) == Advice::no_correct_recognitions);
   CHECK(advice(ladder(5, {{0, 0}, {4, 3}})) == Advice::always_errors);
   CHECK(advice(ladder(5, {{0, 0}, {4, 0}, {9, 3}})) == Advice::next_errs);
   CHECK(advice(ladder(5, {{0, 0}, {4, 0}})) == Advice::grid_ends);

@@ -85,7 +85,7 @@ class Writer:
 
 
 def result(name, also=()):
-    return tuple(f"{name}.{kind}" for kind in ("json", "hits.npy", "hit_scores.npy", "best.npy", "best_scores.npy") + also)
+    return tuple(f"{name}.{kind}" for kind in ("json", "recognitions.npy", "recognition_scores.npy", "best.npy", "best_scores.npy") + also)
 
 
 PAIRS = "--ground-truth in/walks/back.ground_truth.csv"
@@ -116,8 +116,8 @@ WRITERS = [
            (Reader(SEQUENCE_RESULT + ("m.npy",), f"vpr-eval out/r.json {PAIRS}"),
             Reader(SEQUENCE_RESULT + ("m.npy",),
                    f"vpr-eval out/r.json --scores out/m.npy {PAIRS}"))),
-    Writer("query, standardized", "vpr-query in/s.vprdb --query {query} --c-l 3 --score "
-           "standardized --t-r=-1 -o out/r.json --save-matrix out/m.png", "r.json", QUERY,
+    Writer("query, zscore", "vpr-query in/s.vprdb --query {query} --c-l 3 --score "
+           "zscore --t-r=-1 -o out/r.json --save-matrix out/m.png", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT + ("m.png",), f"vpr-eval out/r.json {PAIRS}"),)),
     Writer("query fabmap", "vpr-query {database} --query in/walks/back --t-p 0.3 -o out/f.json "
            "--save-posteriors out/p.npy --explain 3 --train-images {train}", "f.json",

@@ -39,7 +39,7 @@ void query_sequences(const std::filesystem::path& folder) {
   QueryResources resources;
   resources.kernels = select_kernels();
   ensure_statistics(database, {});
-  for (const Score score : {Score::raw, Score::standardized}) {
+  for (const Score score : {Score::raw, Score::zscore}) {
     SequenceQuerySettings settings;
     settings.window_length = 2;
     settings.score = score;

@@ -14,7 +14,7 @@ const Json& report() {
       {"method", "fastable"},
       {"settings", {{"method", "fastable"}, {"c_l", 3}, {"t_r", "auto"}}},
       {"counts",
-       {{"hits", {{"correct", 9}, {"incorrect", 1}, {"ignored", 0}}},
+       {{"recognitions", {{"correct", 9}, {"incorrect", 1}, {"ignored", 0}}},
         {"places", {{"correct", 2}, {"incorrect", 0}, {"ignored", 0}}},
         {"distinct", 2}}},
       {"best_match", {{"queries", 20}, {"correct", 15}, {"rate", 0.75}}},

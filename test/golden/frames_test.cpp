@@ -182,7 +182,7 @@ TEST_CASE("distances of its windows equal the golden file, for every exact metho
 
 TEST_CASE("z-scores of its windows equal the golden files") {
   for_each_setting([] {
-    for (const Score score : {Score::standardized, Score::standardized_offline})
+    for (const Score score : {Score::zscore, Score::zscore_offline})
       check_golden(
           std::string(enum_name(score)),
           fmt::format("Query window of 4 frames: its scores ({}), biased as matchers give them.",

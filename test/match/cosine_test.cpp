@@ -16,7 +16,7 @@
 #include "match/lsh.h"
 #include "match/match.h"
 #include "match/plain.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -267,7 +267,7 @@ TEST_CASE("z-scores of vectors equal the reference implementation") {
     const ScoreBasis basis = make_score_basis({}, offline, statistics);
     Cells cells;
     std::mutex mutex;
-    match(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
+    match(zscores(frame_distances({&train, 1}, query.span()), basis, {}),
           {length, size_t{1} << 30, select_kernels()}, {{collecting(cells, mutex)}}, {});
     CHECK(cells.size() == 76 * 46);
     const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});

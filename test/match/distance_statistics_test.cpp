@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "match/plain.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 #include "support.h"
 
 using namespace vpr;

@@ -202,7 +202,7 @@ TEST_CASE("filter settings out of range are refused") {
   CHECK(refused(&FilterSettings::jump, 0) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::enter, 0.6) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::leave, std::nan("")) == ErrorKind::usage);
-  CHECK(refused(&FilterSettings::view_change, -1) == ErrorKind::usage);
+  CHECK(refused(&FilterSettings::keyframe_change, -1) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::establish_margin, -1) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::establish_evidence, -1) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::present_support, 3) == ErrorKind::usage);

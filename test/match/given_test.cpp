@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "match/components.h"
 #include "match/given_distances.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -174,9 +174,9 @@ TEST_CASE("z-scores of precomputed Hamming distances equal those of the codes") 
   REQUIRE(read.largest == coded.largest);
   for (const bool offline : {false, true}) {
     ScoreBasis basis{{}, offline, 0, std::vector<float>(90, 0), 900, no_components(90)};
-    basis.settings.view_change = 0;
-    const FrameDistances a = standardized(coded, basis, {});
-    const FrameDistances b = standardized(read, basis, {});
+    basis.settings.keyframe_change = 0;
+    const FrameDistances a = zscores(coded, basis, {});
+    const FrameDistances b = zscores(read, basis, {});
     for (uint32_t frame = 0; frame < 40; ++frame) {
       std::vector<uint16_t> left(96, 0);
       std::vector<uint16_t> right(96, 0);

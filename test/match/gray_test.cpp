@@ -9,7 +9,7 @@
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "match/plain.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -125,7 +125,7 @@ TEST_CASE("z-scores of images equal the reference implementation") {
   statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
   const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});
-  const FrameDistances scores = standardized(frame_distances({&train, 1}, query.span()), basis, {});
+  const FrameDistances scores = zscores(frame_distances({&train, 1}, query.span()), basis, {});
   std::vector<uint16_t> row(80);
   std::vector<std::vector<double>> plain;
   for (size_t i = 0; i < 80; ++i)

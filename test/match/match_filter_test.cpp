@@ -10,7 +10,7 @@
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "match/score_kernels.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -40,7 +40,7 @@ Believed believed(const test::Example& example) {
                            row.scores[x])
                   .second);
   };
-  match(standardized(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
+  match(zscores(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
         settings, {{collect}}, {});
   std::map<size_t, uint32_t> least;
   for (const auto& [key, value] : found.cells) {

@@ -107,14 +107,14 @@ void check_methods(const Walk& walk, size_t length) {
   }
 }
 
-Cells scores_of(const Walk& walk, size_t length, const StandardizationSettings& settings,
+Cells scores_of(const Walk& walk, size_t length, const ZScoreSettings& settings,
                 const char* method = "fastable") {
-  return cells_of(standardized_past(distances_of(walk), settings), find_sequence_method(method),
+  return cells_of(past_zscores(distances_of(walk), settings), find_sequence_method(method),
                   {length, size_t{1} << 30, select_kernels()});
 }
 
 // The largest difference between fast and reference scores, in tolerances; requires all cells.
-double worst_score(const Walk& walk, size_t length, const StandardizationSettings& settings) {
+double worst_score(const Walk& walk, size_t length, const ZScoreSettings& settings) {
   const Cells fast = scores_of(walk, length, settings);
   const Cells raw = by_definition(walk, length);
   REQUIRE(fast.size() == raw.size());
@@ -219,17 +219,17 @@ TEST_CASE("sequences with one frame, or without permitted matches, have no cell"
 }
 
 TEST_CASE("causal z-scores equal the reference implementation, for any settings") {
-  std::vector<StandardizationSettings> all(9);
+  std::vector<ZScoreSettings> all(9);
   all[1].center = false;
   all[2].learn = false;
   all[3].divide = false;
-  all[4].lag_views = 1;
-  all[5].lag_views = 20;
-  all[6].view_change = 0;
+  all[4].lag_keyframes = 1;
+  all[5].lag_keyframes = 20;
+  all[6].keyframe_change = 0;
   all[7].start_weight = 0;
   all[8].forgetting = 1;
   all[8].start_bias = 1;
-  for (const StandardizationSettings& settings : all) {
+  for (const ZScoreSettings& settings : all) {
     Walk walk = make_walk(150, {{}, 12}, 8);
     walk.unreadable = {0, 3, 40, 41, 99, 149};
     for (const size_t length : {1, 7}) CHECK(worst_score(walk, length, settings) <= 1);
@@ -272,7 +272,7 @@ TEST_CASE("causal z-scores of three frames equal values computed by hand") {
 }
 
 TEST_CASE("components of a whole sequence are refused for its past") {
-  StandardizationSettings settings;
+  ZScoreSettings settings;
   CHECK_NOTHROW(check_past_settings(settings));
   settings.components = 0;
   CHECK_NOTHROW(check_past_settings(settings));

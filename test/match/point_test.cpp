@@ -9,7 +9,7 @@
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "match/plain.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -113,7 +113,7 @@ TEST_CASE("z-scores of points equal the reference implementation") {
   TrainStatistics statistics = compute_statistics({&span, 1}, {}, {});
   statistics.components = compute_components({&span, 1}, statistics.typical_distance, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
-  const FrameDistances scores = standardized(frame_distances({&span, 1}, query.span()), basis, {});
+  const FrameDistances scores = zscores(frame_distances({&span, 1}, query.span()), basis, {});
   const PlainUpdates updates = plain_updates({&span, 1}, query.span(), basis, {});
   std::vector<std::vector<double>> plain;
   for (size_t i = 0; i < 120; ++i)

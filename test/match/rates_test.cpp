@@ -11,7 +11,7 @@
 #include "examples.h"
 #include "match/fastable_online.h"
 #include "match/match.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -147,7 +147,7 @@ TEST_CASE("z-scores support rates, and several lengths share a pass") {
   basis.typical_distance = 60;
   basis.mean.assign(frames, 1);
   basis.variance = 900;
-  const auto scores = [&] { return standardized(frame_distances(spans, query), basis, {}); };
+  const auto scores = [&] { return zscores(frame_distances(spans, query), basis, {}); };
   const auto pairs = all_pairs(scores());
   const std::vector<size_t> lengths = {2, 5, 9};
   std::vector<RatedCells> fast(lengths.size());

@@ -11,7 +11,7 @@
 #include "match/filter.h"
 #include "match/plain.h"
 #include "match/score_kernels.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "reference/plain_filter.h"
 #include "support.h"
 
@@ -182,10 +182,9 @@ TEST_CASE("scores report their statistics, and those with a small weight of the 
   TrainStatistics statistics = compute_statistics(spans, {}, {});
   statistics.components = compute_components(spans, statistics.typical_distance, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
-  const FrameDistances scores =
-      standardized(frame_distances(spans, {example.query, {}}), basis, {});
+  const FrameDistances scores = zscores(frame_distances(spans, {example.query, {}}), basis, {});
   const PlainUpdates updates = plain_updates(spans, {example.query, {}}, basis, {});
-  const StandardizationSettings settings;
+  const ZScoreSettings settings;
   std::vector<std::vector<double>> centered;  // by query and training frame
   std::vector<size_t> learned;
   std::vector<uint16_t> row(scores.train_frames + kStretchFrames);

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 #include "support.h"
 
 using namespace vpr;

@@ -225,13 +225,13 @@ TEST_CASE("the chart of correct against incorrect starts at zero and names thres
     CellCounts cell;
     cell.window = 10;
     cell.threshold = threshold;
-    cell.counts.hits.correct = static_cast<uint64_t>(threshold * 100);
-    cell.counts.hits.incorrect = threshold > 0.55 ? 9 : 0;
+    cell.counts.recognitions.correct = static_cast<uint64_t>(threshold * 100);
+    cell.counts.recognitions.incorrect = threshold > 0.55 ? 9 : 0;
     sweep.cells.push_back(cell);
   }
   CellCounts automatic;
   automatic.window = 10;
-  automatic.counts.hits = {45, 3, 0};
+  automatic.counts.recognitions = {45, 3, 0};
   sweep.cells.insert(sweep.cells.begin(), automatic);
   const Chart chart = sweep_chart(sweep);
   REQUIRE(chart.series.size() == 1);

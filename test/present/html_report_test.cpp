@@ -96,11 +96,11 @@ TEST_CASE("inserted text is not expanded again") {
   CHECK(fill_page("a {{ b", {}) == "a {{ b");
 }
 
-TEST_CASE("the gallery has the worst errors and the best and weakest hits, far apart") {
+TEST_CASE("the gallery has the worst errors and the best and weakest recognitions, far apart") {
   const Judgment judgment = example("cwwwwwwccccccccccccccccccccw");
   const auto items = choose_gallery(judgment, example_truth(judgment), 3);
   CHECK(chosen(items, GalleryKind::mistake) == std::vector<size_t>{1, 6, 27});
-  CHECK(chosen(items, GalleryKind::hit) == std::vector<size_t>{0, 7, 12});
+  CHECK(chosen(items, GalleryKind::recognition) == std::vector<size_t>{0, 7, 12});
   CHECK(chosen(items, GalleryKind::weak) == std::vector<size_t>{26, 21, 16});
   CHECK(items[0].truth == FrameMatch{0, 1});
   CHECK(choose_gallery(example(""), {}, 3).empty());
@@ -273,13 +273,13 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
   judgment.fixes[3] = Fix::none;
   const Evaluation evaluation = evaluation_of(judgment, truth);
   Report report = report_of(evaluation, {});
-  report.counts.hits.ignored = 7;
+  report.counts.recognitions.ignored = 7;
   const std::string page = html_report(evaluation, report, {}, "", {}, {});
   CHECK(page.find("recognized, not judged") != std::string::npos);
   CHECK(page.find("recognized, wrong") == std::string::npos);
   CHECK(page.find("worst mistakes") == std::string::npos);
   CHECK(page.find("class=\"card mistake\"") == std::string::npos);
-  CHECK(page.find("class=\"card hit unjudged\"") != std::string::npos);
+  CHECK(page.find("class=\"card recognition unjudged\"") != std::string::npos);
   CHECK(page.find("wrong: query") == std::string::npos);
   CHECK(page.find("right: query") == std::string::npos);
   CHECK(page.find("; the ground truth has no match") == std::string::npos);

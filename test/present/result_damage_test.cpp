@@ -18,9 +18,9 @@ TEST_CASE("a modified result of places is refused") {
            [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
            [](Result& r) { r.targets.push_back(r.targets[0]); },
            [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
-           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.hits[1].train = 2; },
-           [](Result& r) { r.hits[1] = r.hits[0]; },
-           [](Result& r) { r.hits[2].score = std::nan(""); }}) {
+           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.recognitions[1].train = 2; },
+           [](Result& r) { r.recognitions[1] = r.recognitions[0]; },
+           [](Result& r) { r.recognitions[2].score = std::nan(""); }}) {
     Result result = places_example();
     change(result);
     write(folder / "r.json", result, Existing::replace);
@@ -33,12 +33,13 @@ TEST_CASE("companions of another run are refused") {
   const test::TemporaryFolder other;
   const fs::path path = write_example(folder);
   Result changed = example_result();
-  changed.hits.pop_back();
+  changed.recognitions.pop_back();
   write(other / "r.json", changed, Existing::refuse);
-  fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
+  fs::copy_file(other / "r.recognitions.npy", folder / "r.recognitions.npy",
+                fs::copy_options::overwrite_existing);
   CHECK(test::error_text([&] { read_result(path); }).find("belongs to another run") !=
         std::string::npos);
-  fs::remove(folder / "r.hits.npy");
+  fs::remove(folder / "r.recognitions.npy");
   CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
 }
 
@@ -88,12 +89,12 @@ TEST_CASE("modified results are refused without a crash") {
                                                  {"/clusters/0/target", 2},
                                                  {"/clusters/0/train/last", 5},
                                                  {"/clusters/0/query/window", 4},
-                                                 {"/files/hits/checksum", "xxh3:0"},
+                                                 {"/files/recognitions/checksum", "xxh3:0"},
                                                  {"/files", Json::array()},
                                                  {"/settings/clustering/eps", 5000},
                                                  {"/settings/clustering/eps", 0},
                                                  {"/clusters", Json::array()},
-                                                 {"/clusters/0/hits", 3},
+                                                 {"/clusters/0/recognitions", 3},
                                                  {"/schema", "vpr.result/3"},
                                                  {"/query", Json()}}) {
     INFO(pointer);
@@ -117,8 +118,8 @@ TEST_CASE("random damage yields an error or a result, never a crash") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
   RandomEngine engine(1);
-  for (const char* name :
-       {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy", "r.best_scores.npy"}) {
+  for (const char* name : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
+                           "r.best_scores.npy"}) {
     const std::string whole = test::read_text(folder / name);
     for (int i = 0; i < 300; ++i) {
       std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
@@ -128,7 +129,7 @@ TEST_CASE("random damage yields an error or a result, never a crash") {
     }
     test::write_text(folder / name, whole);
   }
-  CHECK(read_result(path).result.hits == example_result().hits);
+  CHECK(read_result(path).result.recognitions == example_result().recognitions);
 }
 
 TEST_CASE("an existing result is refused as a whole") {

@@ -12,8 +12,8 @@ using namespace vpr::test;
 namespace fs = std::filesystem;
 
 TEST_CASE("companions are named after the result") {
-  CHECK(companion_path("a/r.json", "hits.npy") == "a/r.hits.npy");
-  CHECK(companion_path("a/r", "hits.npy") == "a/r.hits.npy");
+  CHECK(companion_path("a/r.json", "recognitions.npy") == "a/r.recognitions.npy");
+  CHECK(companion_path("a/r", "recognitions.npy") == "a/r.recognitions.npy");
   CHECK(companion_path("a/r.v2.json", "best.npy") == "a/r.v2.best.npy");
 }
 
@@ -22,15 +22,15 @@ TEST_CASE("a result can be read back after writing") {
   const Result result = read_result(write_example(folder)).result;
   const Result expected = example_result();
   CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
-  CHECK(result.hits == expected.hits);
+  CHECK(result.recognitions == expected.recognitions);
   CHECK(result.best == expected.best);
   CHECK(result.clusters->all == expected.clusters->all);
   CHECK(result.query.unreadable == expected.query.unreadable);
   CHECK(result.targets[0].max_distance == 30);
   CHECK_FALSE(result.targets[1].searched);
   CHECK(test::list_folder(folder.path()) ==
-        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.hit_scores.npy",
-                                 "r.hits.npy", "r.json"});
+        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.recognition_scores.npy",
+                                 "r.recognitions.npy", "r.json"});
 }
 
 TEST_CASE("a resampled query stores its selection, and an invalid one is refused") {
@@ -89,14 +89,14 @@ TEST_CASE("a result of places uses the same writer and reader") {
   CHECK_FALSE(json.contains("clusters"));
   const Result result = read_result(folder / "r.json").result;
   CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
-  CHECK(result.hits == expected.hits);
+  CHECK(result.recognitions == expected.recognitions);
   CHECK(result.best == expected.best);
   CHECK_FALSE(result.clusters);
   CHECK(result.places->names == expected.places->names);
   CHECK(result.places->new_place == expected.places->new_place);
   CHECK(result.places->featureless == 1);
-  const NpyArray hits(folder / "r.hits.npy");
-  const auto values = hits.values<int32_t>(2);
+  const NpyArray recognitions(folder / "r.recognitions.npy");
+  const auto values = recognitions.values<int32_t>(2);
   CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
         std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
 }
@@ -105,12 +105,13 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   const test::TemporaryFolder folder;
   Result scored = example_result();
   auto& settings = std::get<SequenceQuerySettings>(scored.settings);
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   settings.distance_threshold = -1.5;
   settings.threshold_scale = ThresholdScale::mean_z;
   scored.targets[0] = {{"a", 6}, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
-  scored.hits = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
-  scored.best = {scored.hits[0], scored.hits[1], Match{2, 0, 0, 0, 17}, std::nullopt};
+  scored.recognitions = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
+  scored.best = {scored.recognitions[0], scored.recognitions[1], Match{2, 0, 0, 0, 17},
+                 std::nullopt};
   scored.clusters->all[0].best_score = -4000;
   scored.statistics = UsedStatistics{{}, 300.5};
   write(folder / "r.json", scored, Existing::refuse);
@@ -129,7 +130,7 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   CHECK(json["statistics"]["typical_distance"] == 300.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
   const Result result = read_result(folder / "r.json").result;
-  CHECK(result.hits == scored.hits);
+  CHECK(result.recognitions == scored.recognitions);
   CHECK(result.best == scored.best);
   CHECK(result.clusters->all == scored.clusters->all);
   CHECK(result.targets[0].distance_limit == scored.targets[0].distance_limit);
@@ -138,10 +139,10 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
 TEST_CASE("settings of raw distances omit those of z-scores") {
   const Json raw = settings_in_force(SequenceQuerySettings{});
   CHECK(raw["t_r_scale"] == "relative");
-  for (const char* key : {"score", "standardization"}) CHECK_FALSE(raw.contains(key));
+  for (const char* key : {"score", "zscore"}) CHECK_FALSE(raw.contains(key));
   SequenceQuerySettings settings;
-  settings.score = Score::standardized_offline;
-  CHECK(settings_in_force(settings)["score"] == "standardized-offline");
+  settings.score = Score::zscore_offline;
+  CHECK(settings_in_force(settings)["score"] == "zscore-offline");
   CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
 }
 

@@ -6,10 +6,10 @@ using namespace vpr;
 
 namespace {
 
-CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts hits, LabelCounts places,
-                uint64_t mixed) {
+CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts recognitions,
+                LabelCounts places, uint64_t mixed) {
   CellCounts made{c_l, t_r, ThresholdScale::relative, {}};
-  made.counts.hits = hits;
+  made.counts.recognitions = recognitions;
   made.counts.clusters = places;
   made.counts.mixed_clusters = mixed;
   made.counts.distinct = places.correct;
@@ -30,9 +30,10 @@ Sweep example() {
 
 }  // namespace
 
-TEST_CASE("a sweep as CSV has one row per cell, with hits and places") {
+TEST_CASE("a sweep as CSV has one row per cell, with recognitions and places") {
   CHECK(render_table(cells_table({example()}), TableFormat::csv) ==
-        "query,c_l,t_r,scale,hits_correct,hits_incorrect,hits_ignored,places_correct,places_mixed,"
+        "query,c_l,t_r,scale,recognitions_correct,recognitions_incorrect,recognitions_ignored,"
+        "places_correct,places_mixed,"
         "places_incorrect,places_ignored,distinct,best_match_correct,best_match_queries,"
         "best_match_ignored,pareto,recommended\n"
         "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,1,0,0,0,1,7,9,1,no,yes\n"
@@ -45,7 +46,7 @@ TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
   sweep.query.name = "q";
   CellCounts fabmap{3, 0.9, {}, {}};
   sweep.score = &probability_kind();
-  fabmap.counts.hits = {5, 1, 0};
+  fabmap.counts.recognitions = {5, 1, 0};
   fabmap.counts.distinct = 2;
   sweep.cells = {fabmap};
   const Table table = cells_table({sweep});
@@ -54,7 +55,8 @@ TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
                                                   "", "", "", "2", "0", "0", "0", "no", "no"});
 }
 
-TEST_CASE("tables have hits next to places, and the incorrect hits of correct places") {
+TEST_CASE(
+    "tables have recognitions next to places, and the incorrect recognitions of correct places") {
   const std::vector<Table> tables = sweep_tables({example()});
   REQUIRE(tables.size() == 3);
   CHECK(tables[0].columns == std::vector<std::string>{"t_r", "5 right", "5 wrong"});
@@ -69,8 +71,9 @@ TEST_CASE("tables have hits next to places, and the incorrect hits of correct pl
 
 TEST_CASE("the recommendation names the first error") {
   const std::string text = recommendation_text(example());
-  CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct hits") != std::string::npos);
-  CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect hits, 24 correct") !=
+  CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct recognitions") !=
+        std::string::npos);
+  CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect recognitions, 24 correct") !=
         std::string::npos);
   Sweep short_grid = example();
   short_grid.cells.resize(1);

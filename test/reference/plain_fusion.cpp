@@ -8,7 +8,7 @@
 #include "fabmap/database.h"
 #include "match/fusion.h"
 #include "match/score_kernels.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 
 namespace vpr {
 namespace {
@@ -18,7 +18,7 @@ FrameDistances unfused(std::span<const DescriptorSpan> train, const DescriptorSp
                        const ScoreBasis& basis, const Monitor& monitor) {
   ScoreBasis alone = basis;
   alone.fusion = {};
-  return standardized(frame_distances(train, query), alone, monitor);
+  return zscores(frame_distances(train, query), alone, monitor);
 }
 
 // w of each of the first `count` query frames.

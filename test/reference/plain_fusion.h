@@ -8,7 +8,7 @@
 #include "base/monitor.h"
 #include "decide/row_scan.h"
 #include "match/fusion.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 

@@ -30,21 +30,20 @@ double mean_of(const std::vector<double>& values) {
 }
 
 // The keyframes, and what each one adds to the statistics.
-void plan_views(PlainPast& shared, const DescriptorSpan& walk,
-                const StandardizationSettings& settings) {
+void plan_views(PlainPast& shared, const DescriptorSpan& walk, const ZScoreSettings& settings) {
   std::vector<size_t> views;
   shared.learned.resize(walk.rows.size());
   bool is_started = false;
   for (size_t j = 0; settings.learn && j < walk.rows.size(); ++j) {
-    const double least = j == 0 ? 0 : settings.view_change * shared.means_so_far[j - 1];
-    const size_t recent = std::min<size_t>(views.size(), settings.lag_views);
+    const double least = j == 0 ? 0 : settings.keyframe_change * shared.means_so_far[j - 1];
+    const size_t recent = std::min<size_t>(views.size(), settings.lag_keyframes);
     const bool is_new = std::all_of(views.end() - ptrdiff_t(recent), views.end(), [&](size_t view) {
       return plain_distance(walk.rows, view, walk.rows, j) >= least;
     });
     if (is_started && is_readable(walk, j) && is_new) {
       views.push_back(j);
-      if (views.size() > settings.lag_views)
-        shared.learned[j] = views[views.size() - 1 - settings.lag_views];
+      if (views.size() > settings.lag_keyframes)
+        shared.learned[j] = views[views.size() - 1 - settings.lag_keyframes];
     }
     is_started = is_started || shared.has_past[j] != 0;
   }
@@ -53,7 +52,7 @@ void plan_views(PlainPast& shared, const DescriptorSpan& walk,
 }  // namespace
 
 PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
-                     const StandardizationSettings& settings, const Monitor& monitor) {
+                     const ZScoreSettings& settings, const Monitor& monitor) {
   const size_t frames = walk.rows.size();
   std::vector<std::vector<double>> x(frames);  // h, then minus the row's mean
   PlainPast shared;
@@ -85,8 +84,8 @@ PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
 }
 
 std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<const uint32_t> past,
-                                      const StandardizationSettings& settings,
-                                      const PlainPast& shared, size_t column, size_t last) {
+                                      const ZScoreSettings& settings, const PlainPast& shared,
+                                      size_t column, size_t last) {
   constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
   const uint16_t largest = largest_distance(walk.rows.shape);
   const auto centered = [&](size_t j) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 
@@ -24,12 +24,12 @@ struct PlainPast {
 
 /// `past`: for each frame, the number of frames from the first on that it may match.
 PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
-                     const StandardizationSettings& settings, const Monitor& monitor);
+                     const ZScoreSettings& settings, const Monitor& monitor);
 
 /// z of the frames up to `last` to frame `column`, within [-32, 32); 0 for frames that are not
 /// after it.
 std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<const uint32_t> past,
-                                      const StandardizationSettings& settings,
-                                      const PlainPast& shared, size_t column, size_t last);
+                                      const ZScoreSettings& settings, const PlainPast& shared,
+                                      size_t column, size_t last);
 
 }  // namespace vpr

@@ -128,7 +128,7 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
 
 std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescriptorSpan& walk,
                                     std::span<const uint32_t> past, size_t window_length,
-                                    const StandardizationSettings& settings) {
+                                    const ZScoreSettings& settings) {
   const PlainPast shared = plain_past(walk, past, settings, {});
   std::vector<Cell> wrong;
   for (const Cell& cell : cells) {
@@ -147,7 +147,7 @@ std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const Descripto
 std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan) {
   const size_t length = plan.settings.window_length;
   if (plan.settings.loop && plan.settings.score != Score::raw)
-    return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.standardization);
+    return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.zscore);
   std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   RatedWindows windows{length, parse_rates(plan.settings.rates)};
   if (windows.rates.empty()) windows.rates = {{1, 1}};

@@ -49,16 +49,16 @@ std::string finding(const test::Example& walk, size_t first, size_t step) {
 
 }  // namespace
 
-TEST_CASE("more than a fifth of all pairs as hits is too many") {
+TEST_CASE("more than a fifth of all pairs as recognitions is too many") {
   Result result = planned_result(200);
   for (uint32_t j = 0; j < 20; ++j)
-    for (uint32_t i = 0; i < 2; ++i) result.hits.push_back({j, 0, i, 0, 300});
-  CHECK_FALSE(too_many_hits(result));  // 40 of 200
-  result.hits.push_back({19, 0, 2, 0, 300});
-  CHECK(too_many_hits(result) ==
-        "20 % of all window pairs are hits: t_r is too large to tell places apart");
+    for (uint32_t i = 0; i < 2; ++i) result.recognitions.push_back({j, 0, i, 0, 300});
+  CHECK_FALSE(too_many_recognitions(result));  // 40 of 200
+  result.recognitions.push_back({19, 0, 2, 0, 300});
+  CHECK(too_many_recognitions(result) ==
+        "20 % of all window pairs are recognitions: t_r is too large to tell places apart");
   CHECK(recognized_windows(result) == 20);
-  CHECK_FALSE(too_many_hits(Result{}));
+  CHECK_FALSE(too_many_recognitions(Result{}));
 }
 
 TEST_CASE("without a threshold, no match is reported as too far") {

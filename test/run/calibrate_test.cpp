@@ -58,7 +58,7 @@ struct Walks {
 
 std::vector<SequenceQuerySettings> decisions() {
   std::vector<SequenceQuerySettings> all;
-  for (const Score score : {Score::raw, Score::standardized}) {
+  for (const Score score : {Score::raw, Score::zscore}) {
     all.emplace_back().score = score;
     all.back().decision = Decision::margin;
   }
@@ -81,7 +81,7 @@ TEST_CASE("a query with the calibrated settings has the recognitions of the cali
         CHECK(recognized >= length.calibration.right + length.calibration.wrong);
         CHECK(length.calibration.right > 0);
         CHECK(length.queries <= 40);
-        if (precision == 1) CHECK(count_recognitions(result, truth).hits.incorrect == 0);
+        if (precision == 1) CHECK(count_recognitions(result, truth).recognitions.incorrect == 0);
         if (precision == 1) CHECK(length.calibration.wrong == 0);
       }
       const auto& chosen = walk.lengths[*walk.chosen].calibration;

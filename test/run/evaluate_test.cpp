@@ -22,12 +22,12 @@ Result example() {
   Target& target = result.targets.emplace_back();
   target.sequence = {"ref", 4};
   target.windows = 4;
-  result.hits = {{0, 0, 0, 0, 5}, {1, 0, 1, 0, 6}, {2, 0, 0, 0, 7}};
-  for (const Match& hit : result.hits) result.best.emplace_back(hit);
+  result.recognitions = {{0, 0, 0, 0, 5}, {1, 0, 1, 0, 6}, {2, 0, 0, 0, 7}};
+  for (const Match& recognition : result.recognitions) result.best.emplace_back(recognition);
   result.best.emplace_back();
   Clusters& clusters = result.clusters.emplace();
   clusters.all = {{0, 0, 0, 1, 0, 0, 1, 2, 5}, {0, 2, 2, 2, 0, 0, 0, 1, 7}};
-  clusters.of_hit = {0, 0, 1};
+  clusters.of_recognition = {0, 0, 1};
   return result;
 }
 
@@ -44,12 +44,12 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
   CHECK_FALSE(found.matrix);
   REQUIRE(found.result);
   const Counts& counts = found.result->counts;
-  CHECK(numbers(counts.hits) == std::vector<uint64_t>{2, 1, 0});
+  CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{2, 1, 0});
   CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
   CHECK((counts.best_match.queries == 4 && counts.best_match.correct == 2));
   REQUIRE(found.result->clusters.size() == 2);
   CHECK(found.result->clusters[0].label == PlaceLabel::same);
-  CHECK(numbers(found.result->clusters[1].hits) == std::vector<uint64_t>{0, 1, 0});
+  CHECK(numbers(found.result->clusters[1].recognitions) == std::vector<uint64_t>{0, 1, 0});
   CHECK(found.judgment.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
   CHECK_FALSE(found.judgment.localization.longest_gap_m);
   CHECK_FALSE(found.result->by_view);
@@ -68,11 +68,11 @@ TEST_CASE("poses of the query yield distances in meters") {
 TEST_CASE("without ground truth, a result is shown without evaluation") {
   const Evaluation found = evaluate_result(example(), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
-  CHECK(numbers(found.result->counts.hits) == std::vector<uint64_t>{0, 0, 3});
+  CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
   CHECK(found.judgment.fixes[0] == Fix::unjudged);
 }
 
-TEST_CASE("without clusters, every hit of a result is evaluated separately") {
+TEST_CASE("without clusters, every recognition of a result is evaluated separately") {
   Result result = example();
   result.settings = FabmapQuerySettings{};
   result.clusters.reset();
@@ -110,5 +110,5 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
   CHECK(both.judgment.all_pairs->curve.points.size() ==
         alone.judgment.all_pairs->curve.points.size());
   CHECK(both.judgment.fixes == alone.judgment.fixes);
-  CHECK(both.result->counts.hits.correct == 2);
+  CHECK(both.result->counts.recognitions.correct == 2);
 }

@@ -1,4 +1,4 @@
-// FAB-MAP's queries, hits, explanations and sweeps on tiny databases.
+// FAB-MAP's queries, recognitions, explanations and sweeps on tiny databases.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -55,9 +55,11 @@ Result run(const FabmapDatabase& database, const FabmapQuerySettings& settings,
   return query_fabmap(database, query_words(), "q", settings, 1, observe, {}).result;
 }
 
-std::vector<std::pair<uint32_t, uint32_t>> frames_and_views(const std::vector<Match>& hits) {
+std::vector<std::pair<uint32_t, uint32_t>> frames_and_views(
+    const std::vector<Match>& recognitions) {
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
-  for (const Match& hit : hits) pairs.emplace_back(hit.query, hit.view);
+  for (const Match& recognition : recognitions)
+    pairs.emplace_back(recognition.query, recognition.view);
   return pairs;
 }
 
@@ -106,52 +108,52 @@ TEST_CASE("a FAB-MAP result holds places, best views and the probability of a ne
   CHECK(result.places->new_place[5] == Approx(share(kNothing, 0)));
 }
 
-TEST_CASE("a hit is a view above t_p in c_w consecutive frames, none of them unreadable") {
+TEST_CASE("a recognition is a view above t_p in c_w consecutive frames, none of them unreadable") {
   // 0.34 of 0.83: view 0 for word 0, view 1 for word 1.
   FabmapQuerySettings settings = by_hand();
   using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
-  CHECK(frames_and_views(run(two_words(), settings).hits) ==
+  CHECK(frames_and_views(run(two_words(), settings).recognitions) ==
         Pairs{{0, 0}, {1, 0}, {3, 0}, {4, 1}, {6, 0}});
   settings.window = 2;  // frames 3 and 4 show one place, but not one view
-  CHECK(frames_and_views(run(two_words(), settings).hits) == Pairs{{1, 0}});
+  CHECK(frames_and_views(run(two_words(), settings).recognitions) == Pairs{{1, 0}});
   settings.window = 1;
   settings.place_threshold = share(kWord0, 1) + 1e-9;
-  CHECK(run(two_words(), settings).hits.empty());
-  // a view of the sequence and both of the place: one hit per place
+  CHECK(run(two_words(), settings).recognitions.empty());
+  // a view of the sequence and both of the place: one recognition per place
   settings.place_threshold = 0.25;
   const Result both = run(two_words(), settings);
-  CHECK(frames_and_views(both.hits) ==
+  CHECK(frames_and_views(both.recognitions) ==
         Pairs{{0, 0}, {0, 2}, {1, 0}, {1, 2}, {3, 0}, {3, 2}, {4, 1}, {4, 2}, {6, 0}, {6, 2}});
 }
 
-TEST_CASE("a frame without words is never a hit and ends a run of frames") {
+TEST_CASE("a frame without words is never a recognition and ends a run of frames") {
   // Frame 5 shows no word. Views 0 and 1 have 0.51 / 2.02 of its posterior each, and the view of
   // the sequence has more than 0.25 in frames 4 and 6.
   FabmapQuerySettings settings = by_hand();
   settings.place_threshold = 0.25;
   REQUIRE(share(kNothing, 1) > 0.25);
   REQUIRE(share(kWord1, 3) > 0.25);
-  const auto hits_from_4 = [&](uint64_t window) {
+  const auto recognitions_from_4 = [&](uint64_t window) {
     settings.window = window;
     std::vector<std::pair<uint32_t, uint32_t>> pairs;
-    for (const Match& hit : run(two_words(), settings).hits)
-      if (hit.query >= 4) pairs.emplace_back(hit.query, hit.view);
+    for (const Match& recognition : run(two_words(), settings).recognitions)
+      if (recognition.query >= 4) pairs.emplace_back(recognition.query, recognition.view);
     return pairs;
   };
   using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
-  CHECK(hits_from_4(1) == Pairs{{4, 1}, {4, 2}, {6, 0}, {6, 2}});
-  CHECK(hits_from_4(2) == Pairs{{4, 2}});
+  CHECK(recognitions_from_4(1) == Pairs{{4, 1}, {4, 2}, {6, 0}, {6, 2}});
+  CHECK(recognitions_from_4(2) == Pairs{{4, 2}});
 }
 
 TEST_CASE("among several views of a place, the likeliest one represents it") {
-  std::vector<Match> hits;
+  std::vector<Match> recognitions;
   ViewWindow window;
   const std::vector<double> posterior = {0.1, 0.2, 0.3, 0.25, 0.15};
   window.add(posterior, 0.18, 4);
-  append_hits(hits, 3, posterior, window, 1, {1, 1, 0, 0});
-  CHECK(hits == std::vector<Match>{{3, 0, 0, 2, 0.25}, {3, 0, 1, 1, 0.3}});
-  append_hits(hits, 3, posterior, window, 2, {1, 1, 0, 0});
-  CHECK(hits.size() == 2);
+  append_recognitions(recognitions, 3, posterior, window, 1, {1, 1, 0, 0});
+  CHECK(recognitions == std::vector<Match>{{3, 0, 0, 2, 0.25}, {3, 0, 1, 1, 0.3}});
+  append_recognitions(recognitions, 3, posterior, window, 2, {1, 1, 0, 0});
+  CHECK(recognitions.size() == 2);
 }
 
 TEST_CASE("in loop mode, a frame matches frames that are older than the gap") {

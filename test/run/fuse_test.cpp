@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "match/fusion.h"
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 #include "reference/verified_query.h"
 #include "run/query.h"
 #include "run/score_basis.h"
@@ -45,7 +45,7 @@ struct Walks {
 
 SequenceQuerySettings fused_settings(uint64_t length) {
   SequenceQuerySettings settings;
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   settings.window_length = length;
   settings.fusion_weight = 0.25;
   settings.distance_threshold = -2;
@@ -75,8 +75,8 @@ TEST_CASE("automatic thresholds and margins do not use a training frame's own vi
   ScoreBasis alone = basis;
   alone.fusion = {};
   const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
-  const FrameDistances scores = standardized(frame_distances(train, train[1]), alone, {});
-  const FrameDistances both = standardized(frame_distances(train, train[1]), basis, {});
+  const FrameDistances scores = zscores(frame_distances(train, train[1]), alone, {});
+  const FrameDistances both = zscores(frame_distances(train, train[1]), basis, {});
   std::vector<uint16_t> plain(192);
   std::vector<uint16_t> fast(192);
   for (uint32_t frame = 0; frame < 70; ++frame) {
@@ -96,8 +96,8 @@ TEST_CASE("fused scores are scores plus evidence with the weight of earlier fram
   ScoreBasis alone = basis;
   alone.fusion = {};
   const FrameDistances distances = frame_distances(train, walks.query.span());
-  const FrameDistances scores = standardized(distances, alone, {});
-  const FrameDistances both = standardized(distances, basis, {});
+  const FrameDistances scores = zscores(distances, alone, {});
+  const FrameDistances both = zscores(distances, basis, {});
   std::vector<uint16_t> plain(192);
   std::vector<uint16_t> fast(192);
   Agreement agreement;
@@ -132,12 +132,12 @@ TEST_CASE("whole queries equal the definition, for every method, score and numbe
     SequenceQuerySettings online = settings;
     online.method = "fastable-online";
     const Result same = query_all(walks, online);
-    CHECK(same.hits == result.hits);
+    CHECK(same.recognitions == result.recognitions);
     CHECK(same.best == result.best);
     CHECK(same.margins == result.margins);
   }
   SequenceQuerySettings other = settings;
-  other.score = Score::standardized_offline;
+  other.score = Score::zscore_offline;
   query_all(walks, other);
   other = settings;
   other.only_sequences = {"b"};

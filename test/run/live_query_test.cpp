@@ -58,14 +58,14 @@ struct Walks {
 
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-std::vector<Match> hits_of(const Result& whole, uint32_t window) {
-  std::vector<Match> hits;
-  for (Match hit : whole.hits)
-    if (hit.query == window) {
-      hit.query = 0;
-      hits.push_back(hit);
+std::vector<Match> recognitions_of(const Result& whole, uint32_t window) {
+  std::vector<Match> recognitions;
+  for (Match recognition : whole.recognitions)
+    if (recognition.query == window) {
+      recognition.query = 0;
+      recognitions.push_back(recognition);
     }
-  return hits;
+  return recognitions;
 }
 
 void check_window(const Result& live, const Result& whole, size_t window) {
@@ -75,7 +75,7 @@ void check_window(const Result& live, const Result& whole, size_t window) {
   if (best) best->query = 0;
   CHECK(live.best[0] == best);
   CHECK(live.margins == std::vector{whole.margins[window]});
-  CHECK(live.hits == hits_of(whole, static_cast<uint32_t>(window)));
+  CHECK(live.recognitions == recognitions_of(whole, static_cast<uint32_t>(window)));
   REQUIRE(live.path.has_value() == whole.path.has_value());
   if (!whole.path) return;
   CHECK(is_same(live.path->nowhere[0], whole.path->nowhere[window]));
@@ -128,11 +128,11 @@ TEST_CASE("live frames have the results of the whole query: margins, scores and 
   settings.window_length = 6;
   settings.decision = Decision::margin;
   CHECK(check_live_query(walks, settings) > 40);
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   CHECK(check_live_query(walks, settings) > 40);
   settings.only_sequences = {"a"};
   CHECK(check_live_query(walks, settings) > 5);
-  settings.standardization.view_change = 0;  // every frame is a keyframe
+  settings.zscore.keyframe_change = 0;  // every frame is a keyframe
   CHECK(check_live_query(walks, settings) > 5);
   SequenceQuerySettings filter;
   filter.method = "filter";
@@ -148,7 +148,7 @@ TEST_CASE("live frames have the results of the whole query: fused with FAB-MAP")
   SequenceQuerySettings settings;
   settings.fusion_weight = 0.25;
   settings.window_length = 6;
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   settings.distance_threshold = -2;
   CHECK(check_live_query(walks, settings) > 40);
   settings.distance_threshold.reset();
@@ -175,7 +175,7 @@ TEST_CASE("settings that need later frames are refused") {
   relative.threshold_scale = ThresholdScale::bits;
   CHECK_FALSE(refused(relative));
   SequenceQuerySettings offline;
-  offline.score = Score::standardized_offline;
+  offline.score = Score::zscore_offline;
   CHECK(refused(offline) == ErrorKind::usage);
   SequenceQuerySettings lsh;
   lsh.method = "lsh";
@@ -201,5 +201,5 @@ TEST_CASE("a stop of any length keeps at most as many frames as pending keyframe
     most = std::max(most, live.distances.query_frames);
   }
   CHECK(live.frames == rows.size());
-  CHECK(most == filter.standardization.lag_views + 1);
+  CHECK(most == filter.zscore.lag_keyframes + 1);
 }

@@ -79,23 +79,23 @@ TEST_CASE("best matches of a sequence in its past equal the definition, for ever
         INFO(method << ", gap " << gap << ", c_l " << length);
         const Result result = find_loops(make_query(codes), settings);
         CHECK(result.best == slow_best(codes, length, gap));
-        CHECK(result.hits.empty());  // there is no threshold
+        CHECK(result.recognitions.empty());  // there is no threshold
       }
 }
 
-TEST_CASE("hits of a sequence in its past are pairs below t_r, in bits per frame") {
+TEST_CASE("recognitions of a sequence in its past are pairs below t_r, in bits per frame") {
   const std::vector<LdbCode> codes = two_laps();
   SequenceQuerySettings settings = loop_settings(4, 15);
   settings.distance_threshold = 60;
   const Result result = find_loops(make_query(codes), settings);
-  std::vector<Match> hits;
+  std::vector<Match> recognitions;
   for (uint32_t j = 15; j + 4 <= codes.size(); ++j)
     for (uint32_t i = 0; i + 15 <= j; ++i) {
       const double distance = plain_window_distance(codes, i, codes, j, 4);
-      if (distance / 4 < 60) hits.push_back({j, 0, i, 0, distance});
+      if (distance / 4 < 60) recognitions.push_back({j, 0, i, 0, distance});
     }
-  CHECK(result.hits == hits);
-  CHECK(hits.size() >= 27);
+  CHECK(result.recognitions == recognitions);
+  CHECK(recognitions.size() >= 27);
   // Each is a window of the second lap matched with the first.
   for (const ListedLoop& loop : loops_of(result)) CHECK(loop.query == loop.match + 30);
   CHECK(loops_of(result).size() == 27);
@@ -121,12 +121,12 @@ TEST_CASE("a margin in the past excludes the gap around the best match") {
     REQUIRE(result.margins[j].has_value() == elsewhere.has_value());
     if (elsewhere) CHECK(*result.margins[j] == *elsewhere - best[j]->score);
   }
-  CHECK_FALSE(result.hits.empty());
+  CHECK_FALSE(result.recognitions.empty());
 }
 
 TEST_CASE("results of a sequence do not change as it continues") {
   const std::vector<LdbCode> codes = two_laps();
-  for (const Score score : {Score::raw, Score::standardized}) {
+  for (const Score score : {Score::raw, Score::zscore}) {
     SequenceQuerySettings settings = loop_settings(3, 12);
     settings.score = score;
     const Result whole = find_loops(make_query(codes), settings);
@@ -154,7 +154,7 @@ TEST_CASE("a gap in seconds uses time stamps") {
 TEST_CASE("unreadable frames of a sequence match nothing and are not matched") {
   DescriptorSet walk = make_query(two_laps());
   walk.sequence.unreadable = {5, 40};
-  for (const Score score : {Score::raw, Score::standardized}) {
+  for (const Score score : {Score::raw, Score::zscore}) {
     SequenceQuerySettings settings = loop_settings(3, 12);
     settings.score = score;
     const Result result = find_loops(walk, settings);
@@ -186,14 +186,14 @@ TEST_CASE("settings that need later frames or other training data are refused") 
   all[2].method = "lsh";
   all[3].method = "filter";
   all[4].rates = {"1", "2"};
-  all[5].score = Score::standardized_offline;
+  all[5].score = Score::zscore_offline;
   all[6].threshold_scale = ThresholdScale::relative;
   all[7].rates = {"2"};
   all[8].decision = Decision::margin;
   all[9].only_sequences = {"w"};
   all[10].same_place = {"none"};
-  all[11].score = Score::standardized;
-  all[11].standardization.components = 2;
+  all[11].score = Score::zscore;
+  all[11].zscore.components = 2;
   all[12].loop_gap = 0;
   all[12].loop_gap_s = -1;
   all[13].fusion_weight = 0.1;

@@ -1,4 +1,4 @@
-// Queries by margin: every margin compared with its definition, and the resulting hits.
+// Queries by margin: every margin compared with its definition, and the resulting recognitions.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -91,34 +91,35 @@ TEST_CASE("by margin, only a place that is seen again is recognized") {
   const SequenceDatabase database = test::make_database(walks.train);
   for (const std::optional<double> margin : {std::optional<double>(), std::optional(60.0)}) {
     const Result result = query_by(database, make_query(walks.query), by_margin(10, margin));
-    CHECK(result.hits.size() >= 20);
-    for (const Match& hit : result.hits) {
-      CHECK(hit.target == 0);
-      CHECK(std::abs(int(hit.train) - int(hit.query) - 5) <= 1);
+    CHECK(result.recognitions.size() >= 20);
+    for (const Match& recognition : result.recognitions) {
+      CHECK(recognition.target == 0);
+      CHECK(std::abs(int(recognition.train) - int(recognition.query) - 5) <= 1);
     }
     REQUIRE(result.clusters->all.size() == 1);
-    CHECK(result.clusters->all[0].hits == result.hits.size());
+    CHECK(result.clusters->all[0].recognitions == result.recognitions.size());
   }
 }
 
 TEST_CASE("two sequences of one place do not reduce each other's margin") {
   const Walks walks;
   const DescriptorSet query = make_query(walks.query);
-  const auto hits = [&](const SequenceDatabase& database, std::vector<std::string> same_place) {
+  const auto recognitions = [&](const SequenceDatabase& database,
+                                std::vector<std::string> same_place) {
     SequenceQuerySettings settings = by_margin(10, 60.0);
     settings.same_place = std::move(same_place);
-    return query_by(database, query, settings).hits;
+    return query_by(database, query, settings).recognitions;
   };
-  const std::vector<Match> once = hits(test::make_database(walks.train), {});
+  const std::vector<Match> once = recognitions(test::make_database(walks.train), {});
   REQUIRE(once.size() >= 20);
   const SequenceDatabase twice =
       test::make_database({walks.train[0], walks.train[1], walks.train[0]});
-  CHECK(hits(twice, {}) == once);
-  CHECK(hits(twice, {"a=c"}) == once);
-  CHECK(hits(twice, {"none"}).empty());
-  CHECK(hits(twice, {"a=b"}).empty());
-  CHECK(test::error_kind([&] { hits(twice, {"a=d"}); }) == ErrorKind::usage);
-  CHECK(test::error_kind([&] { hits(twice, {"a=a"}); }) == ErrorKind::usage);
+  CHECK(recognitions(twice, {}) == once);
+  CHECK(recognitions(twice, {"a=c"}) == once);
+  CHECK(recognitions(twice, {"none"}).empty());
+  CHECK(recognitions(twice, {"a=b"}).empty());
+  CHECK(test::error_kind([&] { recognitions(twice, {"a=d"}); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { recognitions(twice, {"a=a"}); }) == ErrorKind::usage);
 }
 
 TEST_CASE("stored half-widths and overlaps have the results of computed ones") {
@@ -133,27 +134,28 @@ TEST_CASE("stored half-widths and overlaps have the results of computed ones") {
   const DescriptorSet query = make_query(walks.query);
   const Result result = query_by(database, query, settings);
   const Result derived = query_by(old, query, settings);
-  CHECK(result.hits == derived.hits);
+  CHECK(result.recognitions == derived.recognitions);
   CHECK(result.margins == derived.margins);
   CHECK(result.targets[1].margin == derived.targets[1].margin);
   // The query uses the stored value.
   database.shared_places->clear();
-  CHECK(query_by(database, query, settings).hits.empty());
+  CHECK(query_by(database, query, settings).recognitions.empty());
 }
 
-TEST_CASE("without windows outside the exclusion zone there is no margin and no hit by margin") {
+TEST_CASE(
+    "without windows outside the exclusion zone there is no margin and no recognition by margin") {
   const Walks walks;
   SequenceQuerySettings settings = by_margin(10, 0.0);
   settings.margin_width = 10'000;
   const SequenceDatabase one = test::make_database({walks.train[0]});
   Result result = query_by(one, make_query(walks.query), settings);
-  CHECK(result.hits.empty());
+  CHECK(result.recognitions.empty());
   CHECK(std::none_of(result.margins.begin(), result.margins.end(),
                      [](const auto& margin) { return margin.has_value(); }));
   // A training sequence of one frame, and a query of one.
   const SequenceDatabase frame = test::make_database({{walks.train[0][0]}});
   result = query_by(frame, make_query({walks.query[0]}), by_margin(1, std::nullopt));
-  CHECK(result.hits.empty());
+  CHECK(result.recognitions.empty());
   CHECK(result.margins == std::vector<std::optional<double>>{std::nullopt});
 }
 

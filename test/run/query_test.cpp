@@ -42,23 +42,24 @@ QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    {}, monitor);
 }
 
-// Hits by definition, with a division per cell.
-std::vector<Match> slow_hits(const std::vector<std::vector<LdbCode>>& train,
-                             const std::vector<LdbCode>& query, size_t length, double threshold) {
-  std::vector<Match> hits;
+// Recognitions by definition, with a division per cell.
+std::vector<Match> slow_recognitions(const std::vector<std::vector<LdbCode>>& train,
+                                     const std::vector<LdbCode>& query, size_t length,
+                                     double threshold) {
+  std::vector<Match> recognitions;
   for (size_t s = 0; s < train.size(); ++s) {
     const auto distances = test::plain_openable(train[s], query, length);
     const double most = *std::max_element(distances.begin(), distances.end());
     const size_t cols = train[s].size() - length + 1;
     for (size_t x = 0; x < distances.size(); ++x)
       if (distances[x] / most < threshold)
-        hits.push_back(
+        recognitions.push_back(
             {uint32_t(x / cols), uint32_t(s), uint32_t(x % cols), 0, double(distances[x])});
   }
-  std::sort(hits.begin(), hits.end(), [](const Match& a, const Match& b) {
+  std::sort(recognitions.begin(), recognitions.end(), [](const Match& a, const Match& b) {
     return std::tie(a.query, a.target, a.train) < std::tie(b.query, b.target, b.train);
   });
-  return hits;
+  return recognitions;
 }
 
 }  // namespace
@@ -76,8 +77,8 @@ TEST_CASE("relative thresholds use the final maximum of each training sequence")
     for (const char* method : {"fastable", "fastable-online", "openable"}) {
       settings.method = method;
       const Result result = query_all(database, make_query(query), settings).result;
-      CHECK(result.hits == slow_hits(train, query, 5, threshold));
-      CHECK_FALSE(result.hits.empty());
+      CHECK(result.recognitions == slow_recognitions(train, query, 5, threshold));
+      CHECK_FALSE(result.recognitions.empty());
     }
   }
 }
@@ -94,10 +95,10 @@ TEST_CASE("automatic thresholds recognize a revisit and nothing between the trai
   CHECK(result.targets[0].scale == ThresholdScale::bits);
   REQUIRE_FALSE(result.clusters->all.empty());
   for (const Cluster& cluster : result.clusters->all) CHECK(cluster.target == 1);
-  // The threshold is strict: the closest windows of the training sequences are not hits.
+  // The threshold is strict: the closest windows of the training sequences are not recognitions.
   const DescriptorSet first = make_query(train[0]);
   settings.only_sequences = {"b"};
-  CHECK(query_all(database, first, settings).result.hits.empty());
+  CHECK(query_all(database, first, settings).result.recognitions.empty());
 }
 
 TEST_CASE("a missing window length is computed") {
@@ -117,7 +118,7 @@ TEST_CASE("a missing window length is computed") {
       computed.result.targets[1].threshold);
 }
 
-TEST_CASE("training sequences that look different do not make every match a hit") {
+TEST_CASE("training sequences that look different do not make every match a recognition") {
   // Frames of one building differ by about 180 bits, frames of two buildings by about 690.
   std::vector<std::vector<LdbCode>> walks(2);
   for (size_t w = 0; w < 2; ++w) {
@@ -133,7 +134,8 @@ TEST_CASE("training sequences that look different do not make every match a hit"
   SequenceQuerySettings settings;
   settings.window_length = 5;
   const Result result = query_all(database, make_query(walks[0]), settings).result;
-  CHECK(result.hits.size() == 36);  // each window matches itself; with the closest windows all 1296
+  CHECK(result.recognitions.size() ==
+        36);  // each window matches itself; with the closest windows all 1296
   CHECK(*result.targets[0].threshold < 180);
 }
 
@@ -148,11 +150,11 @@ TEST_CASE("the automatic threshold needs two training sequences, and raw distanc
   settings.window_length = 10;
   CHECK_THROWS_WITH(query_all(one, query, settings),
                     Catch::Contains("needs two or more training sequences. Use --method filter, "
-                                    "--score standardized --decide margin, or a number"));
+                                    "--score zscore --decide margin, or a number"));
   CHECK_NOTHROW(query_all(two, query, settings));
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   CHECK_THROWS_WITH(query_all(two, query, settings),
-                    Catch::Contains("--t-r auto does not go with --score standardized"));
+                    Catch::Contains("--t-r auto does not go with --score zscore"));
   settings.score = Score::raw;
   settings.distance_threshold = 0.6;
   CHECK_NOTHROW(query_all(one, query, settings));
@@ -202,8 +204,8 @@ TEST_CASE("a search can be limited to sequences, which keep their indices in the
   settings.distance_threshold = 1;
   settings.only_sequences = {"b"};
   const Result result = query_all(database, make_query(train[0]), settings).result;
-  CHECK_FALSE(result.hits.empty());
-  for (const Match& hit : result.hits) CHECK(hit.target == 1);
+  CHECK_FALSE(result.recognitions.empty());
+  for (const Match& recognition : result.recognitions) CHECK(recognition.target == 1);
   CHECK_FALSE(result.targets[0].searched);
 }
 
@@ -213,7 +215,7 @@ TEST_CASE("identical training and query windows: the maximum and all quotients a
   SequenceQuerySettings settings;
   settings.window_length = 3;
   settings.distance_threshold = 0.1;
-  CHECK(query_all(database, make_query(same), settings).result.hits.size() == 36);
+  CHECK(query_all(database, make_query(same), settings).result.recognitions.size() == 36);
 }
 
 TEST_CASE("invalid settings are usage errors with advice") {
@@ -274,7 +276,8 @@ TEST_CASE("a wrong cell is detected") {
 }
 
 TEST_CASE(
-    "LSH finds some of the hits and best matches of an exact search, and reports its recall") {
+    "LSH finds some of the recognitions and best matches of an exact search, and reports its "
+    "recall") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   const SequenceDatabase database = make_database(train, 5);
@@ -290,17 +293,17 @@ TEST_CASE(
   };
   const Result some = by_lsh();
   CHECK(std::get<SequenceQuerySettings>(some.settings).method == "lsh");
-  CHECK(std::includes(exact.hits.begin(), exact.hits.end(), some.hits.begin(), some.hits.end(),
-                      [](const Match& a, const Match& b) {
-                        return std::tie(a.query, a.target, a.train) <
-                               std::tie(b.query, b.target, b.train);
-                      }));
-  CHECK(some.hits.size() >= 50);
+  CHECK(std::includes(
+      exact.recognitions.begin(), exact.recognitions.end(), some.recognitions.begin(),
+      some.recognitions.end(), [](const Match& a, const Match& b) {
+        return std::tie(a.query, a.target, a.train) < std::tie(b.query, b.target, b.train);
+      }));
+  CHECK(some.recognitions.size() >= 50);
   CHECK(some.margins.empty());
   REQUIRE(some.clusters);
   REQUIRE(some.recall);
   CHECK(some.recall->windows == 56);
-  CHECK(some.recall->hits == exact.hits.size());
+  CHECK(some.recall->recognitions == exact.recognitions.size());
   size_t same = 0;
   for (size_t window = 0; window < 56; ++window)
     same += some.best[window] && some.best[window]->score == exact.best[window]->score;
@@ -318,7 +321,7 @@ TEST_CASE(
   settings.decision = Decision::margin;
   CHECK(is_refused());
   settings = fine;
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   CHECK(is_refused());
   // Drivers of exact methods do not support it.
   CHECK(test::error_kind([&] { query_all(database, query, fine); }) == ErrorKind::usage);
@@ -355,7 +358,7 @@ TEST_CASE("windows with sums that exceed the file format are refused") {
   CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for frames described by"));
   settings.window_length = 5;
   const Result result = query_all(database, query, settings).result;
-  CHECK(result.hits.size() == 96 * 96);  // all vectors are equal
+  CHECK(result.recognitions.size() == 96 * 96);  // all vectors are equal
 }
 
 TEST_CASE("a resampled query repeats the rows of the recording, frame by frame") {

@@ -29,7 +29,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 
 SequenceQuerySettings scored_settings(uint64_t length) {
   SequenceQuerySettings settings;
-  settings.score = Score::standardized;
+  settings.score = Score::zscore;
   settings.window_length = length;
   return settings;
 }
@@ -53,15 +53,16 @@ TEST_CASE("z-scores recognize a revisit, with the same result for every method")
   SequenceQuerySettings settings = scored_settings(5);
   settings.distance_threshold = -4;
   const Result result = query_all(database, make_query(query), settings).result;
-  REQUIRE_FALSE(result.hits.empty());
+  REQUIRE_FALSE(result.recognitions.empty());
   CHECK(result.targets[0].scale == ThresholdScale::mean_z);
-  for (const Match& hit : result.hits) {
-    CHECK(hit.target == 0);
-    CHECK(result.score().frame_value(hit.score, 5) < -4);
+  for (const Match& recognition : result.recognitions) {
+    CHECK(recognition.target == 0);
+    CHECK(result.score().frame_value(recognition.score, 5) < -4);
   }
   CHECK(result.best[18]->train == 13);
   settings.method = "fastable-online";
-  CHECK(query_all(database, make_query(query), settings).result.hits == result.hits);
+  CHECK(query_all(database, make_query(query), settings).result.recognitions ==
+        result.recognitions);
 }
 
 TEST_CASE("windows of several rates equal the definition, for distances and for scores") {
@@ -72,7 +73,7 @@ TEST_CASE("windows of several rates equal the definition, for distances and for 
   const DescriptorSet query = make_query(test::walk_codes(50, 3));
   QueryResources resources;
   resources.kernels = select_kernels();
-  for (const Score score : {Score::raw, Score::standardized, Score::standardized_offline}) {
+  for (const Score score : {Score::raw, Score::zscore, Score::zscore_offline}) {
     SequenceQuerySettings settings = scored_settings(6);
     settings.score = score;
     settings.rates = {"1/2", "2/3", "1", "2"};
@@ -93,10 +94,10 @@ TEST_CASE("rows are centered over all training frames, also in a limited search"
   settings.only_sequences = {"b"};
   const Result one = query_all(database, query, settings).result;
   std::vector<Match> expected;
-  for (const Match& hit : all.hits)
-    if (hit.target == 1) expected.push_back(hit);
+  for (const Match& recognition : all.recognitions)
+    if (recognition.target == 1) expected.push_back(recognition);
   CHECK(expected.size() > 46 * 9);
-  CHECK(one.hits == expected);
+  CHECK(one.recognitions == expected);
 }
 
 TEST_CASE("a wrong score is detected, and a correct one is accepted") {
@@ -106,15 +107,16 @@ TEST_CASE("a wrong score is detected, and a correct one is accepted") {
   SequenceQuerySettings settings = scored_settings(4);
   settings.distance_threshold = 0;
   const DescriptorSet query = make_query(test::walk_codes(40, 4));
-  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+  for (const Score score : {Score::zscore, Score::zscore_offline}) {
     settings.score = score;
     const QueryRun run = query_all(database, query, settings, 100'000);
     CHECK(run.verified_cells == 2 * 27 * 37);  // all of them
-    const auto cell_of = [&](const Match& hit) {
-      return Cell{hit.query, hit.target, hit.train, uint32_t(hit.score + double(score_offset(4)))};
+    const auto cell_of = [&](const Match& recognition) {
+      return Cell{recognition.query, recognition.target, recognition.train,
+                  uint32_t(recognition.score + double(score_offset(4)))};
     };
-    const Cell right = cell_of(run.result.hits[300]);
-    std::vector<Cell> cells = {cell_of(run.result.hits[100]), right};
+    const Cell right = cell_of(run.result.recognitions[300]);
+    std::vector<Cell> cells = {cell_of(run.result.recognitions[100]), right};
     cells[1].score += 10;  // two units per frame
     const auto wrong = wrong_scores(cells, descriptor_spans(database), {query.rows(), {}}, 4,
                                     *score_basis(&*database.statistics, settings), {});
@@ -150,7 +152,7 @@ TEST_CASE("settings of another score are usage errors") {
     change(settings);
     return test::error_kind([&] { query_all(database, query, settings); });
   };
-  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+  for (const Score score : {Score::zscore, Score::zscore_offline}) {
     CHECK(kind(score, [](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
     CHECK_FALSE(kind(score, [](auto& s) { s.distance_threshold = -3; }));
     CHECK(kind(score, [](auto& s) { s.distance_threshold = 0.4; }) == ErrorKind::usage);
@@ -163,7 +165,7 @@ TEST_CASE("settings of another score are usage errors") {
     CHECK(kind(score, [](auto& s) { s.method = "lsh"; }) == ErrorKind::usage);
     CHECK(kind(score, [](auto& s) { s.safety_factor = 0.9; }) == ErrorKind::usage);
     CHECK(kind(score, [](auto& s) { s.window_length = kMaxScoredWindow + 1; }) == ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.standardization.lag_views = 0; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.zscore.lag_keyframes = 0; }) == ErrorKind::usage);
   }
   CHECK(kind(Score::raw, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }) ==
         ErrorKind::usage);
@@ -196,8 +198,8 @@ TEST_CASE("a sweep of scores has the counts of single queries") {
     settings.distance_threshold = cell.threshold;
     const Result result = query_all(database, query, settings).result;
     const Counts counts = count_recognitions(result, truth(scope_of(result)));
-    CHECK(cell.counts.hits.correct == counts.hits.correct);
-    CHECK(cell.counts.hits.incorrect == counts.hits.incorrect);
+    CHECK(cell.counts.recognitions.correct == counts.recognitions.correct);
+    CHECK(cell.counts.recognitions.incorrect == counts.recognitions.incorrect);
     CHECK(cell.counts.best_match.correct == counts.best_match.correct);
   }
 }

@@ -55,7 +55,7 @@ GroundTruth same_frames(const GroundTruthScope& scope) {
   return truth;
 }
 
-/// Ten windows of c_l frames, with correct and incorrect hits in the given windows.
+/// Ten windows of c_l frames, with correct and incorrect recognitions in the given windows.
 SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
                             const std::vector<uint32_t>& wrong, size_t windows = 10) {
   Result result;
@@ -67,8 +67,8 @@ SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
   GroundTruth truth;
   truth.pairs.resize(result.query.frames);
   for (uint32_t f = 0; f < result.query.frames; ++f) truth.pairs[f].push_back({0, f});
-  for (const uint32_t window : right) result.hits.push_back({window, 0, window, 0, 1});
-  for (const uint32_t window : wrong) result.hits.push_back({window, 0, window + 50, 0, 1});
+  for (const uint32_t window : right) result.recognitions.push_back({window, 0, window, 0, 1});
+  for (const uint32_t window : wrong) result.recognitions.push_back({window, 0, window + 50, 0, 1});
   return count_intervals(result, truth, 1);
 }
 
@@ -92,36 +92,36 @@ TEST_CASE("a sweep of FAB-MAP equals single queries, cell by cell") {
     CHECK(cells[c].window == settings.window);
     CHECK(cells[c].threshold == settings.place_threshold);
     CHECK_FALSE(cells[c].scale);
-    CHECK(cells[c].counts.hits.correct == alone.hits.correct);
-    CHECK(cells[c].counts.hits.incorrect == alone.hits.incorrect);
-    CHECK(cells[c].counts.hits.ignored == alone.hits.ignored);
+    CHECK(cells[c].counts.recognitions.correct == alone.recognitions.correct);
+    CHECK(cells[c].counts.recognitions.incorrect == alone.recognitions.incorrect);
+    CHECK(cells[c].counts.recognitions.ignored == alone.recognitions.ignored);
     CHECK(cells[c].counts.distinct == alone.distinct);
     CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
     CHECK_FALSE(cells[c].counts.clusters);
-    different.insert(alone.hits.correct);
+    different.insert(alone.recognitions.correct);
   }
   CHECK(different.size() >= 3);
-  CHECK(cells[3].counts.hits.incorrect > 0);
-  CHECK(cells[3].counts.hits.ignored > 0);
+  CHECK(cells[3].counts.recognitions.incorrect > 0);
+  CHECK(cells[3].counts.recognitions.ignored > 0);
 }
 
 TEST_CASE("an interval is the central 95% of random counts") {
-  // One of ten windows, drawn one by one, has hits: it is drawn Binomial(10, 0.1) times, at most 2
-  // times in 93.0% of all cases and at most 3 times in 98.7%.
+  // One of ten windows, drawn one by one, has recognitions: it is drawn Binomial(10, 0.1) times, at
+  // most 2 times in 93.0% of all cases and at most 3 times in 98.7%.
   const SweepIntervals single = intervals_of(1, {4}, {7, 7});
   CHECK(single.block == 1);
-  CHECK((single.correct_hits.low == 0 && single.correct_hits.high == 3));
-  CHECK((single.incorrect_hits.low == 0 && single.incorrect_hits.high == 6));
+  CHECK((single.correct_recognitions.low == 0 && single.correct_recognitions.high == 3));
+  CHECK((single.incorrect_recognitions.low == 0 && single.incorrect_recognitions.high == 6));
   // Half of them have one: Binomial(10, 0.5), below 2 in 1.1%, below 3 in 5.5%.
   const SweepIntervals half = intervals_of(1, {0, 2, 4, 6, 8}, {});
-  CHECK((half.correct_hits.low == 2 && half.correct_hits.high == 8));
-  CHECK((half.incorrect_hits.low == 0 && half.incorrect_hits.high == 0));
-  // Two blocks of two of four windows, each with the hit in two of four cases: once or twice, while
-  // four single windows have it up to three times.
-  CHECK(intervals_of(2, {0}, {}, 4).correct_hits.high == 2);
-  CHECK(intervals_of(1, {0}, {}, 4).correct_hits.high == 3);
+  CHECK((half.correct_recognitions.low == 2 && half.correct_recognitions.high == 8));
+  CHECK((half.incorrect_recognitions.low == 0 && half.incorrect_recognitions.high == 0));
+  // Two blocks of two of four windows, each with the recognition in two of four cases: once or
+  // twice, while four single windows have it up to three times.
+  CHECK(intervals_of(2, {0}, {}, 4).correct_recognitions.high == 2);
+  CHECK(intervals_of(1, {0}, {}, 4).correct_recognitions.high == 3);
   // A single block: for any start, every window is drawn once.
   const SweepIntervals whole = intervals_of(10, {0, 3, 4}, {9});
-  CHECK((whole.correct_hits.low == 3 && whole.correct_hits.high == 3));
-  CHECK((whole.incorrect_hits.low == 1 && whole.incorrect_hits.high == 1));
+  CHECK((whole.correct_recognitions.low == 3 && whole.correct_recognitions.high == 3));
+  CHECK((whole.incorrect_recognitions.low == 1 && whole.incorrect_recognitions.high == 1));
 }

@@ -59,7 +59,7 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
     const auto cells =
         sweep_sequences(database, query, "q", base, grid, make_truth, resources, {}).cells;
     REQUIRE(cells.size() == 15);
-    size_t hits = 0;
+    size_t recognitions = 0;
     for (size_t c = 0; c < cells.size(); ++c) {
       SequenceQuerySettings settings = base;
       settings.window_length = grid.windows[c / 5];
@@ -71,14 +71,14 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
       INFO("c_l " << settings.window_length << ", cell " << c);
       CHECK(cells[c].window == settings.window_length);
       CHECK(cells[c].threshold == settings.distance_threshold);
-      CHECK(numbers(cells[c].counts.hits) == numbers(alone.hits));
+      CHECK(numbers(cells[c].counts.recognitions) == numbers(alone.recognitions));
       CHECK(numbers(*cells[c].counts.clusters) == numbers(*alone.clusters));
       CHECK(cells[c].counts.distinct == alone.distinct);
       CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
       CHECK(cells[c].counts.best_match.queries == alone.best_match.queries);
-      hits += alone.hits.correct;
+      recognitions += alone.recognitions.correct;
     }
-    CHECK(hits > 0);
+    CHECK(recognitions > 0);
   }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("a sweep gives each warning of its settings once") {
   CHECK(times("can't be decoded") == 1);
 }
 
-TEST_CASE("the hits of all window lengths share the memory limit") {
+TEST_CASE("the recognitions of all window lengths share the memory limit") {
   const SequenceDatabase database = make_database();
   DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
   for (size_t i = 0; i < query.rows().size(); ++i)
@@ -150,16 +150,16 @@ TEST_CASE("intervals of constant counts are the counts") {
   truth.pairs.resize(12);
   for (uint32_t frame = 0; frame < 12; ++frame)
     truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
-  // Every window has a correct and two incorrect hits.
+  // Every window has a correct and two incorrect recognitions.
   for (uint32_t window = 0; window < 10; ++window)
     for (const uint32_t train : {window, window + 5, window + 9})
-      result.hits.push_back({window, 0, train, 0, 1});
+      result.recognitions.push_back({window, 0, train, 0, 1});
   result.clusters.emplace();
   result.clusters->all = {{0, 3, 0, 9, 3, 0, 9, 10, 1}};
   const SweepIntervals found = count_intervals(result, truth, 7);
   CHECK(found.block == 3);
-  CHECK((found.correct_hits.low == 10 && found.correct_hits.high == 10));
-  CHECK((found.incorrect_hits.low == 20 && found.incorrect_hits.high == 20));
+  CHECK((found.correct_recognitions.low == 10 && found.correct_recognitions.high == 10));
+  CHECK((found.incorrect_recognitions.low == 20 && found.incorrect_recognitions.high == 20));
   CHECK(found.correct_places.high >= 1);
   CHECK((found.incorrect_places.low == 0 && found.incorrect_places.high == 0));
   // For single frames, blocks have c_w frames, but at least 8.
@@ -210,7 +210,7 @@ TEST_CASE("a sweep by margin equals single queries by margin") {
             .result;
     const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
     INFO("cell " << c);
-    CHECK(numbers(sweep.cells[c].counts.hits) == numbers(alone.hits));
+    CHECK(numbers(sweep.cells[c].counts.recognitions) == numbers(alone.recognitions));
     CHECK(numbers(*sweep.cells[c].counts.clusters) == numbers(*alone.clusters));
     CHECK_FALSE(sweep.cells[c].scale);
   }
@@ -221,6 +221,6 @@ TEST_CASE("a sweep by margin equals single queries by margin") {
   }
   CHECK(sweep.cells[0].untrained > 0u);
   CHECK(!sweep.cells[4].untrained);
-  CHECK(sweep.cells[0].counts.hits.correct > sweep.cells[3].counts.hits.correct);
-  CHECK(sweep.cells[1].counts.hits.correct > 0);
+  CHECK(sweep.cells[0].counts.recognitions.correct > sweep.cells[3].counts.recognitions.correct);
+  CHECK(sweep.cells[1].counts.recognitions.correct > 0);
 }

@@ -2,7 +2,7 @@
 # A query and its report for every line of a list, as a Slurm job array, without Snakemake:
 #   sbatch --array=1-$(wc -l <runs.txt)%20 scripts/workflow/slurm/array.sh DB DATASET.json \
 #     runs.txt OUT
-# Each line is a name and flags of vpr-query, such as "z20 --c-l 20 --score standardized". Lines
+# Each line is a name and flags of vpr-query, such as "z20 --c-l 20 --score zscore". Lines
 # with a report are skipped, so the same command resumes an interrupted run.
 #SBATCH --job-name=vpr --cpus-per-task=1 --mem=4G --output=slurm-%A-%a.log
 set -euo pipefail

@@ -60,7 +60,7 @@ sinfo
 echo; echo "== a job array"
 "$VPR_BIN/vpr-synth" test/golden/world.json -o "$at/building" --quiet
 "$VPR_BIN/vpr-train" fastable --dataset "$at/building/dataset.json" --c-l 5 -o "$at/w.vprdb" --quiet
-printf '%s\n' "raw5 --c-l 5" "raw6 --c-l 6" "z5 --c-l 5 --score standardized" >"$at/runs.txt"
+printf '%s\n' "raw5 --c-l 5" "raw6 --c-l 6" "z5 --c-l 5 --score zscore" >"$at/runs.txt"
 array=(sbatch --wait --array=1-3 --mem=1G --output="$at/array-%a.log"
   scripts/workflow/slurm/array.sh
   "$at/w.vprdb" "$at/building/dataset.json" "$at/runs.txt" "$at/array")

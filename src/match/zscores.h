@@ -9,7 +9,7 @@
 #include "match/components.h"
 #include "match/frame_distances.h"
 #include "match/score_kernels.h"
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 namespace vpr {
 
@@ -24,9 +24,9 @@ struct FrameTerms {
 };
 
 /// Statistics of every training frame's centered distances: 12 bytes per frame, and the kept rows.
-struct StandardizedState {
+struct ZScoreState {
   FrameDistances distances;  ///< the input distances
-  StandardizationSettings settings;
+  ZScoreSettings settings;
   bool offline = false;
   double typical_distance = 0;
   std::vector<float> mean;
@@ -62,17 +62,15 @@ struct StandardizedState {
 
 /// Begins a query. With an offline basis, learns all keyframes here and none later. Throws
 /// Error(interrupted) once the user wants to stop.
-std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
-                                                      const ScoreBasis& basis,
-                                                      const Monitor& monitor);
+std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const ScoreBasis& basis,
+                                           const Monitor& monitor);
 
 /// The query's frame distances as scores (score_kernels.h), in order, because later frames use
 /// statistics of earlier ones. start_row determines what is learned before a frame is scored; an
 /// unreadable frame is not a keyframe. Copies share the state.
-FrameDistances standardized(const std::shared_ptr<StandardizedState>& state);
+FrameDistances zscores(const std::shared_ptr<ZScoreState>& state);
 
 /// Convenience: starts the state, normalizes, and fuses with FAB-MAP.
-FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
-                            const Monitor& monitor);
+FrameDistances zscores(FrameDistances distances, const ScoreBasis& basis, const Monitor& monitor);
 
 }  // namespace vpr

@@ -70,25 +70,25 @@ void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
 
 TEST_CASE("z-scores recognize the corridor earlier") {
   check_figures({"corridor", "ref", "query", 3}, {{5, "raw", {48.6, 12}},
-                                                  {5, "standardized", {72.0, 34}},
-                                                  {10, "standardized", {93.1, 33}},
-                                                  {20, "standardized", {100, 100}},
-                                                  {5, "standardized-offline", {86.9, 39}}});
+                                                  {5, "zscore", {72.0, 34}},
+                                                  {10, "zscore", {93.1, 33}},
+                                                  {20, "zscore", {100, 100}},
+                                                  {5, "zscore-offline", {86.9, 39}}});
 }
 
 TEST_CASE("z-scores recognize the corridor earlier with exchanged roles as well") {
   check_figures({"corridor", "query", "ref", 3}, {{10, "raw", {61.8, 17}},
-                                                  {10, "standardized", {83.3, 56}},
+                                                  {10, "zscore", {83.3, 56}},
                                                   {20, "raw", {94.6, 50}},
-                                                  {20, "standardized", {94.6, 85}}});
+                                                  {20, "zscore", {94.6, 85}}});
 }
 
 TEST_CASE("z-scores recognize Nordland earlier") {
   check_figures({"nordland", "summer", "winter", 2}, {{10, "raw", {44.6, 0}},
-                                                      {10, "standardized", {78.5, 2}},
-                                                      {20, "standardized", {87.9, 1}},
-                                                      {50, "standardized", {99.1, 94}},
-                                                      {50, "standardized-offline", {99.7, 99}}});
+                                                      {10, "zscore", {78.5, 2}},
+                                                      {20, "zscore", {87.9, 1}},
+                                                      {50, "zscore", {99.1, 94}},
+                                                      {50, "zscore-offline", {99.7, 99}}});
 }
 
 TEST_CASE("a stop of one minute in the corridor changes no score before or after it") {
@@ -105,7 +105,7 @@ TEST_CASE("a stop of one minute in the corridor changes no score before or after
   write_text(out / "stop.txt", list);
   run_ok("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "d.vprdb"});
   const auto best_rows = [&](const fs::path& query, const std::string& name) {
-    run_ok("vpr-query", {out / "d.vprdb", "--query", query, "--score", "standardized", "--t-r", "0",
+    run_ok("vpr-query", {out / "d.vprdb", "--query", query, "--score", "zscore", "--t-r", "0",
                          "--c-l", std::to_string(kLength), "-o", out / (name + ".json")});
     const auto values = read_array<int32_t>(out / (name + ".best.npy"));
     const auto scores = read_array<double>(out / (name + ".best_scores.npy"));
@@ -139,13 +139,13 @@ TEST_CASE("real results are the same for every number of threads and every SIMD 
       if (train.exit_code == 2) continue;  // the machine or the build does not support this target
       REQUIRE(train.exit_code == 0);
       run_ok("vpr-query",
-             {out / "d.vprdb", "--query", *corridor / "query", "--score", "standardized", "--t-r",
-              "-1", "--c-l", "7", "--threads", threads, "--force", "-o", out / "r.json"},
+             {out / "d.vprdb", "--query", *corridor / "query", "--score", "zscore", "--t-r", "-1",
+              "--c-l", "7", "--threads", threads, "--force", "-o", out / "r.json"},
              target.empty() ? Words{} : environment);
       const std::string own_codes = read_text(out / "d.vprdb" / "statistics.npy");
       const std::string own_best =
           read_text(out / "r.best.npy") + read_text(out / "r.best_scores.npy") +
-          read_text(out / "r.hits.npy") + read_text(out / "r.hit_scores.npy");
+          read_text(out / "r.recognitions.npy") + read_text(out / "r.recognition_scores.npy");
       if (best.empty()) {
         codes = own_codes;
         best = own_best;

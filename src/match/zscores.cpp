@@ -1,4 +1,4 @@
-#include "match/standardized_frames.h"
+#include "match/zscores.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache s
 
 using Distances = std::array<uint16_t, 2 * kRowStride>;
 
-double center_of(StandardizedState& state, size_t frame) {
+double center_of(ZScoreState& state, size_t frame) {
   if (!state.settings.center) return state.typical_distance;
   if (state.distances.row_total || state.distances.readable_frames == 0)
     return row_mean(state.distances, frame);
@@ -26,7 +26,7 @@ double center_of(StandardizedState& state, size_t frame) {
          static_cast<double>(state.distances.readable_frames);
 }
 
-void find_terms(StandardizedState& state, size_t frame) {
+void find_terms(ZScoreState& state, size_t frame) {
   FrameTerms& terms = state.terms[frame];
   terms.offset = static_cast<float>(center_of(state, frame));
   if (state.project)
@@ -35,7 +35,7 @@ void find_terms(StandardizedState& state, size_t frame) {
 }
 
 // The common part of a query frame and the training frames from `first` on.
-CommonPart common_part(const StandardizedState& state, size_t frame, size_t first) {
+CommonPart common_part(const ZScoreState& state, size_t frame, size_t first) {
   if (!state.project) return {};
   CommonPart common{
       {}, state.terms[frame].common, static_cast<float>(common_unit(state.components.shape))};
@@ -46,19 +46,19 @@ CommonPart common_part(const StandardizedState& state, size_t frame, size_t firs
 
 // The weights of the previous statistics and of the new keyframe, and the share of the new one in
 // the sum.
-void plan_update(StandardizedState& state, size_t view) {
+void plan_update(ZScoreState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
   state.start_weight *= state.forgetting;
   state.update = {view, static_cast<float>(1 / state.weight)};
 }
 
-void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t first, size_t count) {
+void learn_chunk(ZScoreState& state, const uint16_t* distances, size_t first, size_t count) {
   state.kernels.learn(distances, state.terms[state.update->view].offset,
                       common_part(state, state.update->view, first), state.update->gain,
                       state.mean.data() + first, state.variance.data() + first, count);
 }
 
-void learn_everywhere(StandardizedState& state) {
+void learn_everywhere(ZScoreState& state) {
   const size_t frames = state.distances.train_frames;
   const auto view = static_cast<uint32_t>(state.update->view);
   parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
@@ -70,7 +70,7 @@ void learn_everywhere(StandardizedState& state) {
   });
 }
 
-void learn_query(StandardizedState& state, const Monitor& monitor) {
+void learn_query(ZScoreState& state, const Monitor& monitor) {
   const DescriptorRows& rows = state.distances.query.rows;
   StepCounter counter(monitor, "learn", rows.size());
   for (const FrameRun& run : state.distances.query_runs) {
@@ -87,7 +87,7 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
 }
 
 // A keyframe has been added; reuses the row of the learned one, if any.
-void keep_row(StandardizedState& state) {
+void keep_row(ZScoreState& state) {
   if (state.rows.size() < state.views.pending.size())
     state.rows.emplace_back(state.distances.train_frames);
   else
@@ -95,7 +95,7 @@ void keep_row(StandardizedState& state) {
 }
 
 // Determines what is learned before the frame is scored.
-void begin_frame(StandardizedState& state, size_t frame) {
+void begin_frame(ZScoreState& state, size_t frame) {
   state.frame = frame;
   state.row.clear();
   find_terms(state, frame);
@@ -109,7 +109,7 @@ void begin_frame(StandardizedState& state, size_t frame) {
 }
 
 // Writes the distances of the frame, and applies the update to these training frames.
-void learn_and_compare(StandardizedState& state, size_t first, size_t count, Distances& distances) {
+void learn_and_compare(ZScoreState& state, size_t first, size_t count, Distances& distances) {
   const std::array<uint32_t, 2> queries = {
       static_cast<uint32_t>(state.frame),
       static_cast<uint32_t>(state.update ? state.update->view : 0)};
@@ -127,16 +127,16 @@ void learn_and_compare(StandardizedState& state, size_t first, size_t count, Dis
   if (kept != nullptr) std::copy_n(distances.data(), count, kept);
 }
 
-double deviation_of(const StandardizedState& state, double variance) {
+double deviation_of(const ZScoreState& state, double variance) {
   return std::sqrt(std::clamp<double>(variance, state.least_variance, state.most_variance));
 }
 
-ScoreScale scale_of(const StandardizedState& state, size_t frame) {
+ScoreScale scale_of(const ZScoreState& state, size_t frame) {
   return {state.mean[frame], deviation_of(state, state.variance[frame])};
 }
 
 // Replaces the initial part of the accumulated sums by one with a small weight.
-ScoreScale learned_scale(const StandardizedState& state, size_t frame) {
+ScoreScale learned_scale(const ZScoreState& state, size_t frame) {
   const double start = state.start_mean[frame];
   const double start_square = state.start_variance + start * start;
   const double mean = state.mean[frame];
@@ -149,27 +149,26 @@ ScoreScale learned_scale(const StandardizedState& state, size_t frame) {
   return {light_mean, deviation_of(state, light_square - light_mean * light_mean)};
 }
 
-void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t* out) {
+void score_frames(ZScoreState& state, size_t first, size_t last, uint16_t* out) {
   assert(first % kStretchFrames == 0);
   Distances distances;
   for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
     const size_t count = std::min(kChunkFrames, last - chunk);
     learn_and_compare(state, chunk, count, distances);
-    state.kernels.standardize(distances.data(), state.terms[state.frame].offset,
-                              common_part(state, state.frame, chunk), state.mean.data() + chunk,
-                              state.variance.data() + chunk, state.least_variance,
-                              state.most_variance, out + (chunk - first), count);
+    state.kernels.to_zscores(distances.data(), state.terms[state.frame].offset,
+                             common_part(state, state.frame, chunk), state.mean.data() + chunk,
+                             state.variance.data() + chunk, state.least_variance,
+                             state.most_variance, out + (chunk - first), count);
   }
 }
 
 }  // namespace
 
-std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
-                                                      const ScoreBasis& basis,
-                                                      const Monitor& monitor) {
+std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const ScoreBasis& basis,
+                                           const Monitor& monitor) {
   assert(basis.mean.size() == distances.train_frames && !distances.is_in_order());
-  const StandardizationSettings& settings = basis.settings;
-  auto state = std::make_shared<StandardizedState>();
+  const ZScoreSettings& settings = basis.settings;
+  auto state = std::make_shared<ZScoreState>();
   state->settings = settings;
   state->offline = basis.offline;
   state->typical_distance = basis.typical_distance;
@@ -197,7 +196,7 @@ std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
   return state;
 }
 
-FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
+FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
   FrameDistances scores = state->distances;
   scores.largest = std::numeric_limits<uint16_t>::max();
   scores.unit = {"standard deviations", 1.0 / kScoreUnit};
@@ -215,10 +214,8 @@ FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
   return scores;
 }
 
-FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
-                            const Monitor& monitor) {
-  return fused(standardized(start_standardized(std::move(distances), basis, monitor)),
-               basis.fusion);
+FrameDistances zscores(FrameDistances distances, const ScoreBasis& basis, const Monitor& monitor) {
+  return fused(zscores(start_zscores(std::move(distances), basis, monitor)), basis.fusion);
 }
 
 }  // namespace vpr

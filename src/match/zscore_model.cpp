@@ -1,4 +1,4 @@
-#include "match/standardization.h"
+#include "match/zscore_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,13 +15,12 @@ namespace {
 
 void require(bool is_fine, const char* key, const char* range, double found) {
   if (!is_fine)
-    throw Error(ErrorKind::usage,
-                fmt::format("standardization.{} must be {}, found {}", key, range, found));
+    throw Error(ErrorKind::usage, fmt::format("zscore.{} must be {}, found {}", key, range, found));
 }
 
 }  // namespace
 
-void check_standardization(const StandardizationSettings& settings) {
+void check_zscore_settings(const ZScoreSettings& settings) {
   constexpr double kMostWeight = 1e6;
   constexpr uint64_t kMostLag = 10'000;
   require(settings.forgetting > 0 && settings.forgetting <= 1, "forgetting", "above 0, at most 1",
@@ -34,15 +33,15 @@ void check_standardization(const StandardizationSettings& settings) {
           settings.start_bias);
   require(settings.deviation_floor >= 1 && settings.deviation_floor <= kLdbBits, "deviation_floor",
           "from 1 to 1386 bits", settings.deviation_floor);
-  require(settings.view_change >= 0 && settings.view_change <= 10, "view_change", "from 0 to 10",
-          settings.view_change);
+  require(settings.keyframe_change >= 0 && settings.keyframe_change <= 10, "keyframe_change",
+          "from 0 to 10", settings.keyframe_change);
   require(settings.components <= kMaxComponents, "components", "from 0 to 6",
           static_cast<double>(settings.components));
-  require(settings.lag_views >= 1 && settings.lag_views <= kMostLag, "lag_views", "from 1 to 10000",
-          static_cast<double>(settings.lag_views));
+  require(settings.lag_keyframes >= 1 && settings.lag_keyframes <= kMostLag, "lag_keyframes",
+          "from 1 to 10000", static_cast<double>(settings.lag_keyframes));
 }
 
-ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offline,
+ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
                             const TrainStatistics& statistics) {
   ScoreBasis basis{settings, offline, statistics.typical_distance, {}, 0, {}};
   basis.components = statistics.components.value_or(no_components(statistics.bias.size()));
@@ -85,12 +84,12 @@ ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> seque
   return basis;
 }
 
-double deviation_floor(const StandardizationSettings& settings, uint16_t largest) {
+double deviation_floor(const ZScoreSettings& settings, uint16_t largest) {
   return settings.deviation_floor * reference_bit(largest);
 }
 
-ViewQueue make_view_queue(const StandardizationSettings& settings, double typical_distance) {
-  return {settings.view_change * typical_distance, settings.lag_views, {}};
+ViewQueue make_view_queue(const ZScoreSettings& settings, double typical_distance) {
+  return {settings.keyframe_change * typical_distance, settings.lag_keyframes, {}};
 }
 
 bool is_new_view(const ViewQueue& queue, const DescriptorRows& rows, size_t frame) {

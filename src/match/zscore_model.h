@@ -18,15 +18,15 @@
 
 namespace vpr {
 
-/// The terms of a window's score. raw: frame distances. standardized: z, from statistics of earlier
-/// frames; causal. standardized_offline: z, from statistics of the whole query.
-enum class Score { raw, standardized, standardized_offline };
+/// The terms of a window's score. raw: frame distances. zscore: z-scores, from statistics of
+/// earlier frames; causal. zscore_offline: z, from statistics of the whole query.
+enum class Score { raw, zscore, zscore_offline };
 template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<Score> = {"raw", "standardized",
-                                                                      "standardized-offline"};
+inline constexpr std::array<std::string_view, 3> kEnumNames<Score> = {"raw", "zscore",
+                                                                      "zscore-offline"};
 
 /// The computation of z-scores, and what is learned from the query.
-struct StandardizationSettings {
+struct ZScoreSettings {
   double forgetting = 0.98;         ///< weight of learned statistics after one more keyframe
   double start_weight = 20;         ///< of the training statistics, in keyframes
   double offline_start_weight = 2;  ///< of the training statistics if the whole query is known
@@ -37,8 +37,8 @@ struct StandardizationSettings {
   double deviation_floor = 10;
   /// A frame is a new keyframe if it differs from the last ones by at least this share of the
   /// typical distance of training frames. 0: every frame is.
-  double view_change = 0.25;
-  uint64_t lag_views = 5;  ///< a keyframe is learned after this number of newer ones
+  double keyframe_change = 0.25;
+  uint64_t lag_keyframes = 5;  ///< a keyframe is learned after this number of newer ones
   /// Number of training components that are subtracted in part from distances; at most 6. 0: none.
   uint64_t components = kMaxComponents;
   bool center = true;  ///< false: rows keep their mean
@@ -47,14 +47,14 @@ struct StandardizationSettings {
 };
 
 template <class Visitor>
-void visit_fields(StandardizationSettings& settings, Visitor&& visit) {
+void visit_fields(ZScoreSettings& settings, Visitor&& visit) {
   visit("forgetting", settings.forgetting);
   visit("start_weight", settings.start_weight);
   visit("offline_start_weight", settings.offline_start_weight);
   visit("start_bias", settings.start_bias);
   visit("deviation_floor", settings.deviation_floor);
-  visit("view_change", settings.view_change);
-  visit("lag_views", settings.lag_views);
+  visit("keyframe_change", settings.keyframe_change);
+  visit("lag_keyframes", settings.lag_keyframes);
   visit("components", settings.components);
   visit("center", settings.center);
   visit("learn", settings.learn);
@@ -62,14 +62,14 @@ void visit_fields(StandardizationSettings& settings, Visitor&& visit) {
 }
 
 /// Throws Error(usage) for settings out of range.
-void check_standardization(const StandardizationSettings& settings);
+void check_zscore_settings(const ZScoreSettings& settings);
 
 /// Sums of 16-bit scores stay below 2^32.
 inline constexpr size_t kMaxScoredWindow = 65536;
 
 /// The initial state of a query's z-scores.
 struct ScoreBasis {
-  StandardizationSettings settings;
+  ZScoreSettings settings;
   bool offline = false;
   double typical_distance = 0;
   std::vector<float> mean;     ///< of centered distances; one per matched training frame
@@ -82,7 +82,7 @@ struct ScoreBasis {
 /// part explained by components, and the mean variance of all frames, because the variance of a
 /// frame's own distances to the training sequence says almost nothing about its distances to a
 /// query.
-ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offline,
+ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
                             const TrainStatistics& statistics);
 
 /// The basis for the training sequences whose `keep` is not 0; the others have no frames. `all` is
@@ -91,7 +91,7 @@ ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> seque
                     const std::vector<uint8_t>& keep);
 
 /// The minimum standard deviation, in units of distances whose largest is `largest`.
-double deviation_floor(const StandardizationSettings& settings, uint16_t largest);
+double deviation_floor(const ZScoreSettings& settings, uint16_t largest);
 
 /// The last keyframes of a query. Time is counted in keyframes: a slower walk, or one recorded with
 /// more frames per second, has the same number, and a stop has none.
@@ -102,7 +102,7 @@ struct ViewQueue {
 };
 
 /// An empty queue. typical_distance is the typical distance of training frames.
-ViewQueue make_view_queue(const StandardizationSettings& settings, double typical_distance);
+ViewQueue make_view_queue(const ZScoreSettings& settings, double typical_distance);
 
 /// Whether a frame of `rows` differs from every pending keyframe, also of `rows`, by at least
 /// least_change.

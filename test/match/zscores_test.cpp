@@ -1,4 +1,6 @@
 // Z-scores: fast against reference implementation, and properties of the method.
+#include "match/zscores.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -16,7 +18,6 @@
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "match/plain.h"
-#include "match/standardized_frames.h"
 #include "support.h"
 
 using namespace vpr;
@@ -27,7 +28,7 @@ using test::make_example;
 
 namespace {
 
-ScoreBasis make_basis(const Example& example, const StandardizationSettings& settings = {},
+ScoreBasis make_basis(const Example& example, const ZScoreSettings& settings = {},
                       bool offline = false) {
   const std::vector<DescriptorSpan> spans = example.spans();
   TrainStatistics statistics = compute_statistics(spans, {}, {});
@@ -36,8 +37,8 @@ ScoreBasis make_basis(const Example& example, const StandardizationSettings& set
 }
 
 FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
-  return standardized(frame_distances(example.spans(), {example.query, example.query_unreadable}),
-                      basis, {});
+  return zscores(frame_distances(example.spans(), {example.query, example.query_unreadable}), basis,
+                 {});
 }
 
 Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
@@ -125,7 +126,7 @@ TEST_CASE("the initial state is a share of each frame's bias, and the mean varia
   CHECK(basis.variance == 250);
   CHECK(basis.typical_distance == 300);
   CHECK(basis.offline);
-  StandardizationSettings settings;
+  ZScoreSettings settings;
   settings.start_bias = 0.25;
   CHECK(make_score_basis(settings, false, statistics).mean == std::vector<float>{-10, 3, 7});
   CHECK(make_score_basis({}, false, {}).variance == 0);
@@ -139,11 +140,11 @@ TEST_CASE("learned statistics equal values computed by hand") {
   example.train_unreadable = {{}};
   example.train[0][1][0] = 0xff;
   example.query = {LdbCode{}, LdbCode{}};
-  StandardizationSettings settings;
+  ZScoreSettings settings;
   settings.start_weight = 1;
   settings.forgetting = 1;
-  settings.view_change = 0;
-  settings.lag_views = 1;
+  settings.keyframe_change = 0;
+  settings.lag_keyframes = 1;
   settings.deviation_floor = 1;
   settings.components = 0;
   ScoreBasis basis = make_basis(example, settings);
@@ -182,16 +183,16 @@ TEST_CASE(
 TEST_CASE("every step can be disabled, and the scores still equal the reference implementation") {
   const Example example = make_example({50, 30}, 70, 3);
   for (const int without : {0, 1, 2, 3, 4, 5, 6, 7, 8}) {
-    StandardizationSettings settings;
+    ZScoreSettings settings;
     settings.center = without != 0;
     settings.learn = without != 1;
     settings.divide = without != 2;
     if (without == 3) settings.start_weight = settings.offline_start_weight = 0;
-    if (without == 4) settings.view_change = 0;
-    if (without == 5) settings.lag_views = 1;
+    if (without == 4) settings.keyframe_change = 0;
+    if (without == 5) settings.lag_keyframes = 1;
     if (without == 6) settings.components = 0;
     if (without == 7) settings.components = 3;
-    if (without == 8) settings.lag_views = kMostKeptRows + 1;
+    if (without == 8) settings.lag_keyframes = kMostKeptRows + 1;
     for (const bool offline : {false, true})
       check_against_oracle(example, make_basis(example, settings, offline), 5);
   }
@@ -325,7 +326,7 @@ TEST_CASE("a stationary query keeps the current place for any time") {
   std::vector<LdbCode> moving;
   for (size_t i = 0; i < 120; ++i) moving.push_back(seen_again(i));
   const LdbCode stop = moving[60];
-  const auto best_while_standing = [&](size_t standing, const StandardizationSettings& settings) {
+  const auto best_while_standing = [&](size_t standing, const ZScoreSettings& settings) {
     example.query.assign(moving.begin(), moving.begin() + 61);
     example.query.insert(example.query.end(), standing, stop);
     example.query.insert(example.query.end(), moving.begin() + 61, moving.end());
@@ -341,8 +342,8 @@ TEST_CASE("a stationary query keeps the current place for any time") {
   CHECK(score_later == score_at_once);  // nothing is learned while nothing new is seen
   // If every frame is a keyframe, as much as 600 frames of the present place are learned, and it is
   // lost.
-  StandardizationSettings every_frame;
-  every_frame.view_change = 0;
+  ZScoreSettings every_frame;
+  every_frame.keyframe_change = 0;
   const auto [score_lost, place_lost] = best_while_standing(600, every_frame);
   CHECK(score_lost > score_at_once / 2);
 }
@@ -361,21 +362,21 @@ TEST_CASE("a memory limit without room for the ring is an error") {
 
 TEST_CASE("settings of z-scores out of range are refused") {
   const auto refused = [](auto&& change) {
-    StandardizationSettings settings;
+    ZScoreSettings settings;
     change(settings);
-    return test::error_kind([&] { check_standardization(settings); }) == ErrorKind::usage;
+    return test::error_kind([&] { check_zscore_settings(settings); }) == ErrorKind::usage;
   };
-  CHECK_FALSE(refused([](StandardizationSettings&) {}));
-  CHECK(refused([](StandardizationSettings& s) { s.forgetting = 0; }));
-  CHECK(refused([](StandardizationSettings& s) { s.forgetting = 1.01; }));
-  CHECK(refused([](StandardizationSettings& s) { s.forgetting = std::nan(""); }));
-  CHECK(refused([](StandardizationSettings& s) { s.start_weight = -1; }));
-  CHECK(refused([](StandardizationSettings& s) { s.offline_start_weight = 1e7; }));
-  CHECK(refused([](StandardizationSettings& s) { s.start_bias = 1.5; }));
-  CHECK(refused([](StandardizationSettings& s) { s.components = 7; }));
-  CHECK(refused([](StandardizationSettings& s) { s.deviation_floor = 0; }));
-  CHECK(refused([](StandardizationSettings& s) { s.view_change = -0.1; }));
-  CHECK(refused([](StandardizationSettings& s) { s.lag_views = 0; }));
+  CHECK_FALSE(refused([](ZScoreSettings&) {}));
+  CHECK(refused([](ZScoreSettings& s) { s.forgetting = 0; }));
+  CHECK(refused([](ZScoreSettings& s) { s.forgetting = 1.01; }));
+  CHECK(refused([](ZScoreSettings& s) { s.forgetting = std::nan(""); }));
+  CHECK(refused([](ZScoreSettings& s) { s.start_weight = -1; }));
+  CHECK(refused([](ZScoreSettings& s) { s.offline_start_weight = 1e7; }));
+  CHECK(refused([](ZScoreSettings& s) { s.start_bias = 1.5; }));
+  CHECK(refused([](ZScoreSettings& s) { s.components = 7; }));
+  CHECK(refused([](ZScoreSettings& s) { s.deviation_floor = 0; }));
+  CHECK(refused([](ZScoreSettings& s) { s.keyframe_change = -0.1; }));
+  CHECK(refused([](ZScoreSettings& s) { s.lag_keyframes = 0; }));
 }
 
 TEST_CASE("learning a whole query reports progress and can be stopped") {
@@ -390,10 +391,10 @@ TEST_CASE("learning a whole query reports progress and can be stopped") {
     CHECK(total == 50);
     learned = std::max(learned, done);
   };
-  start_standardized(distances, basis, monitor);
+  start_zscores(distances, basis, monitor);
   CHECK(learned == 50);
   const std::atomic<bool> stop{true};
   monitor.stop = &stop;
-  CHECK(test::error_kind([&] { start_standardized(distances, basis, monitor); }) ==
+  CHECK(test::error_kind([&] { start_zscores(distances, basis, monitor); }) ==
         ErrorKind::interrupted);
 }
