@@ -11,7 +11,7 @@
 #include "bench/realtime_bench.h"
 #include "common/command.h"
 #include "describe/frame_descriptors.h"
-#include "run/score_basis.h"
+#include "run/plan.h"
 #include "run/train.h"
 #include "sequence/sequence_source.h"
 

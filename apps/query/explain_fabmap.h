@@ -7,7 +7,7 @@
 
 #include "common/command.h"
 #include "query_inputs.h"
-#include "run/fabmap_explain.h"
+#include "run/fabmap_query.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {

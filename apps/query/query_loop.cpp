@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "evaluate/loops.h"
-#include "run/loop_query.h"
+#include "run/own_database.h"
 #include "sequence/sequence_source.h"
 #include "truth/times.h"
 
@@ -49,7 +49,7 @@ LoopWalk describe_loop(const SequenceArgument& walk, const QueryInputs& inputs,
                        const SequenceQuerySettings& settings, const Session& session) {
   LoopWalk described;
   if (settings.loop_gap_s != 0) described.times_ns = times_of(walk, inputs, session.monitor);
-  described.query = describe_walk(open_sequence(walk), settings, session.monitor);
+  described.query = describe_own(open_sequence(walk), settings, session.monitor);
   const size_t frames = described.query.rows().size();
   if (settings.loop_gap_s != 0 && described.times_ns.size() != frames)
     throw Error(ErrorKind::data,
@@ -57,7 +57,7 @@ LoopWalk describe_loop(const SequenceArgument& walk, const QueryInputs& inputs,
                             inputs.loop.times.empty() ? text_of(walk) : inputs.loop.times,
                             counted(described.times_ns.size(), "time"), text_of(walk),
                             counted(frames, "frame")));
-  described.database = own_walk(described.query, walk.path.filename().string());
+  described.database = own_database(described.query, walk.path.filename().string());
   return described;
 }
 

@@ -10,17 +10,14 @@
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "evaluate/counts.h"
-#include "match/lsh.h"
 #include "present/result_file.h"
 #include "present/table.h"
 #include "query_inputs.h"
 #include "query_loop.h"
 #include "run/advice.h"
 #include "run/fuse.h"
-#include "run/given_query.h"
-#include "run/lsh_query.h"
+#include "run/own_database.h"
 #include "run/query.h"
-#include "run/score_basis.h"
 #include "run/train.h"
 #include "saved_matrix.h"
 #include "sequence/sequence_source.h"
@@ -132,7 +129,7 @@ void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs
   sides.source = find_scored_query(inputs);
   const GivenDistances& given = sides.given.emplace(inputs.scores.matrix.path,
                                                     inputs.scores.matrix.format(), session.monitor);
-  GivenQuery made = given_query(given, scored_sequences(inputs.scores));
+  MatrixQuery made = matrix_query(given, scored_sequences(inputs.scores));
   sides.database = std::move(made.database);
   sides.query = selected(std::move(made.query),
                          warped(inputs.selection.warp, given.queries(), session.options.seed));
@@ -184,8 +181,6 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   SavedMatrix matrix;
   std::optional<GroundTruth> truth;
   const auto search = [&] {
-    if (settings->method == kLshMethod)
-      return query_lsh(database, query, name, settings, resources, session.monitor);
     QueryPlan planned =
         settings->loop
             ? plan_loop(database, query, name, settings, sides.times_ns, resources, session.monitor)

@@ -7,6 +7,7 @@
 
 #include "present/score_matrix.h"
 #include "query_inputs.h"
+#include "run/plan.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

@@ -1,7 +1,7 @@
 // vpr-tune fastable: c_l and t_r.
 #include "base/stopwatch.h"
 #include "run/advice.h"
-#include "run/score_basis.h"
+#include "run/plan.h"
 #include "run/train.h"
 #include "tune_inputs.h"
 

@@ -91,29 +91,6 @@ struct Result {
   size_t window_length() const { return window_length_of(settings); }
 };
 
-/// A query by a sequence method before any distance is known: what is compared, thresholds, and the
-/// shape of the result. It points into the database and the query that it was made for.
-struct QueryPlan {
-  SequenceQuerySettings settings;
-  DescriptorSpan query;
-  std::vector<DescriptorSpan> train;         ///< all sequences, those not searched included
-  const TrainStatistics* learned = nullptr;  ///< from the training frames; null: not known
-  Sequence query_sequence;
-  size_t query_windows = 0;
-  std::vector<Target> sequences;
-  std::optional<UsedStatistics> statistics;
-  std::optional<Elsewhere> elsewhere;  ///< none: no margins
-  std::vector<uint32_t> past;  ///< of a walk against itself, as FrameDistances has it; else empty
-
-  /// By how much the sums of rows are above the scores that a result holds.
-  int64_t score_offset() const { return score_kind(settings.score).offset(settings.window_length); }
-};
-
-/// The result of a plan and of what was found: recognitions, best matches and their margins, and
-/// not yet clusters. Of a decision by margin, the recognitions are best matches.
-Result make_result(const QueryPlan& plan, const RecognitionScanResult& found = {},
-                   const std::vector<std::optional<uint32_t>>& margins = {});
-
 /// The margin of a query window, in score a frame; none where it has none.
 std::optional<double> frame_margin(const Result& result, size_t query_window);
 

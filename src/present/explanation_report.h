@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/json_fwd.h"
-#include "run/fabmap_explain.h"
+#include "run/fabmap_query.h"
 
 namespace vpr {
 

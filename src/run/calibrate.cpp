@@ -43,9 +43,9 @@ Labeled label_walk(QueryPlan plan, const GroundTruth& truth, const QueryResource
                    const Monitor& monitor) {
   Labeled labeled;
   const size_t windows = plan.query_windows;
-  LabeledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows, resources.kernels);
+  LabeledScan scan(truth, *plan.elsewhere, plan.match.window_length, windows, resources.kernels);
   Sinks observers;
-  if (!has_paths(plan.settings.method)) observers.rows.push_back(std::ref(scan));
+  if (!plan.match.method->has_paths) observers.rows.push_back(std::ref(scan));
   labeled.result = run_query(std::move(plan), resources, observers, monitor).result;
   labeled.untrained = scan.result();
   return labeled;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -11,12 +12,13 @@
 #include "base/random.h"
 #include "base/stopwatch.h"
 #include "fabmap/model.h"
+#include "sequence/frames.h"
 
 namespace vpr {
 
 namespace {
 
-constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values that are in memory together
+constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values in memory at the same time
 constexpr size_t kMostFramesAtOnce = 64;
 
 void check_share(std::string_view name, double value) {
@@ -31,8 +33,7 @@ Match likeliest_view(size_t frame, std::span<const double> posterior,
   return {static_cast<uint32_t>(frame), 0, place_of[view], view, *best};
 }
 
-// Views that frame `frame` may be at: with `loop`, of the recording only what lies more than the
-// gap behind.
+// The number of views that a frame may match: with `loop`, query frames before the gap only.
 size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t frame,
                    const FabmapQuerySettings& settings) {
   if (!settings.loop) return searched.views.views();
@@ -40,13 +41,13 @@ size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t f
   return from_database + (frame > settings.loop_gap ? frame - settings.loop_gap : 0);
 }
 
-// What a view that was not known before starts from, where the motion model asks.
+// Initializes the probability of new views for the motion model.
 void extend_previous(std::vector<double>& previous, size_t views, double smoothing) {
   if (previous.empty() || previous.size() == views + 1) return;
   previous.resize(views + 1, (1 - smoothing) / static_cast<double>(views + 1));
 }
 
-// What is known before the first frame is recognized.
+// The result before the first frame.
 Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& settings) {
   Result result;
@@ -68,8 +69,8 @@ std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   std::vector<uint32_t> place_of = searched.places();
   if (place_of.empty())
     throw Error(ErrorKind::usage,
-                "the database has no places to recognize; train some, or use --loop to recognize "
-                "the query's own");
+                "the database has no places. Train some, or use --loop to recognize places of the "
+                "query.");
   return place_of;
 }
 
@@ -82,7 +83,7 @@ size_t frames_at_once(size_t views) {
   return std::clamp(kPosteriorsAtOnce / views, size_t{2}, kMostFramesAtOnce);
 }
 
-// The pretraining frames whose average likelihood is the new place's.
+// The pretraining frames whose average likelihood is the likelihood of the new place.
 ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
                           uint64_t seed) {
   const size_t all = database.pretrain.views();
@@ -97,6 +98,31 @@ ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySetti
   for (size_t i = 0; i < settings.new_place_samples; ++i)
     sample.add(database.pretrain.view(order[i]));
   return sample;
+}
+
+// The likeliest views of different places, best first.
+std::vector<size_t> best_views(std::span<const double> posterior,
+                               const std::vector<uint32_t>& place_of) {
+  std::vector<size_t> order(posterior.size() - 1);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return posterior[a + 1] > posterior[b + 1]; });
+  std::vector<size_t> best;
+  for (const size_t view : order) {
+    if (best.size() == kExplainedPlaces) break;
+    if (std::none_of(best.begin(), best.end(),
+                     [&](size_t v) { return place_of[v] == place_of[view]; }))
+      best.push_back(view);
+  }
+  return best;
+}
+
+std::string view_name(const FabmapDatabase& database, size_t view) {
+  const ViewOrigin origin = database.origin(view);
+  const Sequence& sequence = database.groups[origin.group].sequence;
+  const std::string& name = sequence.frame_names[origin.frame];
+  return fmt::format("{}: {}", sequence.name,
+                     name.empty() ? fmt::format("#{}", origin.frame) : name);
 }
 
 }  // namespace
@@ -118,10 +144,10 @@ void check_query_settings(const FabmapQuerySettings& settings) {
 
 void append_recognitions(std::vector<Match>& recognitions, size_t frame,
                          std::span<const double> posterior, const ViewWindow& window,
-                         uint64_t frames_in_a_row, const std::vector<uint32_t>& place_of) {
+                         uint64_t window_length, const std::vector<uint32_t>& place_of) {
   std::map<uint32_t, Match> found;
   for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
-    if (window.run[view] < frames_in_a_row) continue;
+    if (window.run[view] < window_length) continue;
     const Match match{static_cast<uint32_t>(frame), 0, place_of[view], view, posterior[view + 1]};
     const auto [entry, is_new] = found.emplace(match.train, match);
     if (!is_new && match.score > entry->second.score) entry->second = match;
@@ -146,8 +172,8 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   check_query_settings(settings);
   if (settings.loop && !query.sequence.selection.is_all())
     throw Error(ErrorKind::usage,
-                "a query that is replayed (--warp) or thinned (--fps) can't be its own places "
-                "(--loop); give a range with a step, as in PATH@::6");
+                "--loop needs all frames of a query: do not use --warp or --fps. For fewer frames, "
+                "use a range with a step, as in PATH@::6.");
   std::optional<FabmapDatabase> extended;
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;
@@ -162,7 +188,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   StepCounter counter(monitor, "match", frames);
   ViewWindow window;
   std::vector<double> previous;
-  // Frames follow each other here: a posterior starts from the one before.
+  // In order of frames, because the motion model starts from the previous posterior.
   const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
     const bool unreadable = is_unreadable(query, frame);
     std::vector<double> posterior;
@@ -170,8 +196,8 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       extend_previous(previous, views.size(), settings.posterior.smoothing);
       posterior = fabmap_posterior(views, new_place, previous, settings.posterior);
     }
-    // A frame without words resembles every view without words: its posterior is kept in files and
-    // by the motion model, but recognizes nothing.
+    // A frame without words resembles every view without words. Its posterior goes to files and to
+    // the motion model, but recognizes nothing.
     const std::span<const double> shown =
         query.words[frame].empty() ? std::span<const double>{} : posterior;
     if (observe) observe(frame, posterior);
@@ -226,6 +252,55 @@ double FabmapMatcher::new_place(const WordSet& words) const {
   if (settings.new_place == NewPlaceModel::mean_field) return new_place_mean_field(model, words);
   return log_mean_exp(
       fabmap2_log_likelihoods({model, samples, sample_index, words, samples.views()}));
+}
+
+Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
+                          std::span<const double> posterior, const FabmapQuerySettings& settings) {
+  Explanation explanation{frame, 0, {}};
+  if (posterior.empty()) return explanation;
+  explanation.new_place = posterior[0];
+  const FabmapModel model = make_fabmap_model(
+      searched.tree, {settings.p_seen_if_there, settings.p_seen_if_not}, settings.word_model);
+  const std::vector<uint32_t> place_of = searched.places();
+  const std::vector<std::string> names = searched.place_names();
+  for (const size_t view : best_views(posterior, place_of)) {
+    PlaceExplanation& place = explanation.places.emplace_back();
+    place.match = {static_cast<uint32_t>(frame), 0, place_of[view], static_cast<uint32_t>(view),
+                   posterior[view + 1]};
+    place.place = names[place_of[view]];
+    place.view = view_name(searched, view);
+    const std::vector<WordEvidence> evidence =
+        word_evidence(model, words, searched.views.view(view));
+    for (const WordEvidence& word : evidence) {
+      place.log_odds += word.log_odds;
+      if (word.log_odds > 0 && place.for_it.size() < kExplainedWords) place.for_it.push_back(word);
+    }
+    for (auto word = evidence.rbegin(); word != evidence.rend(); ++word)
+      if (word->log_odds < 0 && place.against.size() < kExplainedWords)
+        place.against.push_back(*word);
+  }
+  return explanation;
+}
+
+FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
+                           const FabmapDatabase& database, const Monitor& monitor) {
+  FrameFeatures features;
+  if (!sequence.files.empty()) {
+    if (frame < sequence.files.size())
+      features.gray = decode_image(sequence.files[frame], PixelFormat::gray);
+  } else {
+    for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
+                   [&](size_t index, const cv::Mat& image) {
+                     if (index == frame) features.gray = image.clone();
+                   });
+  }
+  if (features.gray.empty())
+    throw Error(ErrorKind::input, fmt::format("{}: has no readable frame {}",
+                                              sequence.argument.path.string(), frame));
+  const LocalFeatures found = find_features(features.gray, database.settings.features);
+  features.points = found.points;
+  features.words = nearest_words(make_vocabulary(database.vocabulary), found.descriptors);
+  return features;
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// FAB-MAP in one call: words in, posteriors and recognitions out.
+// A FAB-MAP query, from words to posteriors and recognitions, and the explanation of one frame.
 #pragma once
 
 #include <functional>
@@ -7,54 +7,56 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "base/monitor.h"
 #include "decide/query_settings.h"
 #include "decide/result.h"
 #include "fabmap/database.h"
 #include "fabmap/model.h"
 #include "fabmap/train.h"
+#include "match/fusion.h"
 
 namespace vpr {
 
-/// A result, and how long each step took.
+/// A result, and the time of each step.
 struct FabmapRun {
   Result result;
   std::map<std::string, double> seconds;  ///< by step
 };
 
-/// Takes the posterior of every frame in order (new place first); empty for an unreadable frame.
-/// With `loop` it grows: views come in the order of frames, and are no part of it before they are
-/// known.
+/// Receives the posterior of every frame, in order: the new place, then the views; empty for an
+/// unreadable frame. With `loop` it grows: the views of query frames follow in the order of frames,
+/// each once it may be matched.
 using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
 
-/// Checks settings. Throws Error(usage) for what is out of range.
+/// Throws Error(usage) for a setting out of range.
 void check_query_settings(const FabmapQuerySettings& settings);
 
-/// Appends the places whose views have been above t_p for so many frames in a row, each by its
-/// likeliest such view. `posterior`: new place first; of a frame that recognizes nothing, empty.
+/// Appends the places with a view above t_p for `window_length` consecutive frames (c_w), each by
+/// the likeliest such view. `posterior`: the new place first; empty for a frame that recognizes
+/// nothing.
 void append_recognitions(std::vector<Match>& recognitions, size_t frame,
                          std::span<const double> posterior, const ViewWindow& window,
-                         uint64_t frames_in_a_row, const std::vector<uint32_t>& place_of);
+                         uint64_t window_length, const std::vector<uint32_t>& place_of);
 
-/// The database with every frame of the query as a place of its own behind it: what `loop`
-/// searches.
+/// The database of a query with `loop`: every query frame is a place, after those of `database`.
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
                           const std::string& query_name);
 
 /// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
-/// no best match and no recognition, and break a window of c_w frames. The same for any number of
-/// threads. Throws Error(usage) for settings out of range, or a database without places unless
-/// `loop`.
+/// no best match and no recognition, and interrupt a window of c_w frames. Throws Error(usage) for
+/// settings out of range, or a database without places unless `loop`.
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
 
-/// Everything that stays the same for all frames of a query. `database` and `settings` must outlive
-/// it; it is not copied, for its indices refer to its lists.
+/// The part of a query that is the same for all frames. `database` and `settings` must outlive it.
+/// Not copyable, because its indices refer to its lists.
 struct FabmapMatcher {
   FabmapModel model;
   FabmapIndex index;
-  ViewWords samples;  ///< pretraining frames whose average likelihood is the new place's
+  ViewWords samples;  ///< pretraining frames; their average likelihood is the new place's
   WordIndex sample_lists;
   FabmapIndex sample_index;
   std::vector<size_t> unreadable;  ///< views, rising
@@ -69,5 +71,44 @@ struct FabmapMatcher {
   /// Log-likelihood of the new place.
   double new_place(const WordSet& words) const;
 };
+
+/// A likely place of a frame, with the words for and against it.
+struct PlaceExplanation {
+  Match match;
+  std::string place;
+  std::string view;                   ///< "<group>: <name of the frame>"
+  double log_odds = 0;                ///< of the view against a new place by mean field
+  std::vector<WordEvidence> for_it;   ///< strongest first
+  std::vector<WordEvidence> against;  ///< strongest first
+};
+
+/// The explanation of a recognition.
+struct Explanation {
+  size_t frame = 0;
+  double new_place = 0;  ///< its posterior
+  std::vector<PlaceExplanation> places;
+};
+
+/// The largest numbers of words on each side, and of places.
+inline constexpr size_t kExplainedWords = 8;
+inline constexpr size_t kExplainedPlaces = 3;
+
+/// Explains the likeliest places of a frame, each by its likeliest view. `searched`: the database,
+/// or with_query's. `posterior`: of the frame, new place first; empty for an unreadable frame,
+/// which has no places.
+Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
+                          std::span<const double> posterior, const FabmapQuerySettings& settings);
+
+/// The features of one frame and their words.
+struct FrameFeatures {
+  cv::Mat gray;
+  std::vector<cv::Point2f> points;
+  std::vector<uint32_t> words;  ///< per point
+};
+
+/// Decodes one frame of a sequence and finds its features. Throws Error(input) if the sequence has
+/// no such frame, or it cannot be decoded.
+FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
+                           const FabmapDatabase& database, const Monitor& monitor);
 
 }  // namespace vpr

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "run/query_steps.h"
-#include "run/score_basis.h"
 
 namespace vpr {
 
@@ -15,8 +13,7 @@ namespace {
 
 // What run_query matches, of no frame yet.
 LiveFrames live_frames(const QueryPlan& plan) {
-  const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
-  return start_live(searched_distances(plan), basis ? &*basis : nullptr);
+  return start_live(searched_distances(plan), plan.basis ? &*plan.basis : nullptr);
 }
 
 size_t new_index(const std::vector<size_t>& kept, size_t row) {
@@ -42,11 +39,10 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
     : resources_(resources),
       plan_(plan_window(database, query_name, settings, resources, monitor)),
       frames_(live_frames(plan_)) {
-  const MatchSettings match = match_settings(plan_, resources);
+  const MatchSettings& match = plan_.match;
   const FrameDistances& distances = frames_.distances;
   const size_t length = match.window_length;
-  if (!has_paths(plan_.settings.method) &&
-      !ring_fits(distances.train_frames, length, match.memory_limit))
+  if (!match.method->has_paths && !ring_fits(distances.train_frames, length, match.memory_limit))
     throw Error(ErrorKind::usage,
                 fmt::format("the distances of the last {} frames to {} training frames do not fit "
                             "--max-memory",
@@ -65,7 +61,7 @@ std::optional<Result> LiveQuery::take(const FrameRow& frame) {
              for (ScoreRow& piece : only) piece.query_window = 0;
              hand_on(sinks, only);
            });
-  if (in_a_row_ < plan_.settings.window_length) return std::nullopt;
+  if (in_a_row_ < plan_.match.window_length) return std::nullopt;
   return rows.result();
 }
 

@@ -12,8 +12,6 @@
 #include "evaluate/matrix_scan.h"
 #include "match/match.h"
 #include "match/rates.h"
-#include "run/query_steps.h"
-#include "run/score_basis.h"
 
 namespace vpr {
 
@@ -79,15 +77,14 @@ RecognitionScanSettings widest_scan(const LengthSweep& sweep, const QueryResourc
 void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
             const QueryResources& resources, const Monitor& monitor) {
   const QueryPlan& first = lengths.front().planned.front();
-  const std::optional<ScoreBasis> basis = score_basis(first.learned, first.settings);
   const FrameDistances distances = searched_distances(first);
-  MatchSettings settings{1, resources.memory_limit, resources.kernels};
-  settings.rates = parse_rates(first.settings.rates);
+  MatchSettings settings = first.match;
+  settings.method = nullptr;  // all exact methods yield the same cells
   std::vector<Pass> passes;
   for (const LengthSweep& length : lengths)
-    passes.push_back({length.planned.front().settings.window_length, {}});
+    passes.push_back({length.planned.front().match.window_length, {}});
   const auto match_all = [&] {
-    match(scored(distances, basis, first, monitor), settings, passes, monitor);
+    match(scored(distances, first, monitor), settings, passes, monitor);
   };
   if (any_relative(lengths)) {
     std::deque<MaximumScan> maxima;
@@ -100,7 +97,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
-  const bool has_margins = first.settings.decision == Decision::margin;
+  const bool has_margins = first.decision == Decision::margin;
   std::deque<RecognitionScan> recognitions;
   std::deque<MarginScan> margins;
   std::deque<LabeledScan> labeled;
@@ -112,7 +109,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     const QueryPlan& plan = lengths[l].planned.front();
     sinks.rows = {
         std::ref(margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels)),
-        std::ref(labeled.emplace_back(truth, *first.elsewhere, plan.settings.window_length,
+        std::ref(labeled.emplace_back(truth, *first.elsewhere, plan.match.window_length,
                                       plan.query_windows, resources.kernels))};
   }
   match_all();

@@ -11,7 +11,7 @@
 #include "describe/imported.h"
 #include "match/distance_statistics.h"
 #include "run/fuse.h"
-#include "run/margin_plan.h"
+#include "run/plan.h"
 #include "run/thresholds.h"
 #include "sequence/sequence_source.h"
 

@@ -298,7 +298,7 @@ TEST_CASE("impossible calibrations are refused with a sentence") {
   check_failure("vpr-tune",
                 {"calibrate", world().database(), "--query", world().walk("back") + "@0:1",
                  "--ground-truth", "aligned"},
-                2, "no 10 readable ones in a row");
+                2, "not 10 consecutive readable ones");
   write_text(out / "wrong.csv", "query,sequence,reference\n20,one,0\n21,one,0\n22,two,0\n");
   const auto wrong = run_program("vpr-tune", calibrate({"-o", out / "c.json"}, out / "wrong.csv"));
   CHECK(wrong.exit_code == 5);

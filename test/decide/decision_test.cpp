@@ -1,5 +1,4 @@
-// Decisions: their settings in files, the range of margins, and the recognitions of a decision by
-// margin.
+// Decisions: their settings in files, and the range of margins.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -63,19 +62,4 @@ TEST_CASE("a margin must be a finite number, not negative, and below the largest
   CHECK_FALSE(is_refused(scored));
   scored.margin = 65;
   CHECK(is_refused(scored));
-}
-
-TEST_CASE("by margin, recognitions are best matches that beat the runner-up by the margin") {
-  QueryPlan plan;
-  plan.settings = by_margin(2);
-  plan.settings.window_length = 5;
-  plan.sequences.resize(2);
-  plan.sequences[0].margin = plan.sequences[1].margin = 2;
-  const RecognitionScanResult found{
-      {{0, 0, 0, 1}},
-      {Cell{0, 0, 7, 40}, Cell{1, 1, 8, 30}, std::nullopt, Cell{3, 0, 9, 20}, Cell{4, 1, 9, 20}}};
-  const Result result = make_result(plan, found, {10, 9, std::nullopt, std::nullopt, 11});
-  CHECK(result.recognitions == std::vector<Match>{{0, 0, 7, 0, 40}, {4, 1, 9, 0, 20}});
-  CHECK(frame_margin(result, 0) == 2);
-  CHECK(frame_margin(result, 3) == std::nullopt);
 }

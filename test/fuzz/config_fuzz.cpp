@@ -5,8 +5,8 @@
 #include "fuzz.h"
 #include "present/result_file.h"
 #include "run/fabmap_query.h"
+#include "run/plan.h"
 #include "run/query.h"
-#include "run/score_basis.h"
 #include "run/train.h"
 
 using namespace vpr;

@@ -4,8 +4,8 @@
 #include "base/json.h"
 #include "fuzz.h"
 #include "run/fabmap_query.h"
+#include "run/plan.h"
 #include "run/query.h"
-#include "run/score_basis.h"
 #include "store/archive.h"
 
 using namespace vpr;

@@ -2,7 +2,7 @@
 #include "fuzz.h"
 #include "match/match.h"
 #include "match/row_kernels.h"
-#include "run/given_query.h"
+#include "run/own_database.h"
 #include "run/train.h"
 
 using namespace vpr;
@@ -37,7 +37,7 @@ void read_matrix(const std::filesystem::path& path, const ScoreFormat& format) {
       fuzz::require(row[r] <= plain + 1 && plain <= row[r] + uint32_t{1});
     }
   }
-  const GivenQuery query = given_query(given, {});
+  const MatrixQuery query = matrix_query(given, {});
   const FrameDistances distances =
       frame_distances(descriptor_spans(query.database), query.query.span());
   for (const size_t window_length : {1, 2}) match(given, distances, window_length);

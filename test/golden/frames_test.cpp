@@ -15,8 +15,8 @@
 #include "golden/checksums.h"
 #include "golden/recording.h"
 #include "run/fabmap_query.h"
+#include "run/plan.h"
 #include "run/query.h"
-#include "run/score_basis.h"
 #include "support.h"
 
 using namespace vpr;

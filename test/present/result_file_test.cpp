@@ -29,8 +29,8 @@ TEST_CASE("a result can be read back after writing") {
   CHECK(result.targets[0].max_distance == 30);
   CHECK_FALSE(result.targets[1].searched);
   CHECK(test::list_folder(folder.path()) ==
-        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.recognition_scores.npy",
-                                 "r.recognitions.npy", "r.json"});
+        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.json",
+                                 "r.recognition_scores.npy", "r.recognitions.npy"});
 }
 
 TEST_CASE("a resampled query stores its selection, and an invalid one is refused") {

@@ -15,8 +15,6 @@
 #include "match/score_kernels.h"
 #include "reference/plain_fusion.h"
 #include "reference/plain_past.h"
-#include "run/query_steps.h"
-#include "run/score_basis.h"
 #include "run/verify.h"
 
 namespace vpr::test {
@@ -145,13 +143,13 @@ std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const Descripto
 }
 
 std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan) {
-  const size_t length = plan.settings.window_length;
-  if (plan.settings.loop && plan.settings.score != Score::raw)
-    return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.zscore);
-  std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
-  RatedWindows windows{length, parse_rates(plan.settings.rates)};
+  const size_t length = plan.match.window_length;
+  if (plan.past_zscores)
+    return wrong_past_scores(cells, plan.query, plan.past, length, *plan.past_zscores);
+  RatedWindows windows{length, plan.match.rates};
   if (windows.rates.empty()) windows.rates = {{1, 1}};
-  return wrong_rated_cells(cells, windows, plan.train, plan.query, basis ? &*basis : nullptr, {});
+  const ScoreBasis* basis = plan.basis ? &*plan.basis : nullptr;
+  return wrong_rated_cells(cells, windows, plan.train, plan.query, basis, {});
 }
 
 }  // namespace
@@ -160,7 +158,7 @@ QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, si
                       const Monitor& monitor) {
   CellScan scan(
       choose_cells({searched_distances(plan).train_runs, readable_runs(plan.query), plan.past},
-                   plan.settings.window_length, cells, resources.seed));
+                   plan.match.window_length, cells, resources.seed));
   QueryRun run = run_query(plan, resources, {{std::ref(scan)}}, monitor);
   CHECK(scan.result().size() == cells);
   CHECK(find_wrong(scan.result(), plan) == std::vector<Cell>{});

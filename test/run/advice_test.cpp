@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "examples.h"
-#include "run/score_basis.h"
+#include "run/plan.h"
 
 using namespace vpr;
 

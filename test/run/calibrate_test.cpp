@@ -9,8 +9,7 @@
 #include "base/parallel.h"
 #include "evaluate/counts.h"
 #include "examples.h"
-#include "run/margin_plan.h"
-#include "run/score_basis.h"
+#include "run/plan.h"
 #include "support.h"
 
 using namespace vpr;

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "evaluate/counts.h"
-#include "run/fabmap_explain.h"
 #include "run/fabmap_query.h"
 #include "support.h"
 

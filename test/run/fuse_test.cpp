@@ -11,8 +11,8 @@
 #include "match/fusion.h"
 #include "match/zscores.h"
 #include "reference/verified_query.h"
+#include "run/plan.h"
 #include "run/query.h"
-#include "run/score_basis.h"
 #include "run/train.h"
 #include "support.h"
 

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "examples.h"
 #include "run/fuse.h"
-#include "run/score_basis.h"
+#include "run/plan.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "support.h"

@@ -1,7 +1,5 @@
 // A sequence against its own past in one call: results by definition, refused settings, and
 // independence of later frames.
-#include "run/loop_query.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -12,8 +10,8 @@
 #include "examples.h"
 #include "match/plain.h"
 #include "reference/verified_query.h"
+#include "run/own_database.h"
 #include "run/query.h"
-#include "run/query_steps.h"
 #include "run/verify.h"
 #include "support.h"
 #include "truth/times.h"
@@ -46,7 +44,7 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
                   std::span<const int64_t> times = {}, const Monitor& monitor = {}) {
   QueryResources resources;
   resources.kernels = select_kernels();
-  const SequenceDatabase database = own_walk(walk, "w");
+  const SequenceDatabase database = own_database(walk, "w");
   const QueryPlan plan = plan_loop(database, walk, "w", {settings, {}}, times, resources, monitor);
   const CellRuns runs{searched_distances(plan).train_runs, readable_runs(plan.query), plan.past};
   const size_t cells = choose_cells(runs, settings.window_length, 60, 1).size();  // or fewer
@@ -203,7 +201,7 @@ TEST_CASE("settings that need later frames or other training data are refused") 
   }
   // With a database there is no loop.
   const DescriptorSet walk = make_query(two_laps());
-  const SequenceDatabase database = own_walk(walk, "w");
+  const SequenceDatabase database = own_database(walk, "w");
   CHECK_THROWS_AS(plan_query(database, walk, "w", loop_settings(3, 12), {}, {}), Error);
 }
 

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "match/plain.h"
-#include "run/margin_plan.h"
+#include "run/plan.h"
 #include "run/query.h"
 #include "support.h"
 
@@ -127,8 +127,7 @@ TEST_CASE("stored half-widths and overlaps have the results of computed ones") {
   const std::vector<std::vector<LdbCode>> train = {walks.train[0], walks.train[1], walks.train[0]};
   const SequenceDatabase old = test::make_database(train);
   SequenceDatabase database = test::make_database(train);
-  add_half_widths(database, {});
-  add_shared_places(database, select_kernels(), {});
+  ensure_places(database, select_kernels(), {});
   CHECK(database.shared_places == std::vector<std::pair<size_t, size_t>>{{0, 2}});
   const SequenceQuerySettings settings = by_margin(10, std::nullopt);
   const DescriptorSet query = make_query(walks.query);
@@ -167,4 +166,19 @@ TEST_CASE("unreadable frames have no margin") {
       query_by(test::make_database(walks.train), query, by_margin(5, std::nullopt));
   for (size_t window = 0; window < result.margins.size(); ++window)
     CHECK(result.margins[window].has_value() == (window < 26 || window > 30));
+}
+
+TEST_CASE("by margin, recognitions are best matches that beat the runner-up by the margin") {
+  QueryPlan plan;
+  plan.decision = Decision::margin;
+  plan.settings.window_length = plan.match.window_length = 5;
+  plan.sequences.resize(2);
+  plan.sequences[0].margin = plan.sequences[1].margin = 2;
+  const RecognitionScanResult found{
+      {{0, 0, 0, 1}},
+      {Cell{0, 0, 7, 40}, Cell{1, 1, 8, 30}, std::nullopt, Cell{3, 0, 9, 20}, Cell{4, 1, 9, 20}}};
+  const Result result = make_result(plan, found, {10, 9, std::nullopt, std::nullopt, 11});
+  CHECK(result.recognitions == std::vector<Match>{{0, 0, 7, 0, 40}, {4, 1, 9, 0, 20}});
+  CHECK(frame_margin(result, 0) == 2);
+  CHECK(frame_margin(result, 3) == std::nullopt);
 }

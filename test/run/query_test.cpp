@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "match/plain.h"
-#include "run/lsh_query.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "run/verify.h"
@@ -288,9 +287,7 @@ TEST_CASE(
   settings.threshold_scale = ThresholdScale::bits;
   const Result exact = query_all(database, query, settings).result;
   settings.method = "lsh";
-  const auto by_lsh = [&] {
-    return query_lsh(database, query, "q", settings, resources(), {}).result;
-  };
+  const auto by_lsh = [&] { return query_all(database, query, settings).result; };
   const Result some = by_lsh();
   CHECK(std::get<SequenceQuerySettings>(some.settings).method == "lsh");
   CHECK(std::includes(
@@ -323,8 +320,6 @@ TEST_CASE(
   settings = fine;
   settings.score = Score::zscore;
   CHECK(is_refused());
-  // Drivers of exact methods do not support it.
-  CHECK(test::error_kind([&] { query_all(database, query, fine); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a query with other descriptors than the database is refused in one sentence") {
@@ -337,8 +332,7 @@ TEST_CASE("a query with other descriptors than the database is refused in one se
   const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
   CHECK(test::error_kind(plan) == ErrorKind::data);
   CHECK(test::error_text(plan) ==
-        "frames of the database are described by ldb, those of the query by other; describe both "
-        "by the same");
+        "the descriptors differ: the database has ldb, the query other. Describe both alike.");
 }
 
 TEST_CASE("windows with sums that exceed the file format are refused") {
@@ -355,7 +349,7 @@ TEST_CASE("windows with sums that exceed the file format are refused") {
   settings.distance_threshold = 0.5;
   settings.window_length = 32769;
   const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
-  CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for frames described by"));
+  CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for"));
   settings.window_length = 5;
   const Result result = query_all(database, query, settings).result;
   CHECK(result.recognitions.size() == 96 * 96);  // all vectors are equal

@@ -110,10 +110,10 @@ TEST_CASE("a sweep gives each warning of its settings once") {
       return sentence.find(words) != std::string::npos;
     });
   };
-  CHECK(times("b: has no 50 readable frames") == 1);
-  CHECK(times("c: has no 50 readable frames") == 1);
-  CHECK(times("b: has no 55 readable frames") == 1);
-  CHECK(times("can't be decoded") == 1);
+  CHECK(times("b: cannot be recognized without 50 consecutive") == 1);
+  CHECK(times("c: cannot be recognized without 50 consecutive") == 1);
+  CHECK(times("b: cannot be recognized without 55 consecutive") == 1);
+  CHECK(times("cannot be decoded") == 1);
 }
 
 TEST_CASE("the recognitions of all window lengths share the memory limit") {

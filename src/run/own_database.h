@@ -1,0 +1,37 @@
+// Databases of queries that have none: a sequence against its own past, and a score matrix.
+#pragma once
+
+#include "decide/query_settings.h"
+#include "evaluate/loops.h"
+#include "match/given_distances.h"
+#include "run/train.h"
+#include "store/sequence_database.h"
+
+namespace vpr {
+
+/// Describes a sequence by settings.descriptor; if this is empty, by LDB, or as vectors if its
+/// frames are arrays. Throws as describe_frames does.
+DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySettings& settings,
+                           const Monitor& monitor);
+
+/// A database with the query as the only training sequence, without training statistics.
+SequenceDatabase own_database(const DescriptorSet& query, const std::string& name);
+
+/// The gap of a loop query.
+LoopGap loop_gap_of(const SequenceQuerySettings& settings);
+
+/// A score matrix as a query and a database.
+struct MatrixQuery {
+  SequenceDatabase database;
+  DescriptorSet query;
+};
+
+/// The rows of a matrix as query frames, its columns as training frames: all columns as one
+/// sequence, "references", or the ranges of columns in `sequences`. Frames without any score are
+/// unreadable. Z-scores start without bias, from the variance of the first readable query frame's
+/// distances; every frame is a keyframe. Automatic thresholds and exclusion radii are unknown.
+/// `matrix` must outlive the result. Throws Error(usage) for a range outside the matrix and for
+/// duplicate names.
+MatrixQuery matrix_query(const GivenDistances& matrix, const std::vector<NamedArgument>& sequences);
+
+}  // namespace vpr

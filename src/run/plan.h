@@ -1,0 +1,116 @@
+// A query by a sequence method, resolved before any distance is computed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "decide/choices.h"
+#include "decide/margin_scan.h"
+#include "decide/result.h"
+#include "match/match.h"
+#include "match/zscore_model.h"
+#include "store/sequence_database.h"
+
+namespace vpr {
+
+/// Resources of a query that do not change its result.
+struct QueryResources {
+  RowKernels kernels;
+  size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
+  size_t verify_cells = 0;                    ///< number of cells to recompute by definition
+  uint64_t seed = 1;                          ///< for the choice of these cells
+};
+
+/// What is compared, by which stages, and what is accepted. Points into the database and the query
+/// that it was made for.
+struct QueryPlan {
+  Sequence query_sequence;
+  DescriptorSpan query;
+  size_t query_windows = 0;
+  std::vector<DescriptorSpan> train;  ///< all sequences, also those that are not searched
+  std::vector<Target> sequences;      ///< the same, with thresholds and margins
+  MatchSettings match;                ///< the window stage
+  bool is_approximate = false;        ///< windows are searched by LSH (lsh.h)
+  std::optional<ScoreBasis> basis;    ///< z-scores from training statistics
+  std::vector<uint32_t> past;         ///< of a sequence against its own past (FrameDistances::past)
+  std::optional<ZScoreSettings> past_zscores;  ///< z-scores of its own past
+  Decision decision = Decision::threshold;
+  std::optional<Elsewhere> elsewhere;  ///< nullopt: no margins
+  /// For keyframes: the mean distance of training frames, nullopt if unknown.
+  std::optional<double> typical_distance;
+  std::optional<UsedStatistics> statistics;
+  SequenceQuerySettings settings;  ///< for the result only
+
+  /// The difference between the sums of rows and the scores of a result.
+  int64_t score_offset() const { return score_kind(settings.score).offset(match.window_length); }
+};
+
+/// Adds what z-scores start from: the components of the training frames, which are not stored, and
+/// statistics by default settings if the database has none.
+void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
+
+/// Adds the radius of the exclusion zone of each sequence, unless the database has it.
+void add_half_widths(SequenceDatabase& database, const Monitor& monitor);
+
+/// Adds the radii, and which sequences show the same place, unless the database has them.
+void ensure_places(SequenceDatabase& database, const RowKernels& kernels, const Monitor& monitor);
+
+/// The basis of z-scores of all sequences of a database; nullopt for a score without statistics,
+/// and for a sequence against its own past. `learned`: the statistics of the database, with
+/// components, or null. Throws Error(usage) if they are needed and missing.
+std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
+                                      const SequenceQuerySettings& settings);
+
+/// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
+/// with the FAB-MAP database at `fabmap` unless this is empty. Warns of an automatic margin of
+/// fused scores. Throws what read_sequence_database, check_automatic and fuse_views throw, and
+/// Error(data) for a database of imported descriptors that cannot describe frames as they arrive.
+SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+                               const std::string& fabmap, const Monitor& monitor);
+
+/// Describes the frames of a query like those of the database. Warns of a frame rate that differs
+/// from the training sequences' (warn_of_rates).
+DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
+                             const ResolvedSettings& settings, const Monitor& monitor);
+
+/// Computes automatic thresholds that the database lacks. Throws Error(usage) for an unknown
+/// sequence name, and for a query or training sequences that are all shorter than a window,
+/// Error(data) for descriptors of different kinds. Database and query must outlive the plan.
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const ResolvedSettings& settings,
+                     const QueryResources& resources, const Monitor& monitor);
+
+/// Plans the query of a sequence against its own past; `database` is own_database() of it.
+/// `times_ns`: non-decreasing times of its frames, for a gap in seconds; otherwise empty.
+QueryPlan plan_loop(const SequenceDatabase& database, const DescriptorSet& query,
+                    const std::string& query_name, const ResolvedSettings& settings,
+                    std::span<const int64_t> times_ns, const QueryResources& resources,
+                    const Monitor& monitor);
+
+/// Plans one window of a query whose frames are not known yet and are described like the database.
+QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+                      const ResolvedSettings& settings, const QueryResources& resources,
+                      const Monitor& monitor);
+
+/// The frame distances of the query to all training frames; windows lie in the sequences that are
+/// searched.
+FrameDistances searched_distances(const QueryPlan& plan);
+
+/// Applies the score stage of a plan. Throws what start_zscores throws.
+FrameDistances scored(FrameDistances distances, const QueryPlan& plan, const Monitor& monitor);
+
+/// Whether thresholds are relative to the largest distance of each sequence.
+bool needs_maxima(const QueryPlan& plan);
+
+/// Sets the limits of these thresholds; `maxima`: the largest distances, by sequence.
+void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima);
+
+/// The settings of a scan for recognitions below the limits of a plan.
+RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources);
+
+/// The result of a plan without clusters: recognitions, best matches and their margins. The
+/// recognitions of a decision by margin are best matches.
+Result make_result(const QueryPlan& plan, const RecognitionScanResult& found = {},
+                   const std::vector<std::optional<uint32_t>>& margins = {});
+
+}  // namespace vpr
