@@ -82,7 +82,7 @@ inner = [path for path in query.iterdir() if path.is_dir()]
 query = inner[0] if len(inner) == 1 else query
 relative = lambda path: str(path.relative_to(folder))
 (folder / "dataset.json").write_text(json.dumps({
-    "schema": "vpr.dataset/1", "name": "PUT MC, first floor", "fps": 10,
+    "schema": "vpr.dataset/3", "name": "PUT MC, first floor", "fps": 10,
     "train": [{"name": path.name, "sequence": relative(path)} for path in train],
     "queries": [{"name": "query", "sequence": relative(query)}]}, indent=2) + "\n")
 PYTHON

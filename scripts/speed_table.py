@@ -6,7 +6,7 @@
   scripts/speed_table.py --world configs/worlds/speeds.json    a rendered building and its walks
   scripts/speed_table.py --train TRAIN --query QUERY --ground-truth GT [--tolerance N] [--name NAME]
 
-Columns are simulated speeds of the query (--warp; the mean over seeds 1 to 3 if it is random), or
+Columns are simulated speeds of the query (--speed; the mean over seeds 1 to 3 if it is random), or
 the query walks of a world. Rows are the methods that the programs support: raw and z-score windows,
 by margin if vpr-query has --decide, with the rates 1/2, 2/3, 1, 3/2 and 2 if it has --rates, and the
 method filter. --into FILE writes the tables between the lines "<!-- speed table: begin -->" and
@@ -66,7 +66,7 @@ class Judge:
     def measure(self, flags, query, warp, seed):
         with tempfile.TemporaryDirectory(dir=self.folder) as work:
             result = pathlib.Path(work) / "r.json"
-            replay = [] if warp == "same" else ["--warp", warp]
+            replay = [] if warp == "same" else ["--speed", warp]
             threshold = [] if "--method" in flags else ["--t-r", 0]  # has no effect on the table
             run(self.bin / "vpr-query", self.database, *query, *flags, *threshold, *replay,
                 "--seed", seed, "--threads", 1, "--quiet", "-o", result)

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "match/plain.h"
+#include "match/reference.h"
 #include "support.h"
 
 namespace vpr::test {
@@ -20,8 +20,8 @@ size_t window_count(size_t frames, size_t window_length) {
 
 }  // namespace
 
-std::vector<DescriptorSpan> Example::spans() const {
-  std::vector<DescriptorSpan> all;
+std::vector<DescribedFrames> Example::spans() const {
+  std::vector<DescribedFrames> all;
   for (size_t s = 0; s < train.size(); ++s) all.push_back({train[s], train_unreadable[s]});
   return all;
 }
@@ -83,7 +83,7 @@ std::vector<uint32_t> plain_openable(const DescriptorRows& train, const Descript
   std::vector<uint32_t> distances(rows * cols);
   for (size_t j = 0; j < rows; ++j)
     for (size_t i = 0; i < cols; ++i)
-      distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
+      distances[j * cols + i] = reference_window_distance(train, i, query, j, window_length);
   return distances;
 }
 
@@ -95,13 +95,13 @@ std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const Descript
   for (size_t j = 0; j < rows; ++j) {
     for (size_t i = 0; i < cols; ++i) {
       if (j == 0 || i == 0) {
-        distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
+        distances[j * cols + i] = reference_window_distance(train, i, query, j, window_length);
         continue;
       }
       const size_t last = window_length - 1;
       distances[j * cols + i] = distances[(j - 1) * cols + i - 1] +
-                                plain_distance(train, i + last, query, j + last) -
-                                plain_distance(train, i - 1, query, j - 1);
+                                reference_distance(train, i + last, query, j + last) -
+                                reference_distance(train, i - 1, query, j - 1);
     }
   }
   return distances;

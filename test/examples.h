@@ -22,7 +22,7 @@ struct Example {
   std::vector<LdbCode> query;
   std::vector<size_t> query_unreadable;
 
-  std::vector<DescriptorSpan> spans() const;
+  std::vector<DescribedFrames> spans() const;
 };
 
 /// Sequences with these numbers of frames; every frame is readable.

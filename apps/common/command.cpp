@@ -1,5 +1,8 @@
 #include "command.h"
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -13,20 +16,23 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "base/text.h"
-#include "completion.h"
-#include "parser.h"
+#include "present/result_file.h"
 #include "progress.h"
-#include "session.h"
+#include "sequence/sequence_source.h"
+#include "store/archive.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr uint64_t kMostThreads = 1024;
 
@@ -42,10 +48,10 @@ void set_up_process() {
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  cv::setNumThreads(1);        // frames are worked on in parallel, not parts of one
-  cv::setUseOptimized(false);  // features would differ between machines with and without AVX2
+  cv::setNumThreads(1);        // one frame per thread, instead of one frame in parallel
+  cv::setUseOptimized(false);  // otherwise features depend on AVX2
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  std::cerr.rdbuf(nullptr);  // OpenCV's codecs write there, and nothing of ours
+  std::cerr.rdbuf(nullptr);  // only OpenCV's codecs write to it
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
 }
 
@@ -62,13 +68,13 @@ std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
 constexpr const char* kExitCodes =
     "  0    done\n"
     "  1    internal error: a defect of the program\n"
-    "  2    usage, configuration, or an existing output without --force\n"
-    "  3    a file, folder or frame is missing, or can't be read, decoded or written\n"
-    "  4    a database, result or ground truth is damaged or does not fit\n"
+    "  2    wrong usage or configuration, or an existing output without --force\n"
+    "  3    a file, folder or frame is missing, or cannot be read, decoded or written\n"
+    "  4    a database, result or ground truth is damaged or does not match\n"
     "  5    an expectation was not met\n"
     "  130  interrupted";
 
-// A list in a sentence has indented lines of its own; a name in it begins none.
+// Line feeds before indented lines are part of the message; all others are escaped.
 void print_error(const std::string& program, const std::string& sentence) {
   std::string text;
   for (size_t begin = 0; begin <= sentence.size();) {
@@ -83,7 +89,138 @@ std::string last_sections(const std::string& example) {
   return fmt::format("{}:\n{}\n\n{}:\n{}", kExampleSection, example, kExitCodeSection, kExitCodes);
 }
 
+void write_to_stdout(const std::string& text) {
+  const bool written =
+      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written)
+    throw Error(ErrorKind::output,
+                fmt::format("standard output: cannot be written: {}", system_error_text(errno)));
+}
+
+// JSON contains names unchanged, except on a terminal.
+void print_json(ProgressLine& progress, const std::string& text) {
+  progress.clear();
+  write_to_stdout(::isatty(STDOUT_FILENO) != 0 ? printable(text) : text);
+}
+
+// The flags that name outputs.
+constexpr std::array kOutputs = {
+    "output",      "save-matrix", "save-posteriors", "html",         "plot",
+    "map",         "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv",
+    "descriptors", "junit",       "save-trajectory", "pairs",        "save-loops"};
+
+/// Protects inputs that exist. Ignores unreadable ones, which the command reports.
+struct Inputs {
+  Outputs& outputs;
+
+  // Only the frames of a folder are inputs.
+  void add_sequence(const SequenceArgument& argument) {
+    std::error_code error;
+    outputs.protect(argument.path);
+    const bool is_list = argument.path.extension() == ".txt" || argument.path.extension() == ".lst";
+    if (!is_list && !fs::is_directory(argument.path, error)) return;
+    if (fs::exists(argument.path / kManifestName, error)) {
+      for (const auto& entry : fs::directory_iterator(argument.path, error))
+        outputs.protect(entry.path());
+      return;
+    }
+    try {
+      for (const fs::path& frame : open_sequence(argument).files) outputs.protect(frame);
+    } catch (const Error&) {
+    }
+  }
+
+  void add_truth(const std::optional<GroundTruthArgument>& truth) {
+    if (!truth) return;
+    outputs.protect(truth->path);
+    GroundTruthOptions options = truth->options;
+    visit_paths(options, [&](const char*, const fs::path& path) { outputs.protect(path); });
+  }
+
+  void add_dataset(const fs::path& path) {
+    Dataset dataset;
+    try {
+      dataset = read_dataset(path);
+    } catch (const Error&) {
+      return;
+    }
+    for (const SequenceArgument& sequence : dataset.pretrain) add_sequence(sequence);
+    for (const DatasetPlace& place : dataset.places)
+      for (const SequenceArgument& view : place.views) add_sequence(view);
+    for (const DatasetQuery& query : dataset.queries) {
+      dataset.train.push_back(query.sequence);
+      add_truth(query.sequence_ground_truth);
+      add_truth(query.place_ground_truth);
+    }
+    for (const NamedSequence& sequence : dataset.train) {
+      add_sequence(sequence.sequence);
+      outputs.protect(sequence.poses);
+    }
+    outputs.protect(dataset.plan);
+    outputs.protect(dataset.place_poses);
+  }
+
+  // PATH, PATH@RANGE, NAME=PATH or NAME=PATH@RANGE.
+  void add_value(const std::string& value) {
+    std::error_code error;
+    const size_t equals = value.find('=');
+    const bool has_name = equals != std::string::npos && !fs::exists(value, error);
+    SequenceArgument argument;
+    try {
+      argument = parse_sequence_argument(has_name ? value.substr(equals + 1) : value);
+    } catch (const Error&) {
+      return;
+    }
+    add_sequence(argument);
+    if (argument.path.extension() == ".json")
+      for (const char* kind : kResultArrays) outputs.protect(companion_path(argument.path, kind));
+  }
+
+  // Values of all arguments and flags: sequences with their frames, databases with their files,
+  // results with their arrays, data sets with all files that they name.
+  void add(const std::vector<GivenFlag>& given) {
+    for (const GivenFlag& flag : given) {
+      const auto has_name = [&](const char* name) {
+        return std::ranges::find(flag.names, name) != flag.names.end();
+      };
+      if (std::ranges::any_of(kOutputs, has_name)) continue;
+      for (const std::string& value : flag.values) {
+        if (has_name("dataset")) add_dataset(value);
+        add_value(value);
+      }
+    }
+  }
+};
+
 }  // namespace
+
+void Session::print_line(const Json& json) const { print_json(progress, to_line(json) + "\n"); }
+
+void Session::claim_output() const {
+  if (!options.output.empty()) outputs.claim_file(options.output);
+}
+
+void Session::write_output(const Json& json) const {
+  if (!options.output.empty()) outputs.file(options.output).write(to_text(json));
+}
+
+void Session::print_result(const std::string& text, const Json& json) const {
+  const bool has_files = outputs.has_outputs();
+  outputs.commit();
+  try {
+    if (options.json) {
+      print_json(progress, to_text(json));
+    } else if (!options.quiet) {
+      progress.clear();
+      write_to_stdout(printable(text));
+    }
+  } catch (const Error& error) {
+    if (!has_files) throw;
+    const std::string sentence = fmt::format("{}; the output files are complete", error.what());
+    if (options.json) throw Error(error.kind(), sentence);
+    warn(monitor, sentence);
+  }
+}
 
 Program::Program(const std::string& name, const std::string& description,
                  const std::string& example)
@@ -92,8 +229,9 @@ Program::Program(const std::string& name, const std::string& description,
               fmt::format("{} {} ({})", name, program_version(), program_commit())) {
   command().add_footer(last_sections(example));
   command()
-      .add_option("--completion", completion_,
-                  "print completions for bash, or the manual page; nothing else may be given")
+      .add_option(
+          "--completion", completion_,
+          "print completions for bash, or the manual page; cannot be combined with other flags")
       .type_name("bash|man")
       .group(kCommonGroup);
 }
@@ -116,21 +254,23 @@ void Program::set_run(std::function<void(Session&)> run) {
 
 void Program::add_common_flags(const Command& command) {
   const auto group = [](Flag flag) { flag.group(kCommonGroup); };
-  group(command.add_option("-o,--output", common_.output, "where the result goes"));
-  group(add_setting(
-      command, "--threads", common_.threads,
-      fmt::format(
-          "threads to use; 0: all cores{}",
-          common_.threads == 0 ? " (default)" : fmt::format("; default {}", common_.threads))));
-  group(add_setting(command, "--seed", common_.seed,
-                    "seed of everything that is random (default 1)"));
-  group(add_setting(
-      command, "--max-megapixels", common_.max_megapixels,
-      fmt::format("refuse images and videos of larger frames (default {})", kUsualMegapixels)));
-  group(command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table"));
-  group(command.add_flag("-v,--verbose", common_.verbose, "say more"));
-  group(command.add_flag("--force", common_.force, "replace an existing output"));
+  group(command.add_option("-o,--output", common_.output, "output file or folder"));
+  group(add_setting(command, "--threads", common_.threads,
+                    fmt::format("number of threads; 0: all cores (default: {})", common_.threads)));
+  group(add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)"));
+  group(add_setting(command, "--max-megapixels", common_.max_megapixels,
+                    fmt::format("largest size of images and video frames, in megapixels (default: "
+                                "{})",
+                                kDefaultMegapixels)));
+  group(command.add_flag("--quiet", common_.quiet, "omit progress, warnings and tables"));
+  group(command.add_flag("-v,--verbose", common_.verbose, "print details"));
+  group(command.add_flag("--force", common_.force, "replace existing outputs"));
   group(command.add_flag("--json", common_.json, "print the result as JSON on standard output"));
+}
+
+void Program::add_config(const Command& command) {
+  static NoSettings none;
+  add_config(command, none);
 }
 
 void Program::add_config_option(const Command& command,
@@ -145,7 +285,7 @@ void Program::add_config_option(const Command& command,
               for (const auto& item : json.items()) common_.config_keys.push_back(item.key());
             apply(json, path);
           },
-          "settings from a JSON file, or those of a result (flags win)")
+          "settings from a JSON file or a result; flags override them")
       .type_name("FILE")
       .group(kCommonGroup)
       .read_first();
@@ -171,10 +311,8 @@ void Program::run_session(int argc, char** argv) {
   const MegapixelLimit pixels(common_.max_megapixels);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
-  Outputs outputs(common_.existing());
-  // Without --force, nothing that exists is replaced anyway.
-  if (common_.force)
-    for (const std::filesystem::path& input : run_inputs(parser_.given())) outputs.protect(input);
+  Outputs outputs(common_.force ? Existing::replace : Existing::refuse);
+  if (common_.force) Inputs{outputs}.add(parser_.given());  // without it, no file is replaced
   Session session{common_, monitor, {}, select_kernels(), progress, outputs};
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
@@ -198,14 +336,16 @@ int Program::report(const Error& error) {
 int Program::main(int argc, char** argv) {
   set_up_process();
   try {
-    if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
-      fmt::print("{}", command_text(parser_.describe(), argv[2], program_version()));
+    if (argc == 3 && std::string_view(argv[1]) == "--completion") {
+      fmt::print("{}", completion_text(parser_.describe(), argv[2], program_version()));
       return 0;
     }
     if (!parser_.parse(argc, argv)) return 0;
     if (command().is_given("--completion"))
       throw Error(ErrorKind::usage,
-                  fmt::format("--completion stands alone, as in {} --completion bash", name_));
+                  fmt::format("--completion cannot be combined with other arguments; use {} "
+                              "--completion bash",
+                              name_));
     run_session(argc, argv);
     return 0;
   } catch (const Error& error) {
@@ -213,9 +353,9 @@ int Program::main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return report({ErrorKind::internal,
                    fmt::format("out of memory; use fewer frames{}",
-                               parser_.takes(kMemoryFlag) ? " or a lower --max-memory" : "")});
-  } catch (const std::filesystem::filesystem_error& error) {
-    return report({ErrorKind::output, fmt::format("{}: can't be read or written: {}",
+                               parser_.takes("--max-memory") ? " or a lower --max-memory" : "")});
+  } catch (const fs::filesystem_error& error) {
+    return report({ErrorKind::output, fmt::format("{}: cannot be read or written: {}",
                                                   error.path1().string(), error.code().message())});
   } catch (const std::exception& error) {
     return report(

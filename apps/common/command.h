@@ -1,18 +1,74 @@
-// What all programs share: commands, settings from a file, signals, exit codes.
+// A program and its commands: common flags, configuration files, outputs, signals, exit codes.
 #pragma once
 
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
+#include "base/monitor.h"
+#include "base/output.h"
+#include "match/row_kernels.h"
 #include "parser.h"
-#include "session.h"
-#include "setting_flags.h"
+#include "present/run_info.h"
+#include "sequence/decode.h"
 
 namespace vpr {
 
-/// Settings of a program and common ones, as one JSON object.
+class ProgressLine;
+
+template <class T>
+inline constexpr bool kIsEnumField = std::is_enum_v<T>;
+template <class T>
+inline constexpr bool kIsEnumField<std::optional<T>> = std::is_enum_v<T>;
+
+/// The name of a field's value in the help: the names of an enum, NUMBER or VALUE.
+template <class T>
+std::string value_name() {
+  if constexpr (detail::kIsOptional<T>)
+    return value_name<typename T::value_type>();
+  else if constexpr (std::is_enum_v<T>)
+    return fmt::format("{}", fmt::join(kEnumNames<T>, "|"));
+  else
+    return std::is_arithmetic_v<T> ? "NUMBER" : "VALUE";
+}
+
+/// A flag that sets one field of a settings struct, with the same checks as a configuration file.
+template <class T>
+Flag add_setting(const Command& command, const std::string& flag, T& field,
+                 const std::string& help) {
+  return command
+      .add_option(
+          flag,
+          [&field, flag](const std::string& text) {
+            const bool is_text = std::is_same_v<T, std::string> || kIsEnumField<T>;
+            value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
+          },
+          help)
+      .type_name(value_name<T>());
+}
+
+struct CommonOptions {
+  std::string output;
+  std::string config;
+  std::vector<std::string> config_keys;  ///< the keys of the configuration file
+  uint64_t threads = 0;                  ///< 0: all cores
+  uint64_t seed = 1;
+  uint64_t max_megapixels = kDefaultMegapixels;
+  bool quiet = false;
+  bool verbose = false;
+  bool force = false;
+  bool json = false;
+};
+
+VPR_FIELDS(CommonOptions, threads, seed, max_megapixels)
+
+/// The settings of a command together with the common options, as one JSON object.
 template <class S>
 struct ConfigKeys {
   S& settings;
@@ -24,28 +80,49 @@ void visit_fields(ConfigKeys<S>& keys, Visitor&& visit) {
   visit_fields(keys.common, visit);
 }
 
-/// For a command whose configuration file holds common keys only.
+/// The settings of a command without settings of its own.
 struct NoSettings {};
 template <class Visitor>
 void visit_fields(NoSettings&, Visitor&&) {}
 
-/// A program: parses, then runs the one command that was chosen.
+/// The environment of a command while it runs.
+struct Session {
+  const CommonOptions& options;
+  const Monitor& monitor;
+  RunInfo run;
+  RowKernels kernels;
+  ProgressLine& progress;
+  Outputs& outputs;
+
+  /// Claims the file of --output, if any.
+  void claim_output() const;
+  /// Writes the file of --output, if any.
+  void write_output(const Json& json) const;
+  /// Prints a JSON value as one line on stdout. Throws Error(output) if that fails.
+  void print_line(const Json& json) const;
+  /// Commits the outputs, then prints the text to stdout, or the JSON with --json. With --quiet,
+  /// omits the text. Throws Error(output) if printing fails; for a text after written files, warns
+  /// instead.
+  void print_result(const std::string& text, const Json& json) const;
+};
+
+/// Parses the command line and runs one command.
 class Program {
  public:
   Program(const std::string& name, const std::string& description, const std::string& example);
 
-  /// The program's own flags.
+  /// The program itself, for its flags.
   Command command() { return parser_.root(); }
-  /// Threads where --threads is not given; 0: all cores.
+  /// The number of threads without --threads; 0: all cores.
   void set_default_threads(uint64_t threads) { common_.threads = threads; }
-  /// A command with its own --help and the common flags. The work is done by `run`.
+  /// Adds a command with --help and the common flags, executed by `run`.
   Command add_command(const std::string& name, const std::string& description,
                       const std::string& example, std::function<void(Session&)> run);
-  /// The program itself is the command, where none of its others is named.
+  /// Makes the program itself a command, which runs if no other command is named.
   void set_run(std::function<void(Session&)> run);
 
-  /// --config FILE fills `settings` and the common options before any flag does. A result file
-  /// stands for the settings and the seed that it was made with.
+  /// Adds --config FILE, which sets `settings` and common options before other flags do. A result
+  /// file sets the settings and the seed of its run.
   template <class S>
   void add_config(const Command& command, S& settings) {
     add_config_option(command, [this, &settings](const Json& json, const std::string& where) {
@@ -53,8 +130,10 @@ class Program {
       value_from_json(json, keys, where, "the configuration");
     });
   }
+  /// --config for a command without settings of its own.
+  void add_config(const Command& command);
 
-  /// Returns the exit code. Every known error becomes one sentence on stderr.
+  /// Returns the exit code. Prints each error as one sentence on stderr.
   int main(int argc, char** argv);
 
  private:

@@ -1,81 +1,135 @@
-// Commands and their flags, without the parser's headers, which only parser.cpp includes.
+// Flags of several programs: selections of sequences, ground truth, score matrices, scores and
+// decisions.
 #pragma once
 
-#include <cstdint>
-#include <functional>
+#include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "command.h"
+#include "decide/query_settings.h"
+#include "match/precomputed_distances.h"
+#include "present/table.h"
+#include "run/train.h"
+#include "store/archive.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 
-/// A flag or argument of a command. Copies stand for the same one; every change gives it back.
-class Flag {
- public:
-  explicit Flag(CLI::Option& option) : option_(&option) {}
+struct SequenceQuerySettings;
 
-  Flag required();
-  /// The heading under which help lists it.
-  Flag group(const std::string& heading);
-  /// What help calls its value: FILE, NUMBER, text|csv.
-  Flag type_name(const std::string& word);
-  /// Values that completions offer, where they are too many for help, which has `word`.
-  Flag choices(const std::string& word, const std::vector<std::string>& names);
-  /// Its value is read as soon as it is met: flags that come later win.
-  Flag read_first();
-  /// A number below 0 is a usage error.
-  Flag non_negative();
-  /// The two can't be given together.
-  Flag excludes(const Flag& other);
-  /// From `fewest` to `most` values.
-  Flag expected(int fewest, int most);
-  /// One value holds several, separated by commas.
-  Flag comma_separated();
-
- private:
-  CLI::Option* option_;
+/// The selection of frames of a sequence.
+struct SelectionFlags {
+  std::string speed;                   ///< simulated speed; empty: as recorded
+  std::optional<double> fps;           ///< rate of the selected frames; nullopt: all frames
+  std::optional<double> recorded_fps;  ///< rate of sequences that do not state it
+  std::optional<double> fallback_fps;  ///< rate of sequences without any other source; not a flag
 };
 
-/// A program or one of its commands. Copies stand for the same one. Values that flags fill must
-/// live as long as the program parses.
-class Command {
- public:
-  explicit Command(CLI::App& app) : app_(&app) {}
+/// --fps and --recorded-fps. `sequences`: a noun for the help; `note`: the end of the help of
+/// --fps.
+void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
+                    const std::string& note = "");
 
-  /// `flag`: "--name", "-n,--name", or "NAME" for an argument without a flag.
-  Flag add_option(const std::string& flag, std::string& value, const std::string& help) const;
-  Flag add_option(const std::string& flag, std::optional<std::string>& value,
-                  const std::string& help) const;
-  Flag add_option(const std::string& flag, std::vector<std::string>& values,
-                  const std::string& help) const;
-  Flag add_option(const std::string& flag, std::vector<uint64_t>& values,
-                  const std::string& help) const;
-  Flag add_option(const std::string& flag, std::optional<uint64_t>& value,
-                  const std::string& help) const;
-  Flag add_option(const std::string& flag, std::optional<double>& value,
-                  const std::string& help) const;
-  /// `read` gets the text as it was given; what it throws ends the program.
-  Flag add_option(const std::string& flag, const std::function<void(const std::string&)>& read,
-                  const std::string& help) const;
-  Flag add_flag(const std::string& flag, bool& value, const std::string& help) const;
-  /// A flag that may be given several times; each value stands as it is.
-  Flag add_list(const std::string& flag, std::vector<std::string>& values,
-                const std::string& help) const;
-  /// Puts a section (a heading with a colon, and lines) in front of what help ends with.
-  void add_footer(const std::string& text) const;
+/// --speed, and a section of the help with its values.
+Flag add_speed_flag(const Command& command, std::string& speed,
+                    const std::string& help =
+                        "simulated walking speed of the query, with --seed (below); the ground "
+                        "truth still refers to the recorded query");
 
-  /// Whether a flag was given, after parsing.
-  bool is_given(const std::string& flag) const;
-  /// Names of the flags below a heading that were given, after parsing.
-  std::vector<std::string> given_flags(const std::string& heading) const;
+/// Throws Error(usage) for rates out of range.
+void check_rates(const SelectionFlags& flags);
 
- private:
-  CLI::App* app_;
+/// The sequence with its rate (truth/sequence_rate.h) and the selection of the flags and --seed.
+/// `times`: a file with the times of its frames; empty: none. `dataset`: its data set, or null.
+SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags,
+                          const std::filesystem::path& times, const Dataset* dataset,
+                          const Session& session);
+
+/// Throws Error(usage) unless the argument is a .npy file or a folder of .npy files.
+void require_descriptors(const SequenceArgument& argument);
+
+/// "NAME=FIRST:LAST", a range of the frames of `path`. Throws Error(usage), beginning with `flag`,
+/// for other text.
+NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
+                                const std::string& flag);
+
+/// Heading of the ground truth flags in the help.
+inline constexpr const char* kGroundTruthGroup = "Ground truth";
+
+/// Flags that describe a ground truth, except its path.
+struct GroundTruthFlags {
+  std::optional<int> tolerance_frames;  ///< nullopt: the data set's, or 0
+  std::string format;
+  GroundTruthOptions options;
 };
+
+/// The help of --ground-truth.
+std::string ground_truth_help();
+
+/// Adds the flags in a group of the help, and a section with the formats. `format_flag`: the name
+/// of --ground-truth-format.
+void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
+                            const std::string& format_flag = "--ground-truth-format");
+
+bool has_ground_truth_flags(const GroundTruthFlags& flags);
+
+/// The ground truth of a query of a data set for training frames or places; flags override it.
+/// Nullopt if the data set has none.
+std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
+                                                   const GroundTruthFlags& flags);
+
+/// The ground truth `text` of --ground-truth, with the flags.
+GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags);
+
+/// With --fps, --query-times states the times of the selection. Removes it from a ground truth
+/// whose format does not use times. Throws as detect_format does.
+void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& flags);
+
+/// A matrix of scores, in vpr-query and vpr-eval.
+struct ScoreFlags {
+  std::string path;  ///< empty: none
+  bool is_distance = false;
+  bool is_similarity = false;
+  bool train_first = false;
+  std::optional<double> missing;
+
+  bool has_order() const { return is_distance || is_similarity; }
+  ScoreOrder order() const { return is_similarity ? ScoreOrder::similarity : ScoreOrder::distance; }
+  ScoreFormat format() const { return {is_similarity, train_first, missing}; }
+};
+
+/// `help`: the help of --scores.
+void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& help,
+                     const std::string& group);
+
+/// Throws Error(usage) without --distance and --similarity.
+void require_order(const ScoreFlags& flags);
+
+/// Throws Error(usage) "FLAG WHY" for a given flag.
+void refuse(bool is_given, const std::string& flag, const std::string& why);
+
+/// As refuse, for the first given flag except --scores.
+void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why);
+
+/// --score, --rates, --exclusion-frames, --same-place.
+void add_score_settings(const Command& command, SequenceQuerySettings& settings,
+                        const std::string& group = "Options");
+
+/// --decide, --t-r-scale, --fuse (with the path `fabmap`), --fusion-weight.
+void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
+                           std::string& fabmap, const std::string& group = "Options");
+
+void add_unreadable_flag(const Command& command, bool& skip_unreadable);
+
+/// --max-memory in bytes, or as "512M" or "2G", powers of 1024. The help shows the value of `bytes`
+/// as the default.
+Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help);
+
+/// --format of tables.
+Flag add_format_flag(const Command& command, TableFormat& format,
+                     const std::string& help =
+                         "format of the table: text, csv, markdown or latex "
+                         "(default: text)");
 
 }  // namespace vpr

@@ -1,19 +1,23 @@
-#include "help.h"
+// Texts about a program: --help, bash completions and manual pages.
+#include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
+#include "base/named_table.h"
 #include "base/text.h"
+#include "parser.h"
 
 namespace vpr {
 namespace {
 
-// The words of a line go on below each other; `end` closes a line that goes on.
+// Breaks a line between words; `end` marks broken lines, `indent` is for the following ones.
 std::string wrapped_line(const std::string& line, size_t width, size_t indent,
                          const std::string& end) {
   std::string text;
   std::string rest = line;
-  size_t words = rest.find_first_not_of(' ');  // never broken within the indentation
+  size_t words = rest.find_first_not_of(' ');  // do not break the indentation
   while (rest.size() > width && words != std::string::npos) {
     size_t cut = rest.rfind(' ', width - end.size());
     if (cut == std::string::npos || cut < words) cut = rest.find(' ', words);
@@ -34,7 +38,12 @@ std::string for_each_line(const std::string& text, Work&& work) {
   return result;
 }
 
-// A name and what it means, side by side or below each other.
+std::string wrapped(const std::string& text, size_t indent) {
+  return for_each_line(
+      text, [&](const std::string& line) { return wrapped_line(line, kHelpWidth, indent, ""); });
+}
+
+// A name and its help, on one line if the name is short.
 std::string entry(const std::string& name, const std::string& help) {
   std::string head = "  " + name;
   std::string text;
@@ -43,12 +52,7 @@ std::string entry(const std::string& name, const std::string& help) {
     head.clear();
   }
   head.resize(kHelpColumn, ' ');
-  return text + wrapped(head + help, kHelpWidth, kHelpColumn) + "\n";
-}
-
-std::string flag_name(const FlagEntry& flag) {
-  return fmt::format("{}{}{}", fmt::join(flag.names, ","), flag.value.empty() ? "" : " ",
-                     flag.value);
+  return text + wrapped(head + help, kHelpColumn) + "\n";
 }
 
 std::string flags_text(const CommandEntry& command) {
@@ -57,7 +61,9 @@ std::string flags_text(const CommandEntry& command) {
   for (const FlagEntry& flag : command.flags) {
     if (flag.group != group) text += fmt::format("\n{}:\n", flag.group);
     group = flag.group;
-    text += entry(flag_name(flag), flag.help + (flag.is_required ? " (required)" : ""));
+    text += entry(fmt::format("{}{}{}", fmt::join(flag.names, ","), flag.value.empty() ? "" : " ",
+                              flag.value),
+                  flag.help + (flag.is_required ? " (required)" : ""));
   }
   return text;
 }
@@ -75,7 +81,7 @@ std::string usage_text(const CommandEntry& command, const std::string& path) {
   return usage;
 }
 
-// Commands of an example are broken so that a shell takes both halves; the rest between columns.
+// A broken command of an example ends with a backslash. Other lines keep their columns.
 std::string section_text(const Section& section) {
   const bool is_example = section.title == kExampleSection;
   return fmt::format("\n{}:\n", section.title) +
@@ -89,15 +95,143 @@ std::string section_text(const Section& section) {
          "\n";
 }
 
-}  // namespace
-
-std::string wrapped(const std::string& text, size_t width, size_t indent) {
-  return for_each_line(
-      text, [&](const std::string& line) { return wrapped_line(line, width, indent, ""); });
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+  return text;
 }
 
+// The program, with an empty name, and its commands.
+std::vector<std::pair<std::string, const CommandEntry*>> levels(const CommandEntry& program) {
+  std::vector<std::pair<std::string, const CommandEntry*>> all = {{"", &program}};
+  for (const CommandEntry& command : program.commands) all.emplace_back(command.name, &command);
+  return all;
+}
+
+std::string troff(const std::string& text) {
+  std::string escaped = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
+  std::string safe;
+  for (size_t i = 0; i < escaped.size(); ++i) {
+    const bool is_line_start = i == 0 || escaped[i - 1] == '\n';
+    if (is_line_start && (escaped[i] == '.' || escaped[i] == '\'')) safe += "\\&";
+    safe += escaped[i];
+  }
+  return safe;
+}
+
+std::string manual_flags(const CommandEntry& command) {
+  std::string text;
+  for (const ArgumentEntry& argument : command.arguments)
+    text += fmt::format(".TP\n\\fI{}\\fR\n{}\n", troff(argument.name), troff(argument.help));
+  std::string group = "Options";
+  for (const FlagEntry& flag : command.flags) {
+    if (flag.group != group) text += fmt::format(".PP\n{}:\n", troff(flag.group));
+    group = flag.group;
+    std::vector<std::string> names;
+    for (const std::string& name : flag.names) names.push_back("\\fB" + troff(name) + "\\fR");
+    text += fmt::format(".TP\n{}{}\n{}\n", fmt::join(names, ", "),
+                        flag.value.empty() ? "" : " \\fI" + troff(flag.value) + "\\fR",
+                        troff(flag.help + (flag.is_required ? " (required)" : "")));
+  }
+  return text;
+}
+
+std::string preformatted(const std::string& text) {
+  return text.empty() ? "" : ".PP\n.nf\n" + troff(text) + "\n.fi\n";
+}
+
+std::string upper_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c); });
+  return text;
+}
+
+// All sections of a command except the example and the exit codes. `heading`: a format string.
+std::string manual_sections(const CommandEntry& command, const char* heading, bool is_upper) {
+  std::string text;
+  for (const Section& section : command.sections)
+    if (section.title != kExampleSection && section.title != kExitCodeSection)
+      text += fmt::format(fmt::runtime(heading),
+                          troff(is_upper ? upper_case(section.title) : section.title)) +
+              preformatted(section.text);
+  return text;
+}
+
+// The sections with this title of the program and its commands.
+std::string manual_section(const CommandEntry& program, const std::string& title,
+                           const std::string& heading) {
+  std::string text;
+  for (const auto& [level, command] : levels(program))
+    for (const Section& section : command->sections)
+      if (section.title == title) text += preformatted(section.text);
+  return text.empty() ? "" : fmt::format(".SH {}\n{}", heading, text);
+}
+
+std::string bash_completion(const CommandEntry& program) {
+  const std::string function = "_" + replaced(program.name, "-", "_");
+  std::string script = fmt::format(
+      "# bash completion for {0}\n{1}() {{\n  local current=${{COMP_WORDS[COMP_CWORD]}} "
+      "previous=${{COMP_WORDS[COMP_CWORD-1]}} command= words= word\n  COMPREPLY=()\n",
+      program.name, function);
+  if (!program.commands.empty())  // finds the command among the words before the cursor
+    script += fmt::format(
+        "  for word in \"${{COMP_WORDS[@]:1:COMP_CWORD-1}}\"; do\n    case \"$word\" in\n"
+        "      {}) command=$word; break ;;\n    esac\n  done\n",
+        fmt::join(names_of(program.commands), "|"));
+  script += "  case \"$command $previous\" in\n";
+  std::string flags;
+  for (const auto& [level, command] : levels(program)) {
+    std::vector<std::string> names;
+    for (const FlagEntry& flag : command->flags)
+      for (const std::string& name : flag.names) {
+        names.push_back(name);
+        if (!flag.choices.empty())
+          script += fmt::format("    \"{} {}\") words=\"{}\" ;;\n", level, name,
+                                fmt::join(flag.choices, " "));
+        else if (!flag.value.empty())
+          script += fmt::format("    \"{} {}\") return ;;\n", level, name);
+      }
+    flags += fmt::format("      {}/-*) words=\"{}\" ;;\n", level, fmt::join(names, " "));
+  }
+  script += "    *) case \"$command/$current\" in\n" + flags;
+  if (!program.commands.empty())
+    script +=
+        fmt::format("      /*) words=\"{}\" ;;\n", fmt::join(names_of(program.commands), " "));
+  return script + fmt::format(
+                      "    esac ;;\n  esac\n  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- "
+                      "\"$current\")\n}}\ncomplete -o default -F {} {}\n",
+                      function, program.name);
+}
+
+std::string manual_page(const CommandEntry& program, const std::string& version) {
+  std::string description = program.description;
+  if (description.ends_with('.')) description.pop_back();
+  std::string page = fmt::format(
+      ".TH {} 1 \"\" \"vpr-toolkit {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
+      troff(upper_case(program.name)), version, troff(program.name), troff(description));
+  for (const auto& [level, command] : levels(program)) {
+    if (level.empty() && program.arguments.empty() && !program.commands.empty()) continue;
+    page += fmt::format("\\fB{}{}\\fR [\\fIOPTIONS\\fR]", troff(program.name),
+                        level.empty() ? "" : " " + troff(level));
+    for (const ArgumentEntry& argument : command->arguments)
+      page += fmt::format(fmt::runtime(argument.is_required ? " \\fI{}\\fR" : " [\\fI{}\\fR]"),
+                          troff(argument.name));
+    page += "\n.br\n";
+  }
+  page += ".SH OPTIONS\n" + manual_flags(program);
+  if (!program.commands.empty()) page += ".SH COMMANDS\n";
+  for (const CommandEntry& command : program.commands)
+    page += fmt::format(".SS {}\n{}\n", troff(command.name), troff(command.description)) +
+            manual_flags(command) + manual_sections(command, ".PP\n{}:\n", false);
+  return page + manual_sections(program, ".SH {}\n", true) +
+         manual_section(program, kExampleSection, "EXAMPLES") +
+         manual_section(program, kExitCodeSection, "EXIT STATUS");
+}
+
+}  // namespace
+
 std::string help_text(const CommandEntry& command, const std::string& path) {
-  std::string text = wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path);
+  std::string text = wrapped(command.description, 0) + "\n" + usage_text(command, path);
   if (!command.arguments.empty()) text += "\nArguments:\n";
   for (const ArgumentEntry& argument : command.arguments)
     text += entry(argument.name, argument.help);
@@ -106,6 +240,13 @@ std::string help_text(const CommandEntry& command, const std::string& path) {
   text += flags_text(command);
   for (const Section& section : command.sections) text += section_text(section);
   return text;
+}
+
+std::string completion_text(const CommandEntry& program, const std::string& kind,
+                            const std::string& version) {
+  if (kind == "bash") return bash_completion(program);
+  if (kind == "man") return manual_page(program, version);
+  throw Error(ErrorKind::usage, fmt::format("--completion takes bash or man, found {}", kind));
 }
 
 }  // namespace vpr

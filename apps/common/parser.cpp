@@ -1,7 +1,8 @@
-// The only file that includes CLI11, which is expensive to compile: flags.h and parser.h.
 #include "parser.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -10,7 +11,6 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "help.h"
 #include "present/result_file.h"
 
 namespace vpr {
@@ -29,7 +29,7 @@ FlagEntry describe_flag(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) flag.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) flag.names.push_back("--" + name);
   if (option.get_items_expected_max() > 0) {
-    const std::string type = option.get_type_name();  // choices and checks stand behind a colon
+    const std::string type = option.get_type_name();  // "WORD:choices"
     const size_t colon = type.find(':');
     flag.value = type.substr(0, colon);
     flag.choices = split_choices(colon == std::string::npos ? flag.value : type.substr(colon + 1));
@@ -40,12 +40,11 @@ FlagEntry describe_flag(const CLI::Option& option) {
   return flag;
 }
 
-// Groups in the order in which they first come, the common one last.
+// Sorts by group, in the order of their first flags; the common group is last.
 void sort_flags(std::vector<FlagEntry>& flags) {
   std::vector<std::string> groups;
   for (const FlagEntry& flag : flags)
-    if (flag.group != kCommonGroup &&
-        std::find(groups.begin(), groups.end(), flag.group) == groups.end())
+    if (flag.group != kCommonGroup && std::ranges::count(groups, flag.group) == 0)
       groups.push_back(flag.group);
   const auto rank = [&](const FlagEntry& flag) {
     const auto group = std::find(groups.begin(), groups.end(), flag.group) - groups.begin();
@@ -75,7 +74,6 @@ CommandEntry describe_commands(const CLI::App& app) {
   return entry;
 }
 
-// Help comes from the same description as completions and manual pages.
 class HelpFormatter : public CLI::FormatterBase {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
@@ -87,11 +85,10 @@ class HelpFormatter : public CLI::FormatterBase {
   }
 };
 
-// Flags of the parser's own.
 void group_own_flags(CLI::App& app, const std::string& version) {
-  app.set_version_flag("--version", version, "print the version and end");
+  app.set_version_flag("--version", version, "print the version and exit");
   app.get_version_ptr()->group(kCommonGroup);
-  app.get_help_ptr()->group(kCommonGroup)->description("print this help and end");
+  app.get_help_ptr()->group(kCommonGroup)->description("print this help and exit");
 }
 
 void add_given(const CLI::App& app, std::vector<GivenFlag>& given) {
@@ -100,34 +97,9 @@ void add_given(const CLI::App& app, std::vector<GivenFlag>& given) {
   for (const CLI::App* command : app.get_subcommands()) add_given(*command, given);
 }
 
-// The settings and the seed that a result was made with.
-Json settings_of_result(const std::string& path) {
-  const Json result = read_result_json(path);
-  Json json = result.value("settings", Json::object());
-  const Json provenance = result.value("provenance", Json::object());
-  if (json.is_object() && provenance.is_object() && provenance.contains("seed"))
-    json["seed"] = provenance["seed"];
-  return json;
-}
-
-bool is_result(const Json& json) {
-  return json["schema"].is_string() &&
-         json["schema"].get_ref<const std::string&>().starts_with("vpr.result/");
-}
-
-// What vpr-tune calibrate found.
-Json calibrated_settings(const Json& json, const std::string& path) {
-  if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
-  throw Error(
-      ErrorKind::usage,
-      fmt::format("{}: is a calibration that found no threshold; calibrate on another walk, "
-                  "or with other settings",
-                  path));
-}
-
-// "; did you mean --c-l?", where one begins like the word or is a slip of the hand away; else ".".
+// "; did you mean --c-l?" if a known word starts with `word` or is a typo away, otherwise ".".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
-  const auto longer = std::find_if(known.begin(), known.end(), [&](const std::string& name) {
+  const auto longer = std::ranges::find_if(known, [&](const std::string& name) {
     return name.size() > word.size() && name.starts_with(word);
   });
   const std::string best = longer == known.end() ? nearest(word, known) : *longer;
@@ -140,8 +112,6 @@ void add_flags(const CommandEntry& command, std::vector<std::string>& known) {
   for (const FlagEntry& flag : command.flags)
     known.insert(known.end(), flag.names.begin(), flag.names.end());
 }
-
-bool is_flag(const std::string& word) { return word.size() > 2 && word.starts_with("--"); }
 
 }  // namespace
 
@@ -169,11 +139,6 @@ Flag Flag::read_first() {
   return *this;
 }
 
-Flag Flag::non_negative() {
-  option_->check(CLI::NonNegativeNumber);
-  return *this;
-}
-
 Flag Flag::excludes(const Flag& other) {
   option_->excludes(other.option_);
   return *this;
@@ -189,35 +154,22 @@ Flag Flag::comma_separated() {
   return *this;
 }
 
-Flag Command::add_option(const std::string& flag, std::string& value,
-                         const std::string& help) const {
-  return Flag(*app_->add_option(flag, value, help));
+template <class T>
+Flag Command::add_option(const std::string& flag, T& value, const std::string& help) const {
+  CLI::Option& option = *app_->add_option(flag, value, help);
+  if constexpr (std::is_same_v<T, std::optional<uint64_t>> ||
+                std::is_same_v<T, std::optional<double>>)
+    option.type_name("NUMBER");
+  return Flag(option);
 }
 
-Flag Command::add_option(const std::string& flag, std::optional<std::string>& value,
-                         const std::string& help) const {
-  return Flag(*app_->add_option(flag, value, help));
-}
-
-Flag Command::add_option(const std::string& flag, std::vector<std::string>& values,
-                         const std::string& help) const {
-  return Flag(*app_->add_option(flag, values, help));
-}
-
-Flag Command::add_option(const std::string& flag, std::vector<uint64_t>& values,
-                         const std::string& help) const {
-  return Flag(*app_->add_option(flag, values, help));
-}
-
-Flag Command::add_option(const std::string& flag, std::optional<uint64_t>& value,
-                         const std::string& help) const {
-  return Flag(*app_->add_option(flag, value, help));
-}
-
-Flag Command::add_option(const std::string& flag, std::optional<double>& value,
-                         const std::string& help) const {
-  return Flag(*app_->add_option(flag, value, help));
-}
+using Text = std::string;
+template Flag Command::add_option(const Text&, std::string&, const Text&) const;
+template Flag Command::add_option(const Text&, std::optional<std::string>&, const Text&) const;
+template Flag Command::add_option(const Text&, std::optional<uint64_t>&, const Text&) const;
+template Flag Command::add_option(const Text&, std::optional<double>&, const Text&) const;
+template Flag Command::add_option(const Text&, std::vector<std::string>&, const Text&) const;
+template Flag Command::add_option(const Text&, std::vector<uint64_t>&, const Text&) const;
 
 Flag Command::add_option(const std::string& flag,
                          const std::function<void(const std::string&)>& read,
@@ -264,7 +216,7 @@ Command Parser::root() const { return Command(*app_); }
 Command Parser::add_command(const std::string& name, const std::string& description,
                             std::function<void()> chosen) {
   CLI::App& app = *app_->add_subcommand(name, description);
-  app.footer("");  // otherwise it is that of the program
+  app.footer("");  // do not inherit the program's
   group_own_flags(app, version_);
   app.callback(std::move(chosen));
   return Command(app);
@@ -302,16 +254,44 @@ bool Parser::takes(const std::string& flag) const {
 
 CommandEntry Parser::describe() const { return describe_commands(*app_); }
 
+Json flag_value(const std::string& text) {
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* end = text.data() + text.size();
+  const auto parse = [&](auto value) -> std::optional<Json> {
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error != std::errc{} || stop != end) return std::nullopt;
+    return Json(value);
+  };
+  if (const auto integer = parse(uint64_t{})) return *integer;
+  if (const auto negative = parse(int64_t{})) return *negative;
+  if (const auto real = parse(double{}); real && std::isfinite(real->get<double>())) return *real;
+  return text;
+}
+
 Json read_config(const std::string& path) {
   Json json = read_json(path, ErrorKind::usage);
   if (!json.is_object() || !json.contains("schema")) return json;
-  if (is_result(json)) return settings_of_result(path);
-  if (json["schema"] == "vpr.sweep/1")
+  const Json& schema = json["schema"];
+  if (schema.is_string() && schema.get_ref<const std::string&>().starts_with("vpr.result/")) {
+    const Json result = read_result_json(path);
+    Json settings = result.value("settings", Json::object());
+    const Json provenance = result.value("provenance", Json::object());
+    if (settings.is_object() && provenance.is_object() && provenance.contains("seed"))
+      settings["seed"] = provenance["seed"];
+    return settings;
+  }
+  if (schema == "vpr.sweep/3")
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is a sweep, of many settings; let vpr-tune write those that it "
-                            "recommends (--save-config FILE), and give that file",
+                fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
+                            "vpr-tune --save-config FILE and use that file.",
                             path));
-  if (json["schema"] == "vpr.calibration/1") return calibrated_settings(json, path);
+  if (schema == "vpr.calibration/3") {
+    if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is a calibration without a margin. Calibrate on another sequence "
+                            "or with other settings.",
+                            path));
+  }
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");
   return json;
@@ -335,11 +315,12 @@ std::optional<std::string> unknown_word(const CommandEntry& program,
     }
   }
   if (path == program.name && !program.runs_itself)
-    return fmt::format("give a command: {}; see {} --help", fmt::join(commands, ", "), path);
+    return fmt::format("a command is missing: {}; see {} --help", fmt::join(commands, ", "), path);
   for (const std::string& word : words) {
     if (word == "--") break;
     const std::string name = word.substr(0, word.find('='));
-    if (is_flag(name) && std::find(flags.begin(), flags.end(), name) == flags.end())
+    const bool is_flag = name.size() > 2 && name.starts_with("--");
+    if (is_flag && std::ranges::count(flags, name) == 0)
       return fmt::format("unknown flag {}{} See {} --help", name, did_you_mean(name, flags), path);
   }
   return std::nullopt;

@@ -1,7 +1,8 @@
-// A program's parser: commands and flags as flags.h adds them, read back as data; --config files,
-// and suggestions for unknown words.
+// Commands, flags and --config files of a program. Wraps CLI11, which is expensive to compile: only
+// parser.cpp includes it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,19 +10,79 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "flags.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace vpr {
 
-/// Headings that stand apart: flags that all programs share come last.
+/// The last group of flags in the help, and the sections with a place of their own in manual pages.
 inline constexpr const char* kCommonGroup = "Common options";
 inline constexpr const char* kExampleSection = "Example";
 inline constexpr const char* kExitCodeSection = "Exit codes";
 
+/// A handle of a flag or argument. Each function changes it and returns the handle.
+class Flag {
+ public:
+  explicit Flag(CLI::Option& option) : option_(&option) {}
+
+  Flag required();
+  /// The heading of the flag in the help.
+  Flag group(const std::string& heading);
+  /// The name of its value in the help: FILE, NUMBER, text|csv.
+  Flag type_name(const std::string& word);
+  /// Values for completions; the help shows only `word`.
+  Flag choices(const std::string& word, const std::vector<std::string>& names);
+  /// Reads the value before the values of all later flags, which override it.
+  Flag read_first();
+  /// The two flags cannot be combined.
+  Flag excludes(const Flag& other);
+  /// The flag takes `fewest` to `most` values.
+  Flag expected(int fewest, int most);
+  /// One argument contains several values.
+  Flag comma_separated();
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A handle of a program or of one of its commands. Values of flags must live until the program is
+/// parsed.
+class Command {
+ public:
+  explicit Command(CLI::App& app) : app_(&app) {}
+
+  /// `flag`: "--name", "-n,--name", or "NAME" for an argument without a flag. T is string,
+  /// optional<string, uint64_t or double>, or vector<string or uint64_t>.
+  template <class T>
+  Flag add_option(const std::string& flag, T& value, const std::string& help) const;
+  /// Passes the text of the value to `read`, which may throw.
+  Flag add_option(const std::string& flag, const std::function<void(const std::string&)>& read,
+                  const std::string& help) const;
+  Flag add_flag(const std::string& flag, bool& value, const std::string& help) const;
+  /// A repeatable flag. Values are not split.
+  Flag add_list(const std::string& flag, std::vector<std::string>& values,
+                const std::string& help) const;
+  /// Inserts a section, a heading with a colon and lines, before the sections at the end of the
+  /// help.
+  void add_footer(const std::string& text) const;
+
+  /// Whether the command line has the flag.
+  bool is_given(const std::string& flag) const;
+  /// The flags of a group on the command line.
+  std::vector<std::string> given_flags(const std::string& heading) const;
+
+ private:
+  CLI::App* app_;
+};
+
+/// A flag as help, completions and manual pages show it.
 struct FlagEntry {
-  std::vector<std::string> names;    ///< with dashes, short ones first
-  std::string value;                 ///< FILE, NUMBER, a|b|c; empty: takes none
-  std::vector<std::string> choices;  ///< values that completions offer
+  std::vector<std::string> names;    ///< with dashes, short names first
+  std::string value;                 ///< FILE, NUMBER, a|b|c; empty for a switch
+  std::vector<std::string> choices;  ///< values for completions
   std::string help;
   std::string group;
   bool is_required = false;
@@ -33,10 +94,10 @@ struct ArgumentEntry {
   bool is_required = false;
 };
 
-/// A part of what help ends with: a heading, and lines as they stand.
+/// A section at the end of the help.
 struct Section {
   std::string title;
-  std::string text;
+  std::string text;  ///< preformatted lines
 };
 
 struct CommandEntry {
@@ -44,17 +105,17 @@ struct CommandEntry {
   std::string description;
   std::vector<Section> sections;
   std::vector<ArgumentEntry> arguments;
-  std::vector<FlagEntry> flags;  ///< by group; within one, what is required first
+  std::vector<FlagEntry> flags;  ///< by group; required flags are first in their group
   std::vector<CommandEntry> commands;
-  bool runs_itself = true;  ///< false: one of its commands must be named
+  bool runs_itself = true;  ///< false: a command is required
 };
 
-/// Headings end with a colon and stand behind an empty line, or first.
+/// A section starts at the beginning or after an empty line, with a title that ends with a colon.
 std::vector<Section> split_sections(const std::string& footer);
 
-/// A flag or argument of the command line with what was given for it.
+/// A flag or argument on the command line.
 struct GivenFlag {
-  std::vector<std::string> names;  ///< long ones, without dashes; none of an argument
+  std::vector<std::string> names;  ///< long names without dashes; empty for an argument
   std::vector<std::string> values;
 };
 
@@ -63,23 +124,21 @@ class Parser {
   Parser(const std::string& name, const std::string& description, const std::string& version);
   ~Parser();
 
-  /// The program's own flags.
+  /// The program itself.
   Command root() const;
-  /// A command with --help and --version; `chosen` is called where it is named.
+  /// A command with --help and --version. Calls `chosen` if the command line names it.
   Command add_command(const std::string& name, const std::string& description,
                       std::function<void()> chosen);
-  /// Whether one of the commands must be named.
   void require_command(bool required);
 
-  /// False if --help or --version were asked for, and were printed. Throws Error(usage), and what
-  /// those throw that read values.
+  /// Returns false after --help or --version, whose text is printed. Throws Error(usage), and
+  /// errors from reading values.
   bool parse(int argc, char** argv);
-  /// What was given, the program's first, then its command's.
+  /// Flags and arguments on the command line: those of the program, then those of its command.
   std::vector<GivenFlag> given() const;
-  /// Whether the command that was given has a flag.
+  /// Whether the chosen command has the flag.
   bool takes(const std::string& flag) const;
-  /// Hidden flags (without a group) are left out. What stands behind a colon in the name of a
-  /// flag's value are its choices.
+  /// Omits flags without a group.
   CommandEntry describe() const;
 
  private:
@@ -87,15 +146,31 @@ class Parser {
   std::unique_ptr<CLI::App> app_;
 };
 
-/// The keys of a configuration, or the settings and the seed that a result was made with. Throws
-/// Error(input) if it can't be read, Error(usage) if it is neither, Error(data) if it is a damaged
-/// result.
+/// The JSON value of a flag: a number, including ".5", "+1" and "1e-3", or a string.
+Json flag_value(const std::string& text);
+
+/// Keys of a configuration file, or the settings and the seed of a result file. Throws Error(input)
+/// if the file cannot be read, Error(usage) if it is neither, Error(data) for a damaged result.
 Json read_config(const std::string& path);
 
-/// A sentence on the first word that is no flag of the program or of the command that `words` name,
-/// or no command where one must be named; with the nearest that there is, if one is near. Nothing
-/// if all are known. Says which help to read. `words`: the command line without the program's name.
+/// Describes the first unknown flag, or the unknown or missing command, with the nearest known name
+/// and the help to read; nullopt if all words are known. `words`: the command line without the
+/// program.
 std::optional<std::string> unknown_word(const CommandEntry& program,
                                         const std::vector<std::string>& words);
+
+/// The columns of a help line, unless a single word is longer.
+inline constexpr size_t kHelpWidth = 100;
+/// The first column of the help of a flag.
+inline constexpr size_t kHelpColumn = 30;
+
+/// The help of a command. `path`: the program and the command, as in "vpr-eval compare". Breaks
+/// long lines between words; an example continues after a backslash, so it can be copied.
+std::string help_text(const CommandEntry& command, const std::string& path);
+
+/// A completion script for `kind` "bash", or a manual page in troff (section 1) for "man". Throws
+/// Error(usage) for another kind.
+std::string completion_text(const CommandEntry& program, const std::string& kind,
+                            const std::string& version);
 
 }  // namespace vpr

@@ -17,7 +17,7 @@ constexpr double kRedrawMs = 100;
 constexpr size_t kBarWidth = 24;
 constexpr size_t kLabelWidth = 30;
 constexpr size_t kUsualWidth = 80;
-// Before, the time left would be a guess from too little.
+// Minimum for an estimate of the remaining time.
 constexpr double kLeastSeconds = 1;
 constexpr double kLeastShare = 0.02;
 
@@ -33,13 +33,14 @@ double share_of(size_t done, size_t total) {
   return total == 0 ? 0 : static_cast<double>(std::min(done, total)) / static_cast<double>(total);
 }
 
-// Long names lose their beginning: the end and the number tell parts apart.
+// Long names lose their beginning, because the end and the number distinguish parts.
 std::string label_text(const std::string& step) {
   std::string label = printable_line(step);
   if (label.size() > kLabelWidth) {
     const std::string begin = first_word(step).substr(0, kLabelWidth / 2) + " ...";
     size_t from = label.size() - (kLabelWidth - begin.size());
-    while (from < label.size() && (label[from] & 0xc0) == 0x80) ++from;  // not within a character
+    while (from < label.size() && (label[from] & 0xc0) == 0x80)
+      ++from;  // keep UTF-8 characters whole
     label = begin + label.substr(from);
   }
   return fmt::format("{:<{}}", label, kLabelWidth);
@@ -92,7 +93,7 @@ void ProgressLine::show(const std::string& step, size_t done, size_t total) {
   if (drawn_ && since_drawn_.elapsed_ms() < kRedrawMs) return;
   since_drawn_ = {};
   drawn_ = true;
-  // A line that fills the last column would be continued on the next, and not be erased.
+  // A line that fills the last column wraps, and its first row is not erased.
   fmt::print(stderr, "\r\x1b[K{}",
              progress_text(step, done, total, seconds_left(share), terminal_width() - 1));
   std::fflush(stderr);

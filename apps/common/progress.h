@@ -1,4 +1,4 @@
-// Progress on a terminal: one line that is drawn again, with the time left.
+// Progress on a terminal: one line with the remaining time, redrawn in place.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace vpr {
 
-/// "match monday 3/14       [#####     ]  50 %  ETA 0:12", at most `width` columns; what comes
-/// before the bar has one width for all steps. `total` 0: unknown, the count stands alone.
-/// `seconds_left` below 0: not known, left out.
+/// "match monday 3/14       [#####     ]  50 %  ETA 0:12", at most `width` columns; the bar starts
+/// at the same column for all steps. `total` 0: unknown, shows only the count. `seconds_left`
+/// below 0: unknown, omitted.
 std::string progress_text(const std::string& step, size_t done, size_t total, double seconds_left,
                           size_t width);
 
-/// Draws on stderr, only if that is a terminal. Thread-safe.
+/// Draws on stderr if it is a terminal. Thread-safe.
 class ProgressLine {
  public:
   explicit ProgressLine(bool enabled);
@@ -23,9 +23,9 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// The first word of `step` is the step, the others say which part of it (base/step_parts.h).
+  /// The first word of `step` is the step, the others are its part (part_of in base/monitor.h).
   void show(const std::string& step, size_t done, size_t total);
-  /// Takes the line away, so that something else can be printed, on stdout or stderr.
+  /// Erases the line before other output on stdout or stderr.
   void clear();
 
  private:
@@ -37,7 +37,7 @@ class ProgressLine {
   std::string step_;
   Stopwatch step_time_;
   Stopwatch since_drawn_;
-  double first_share_ = 0;  ///< of the step, when it began
+  double first_share_ = 0;  ///< at the start of the step
   double last_share_ = 0;
 };
 

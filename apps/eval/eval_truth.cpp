@@ -1,22 +1,37 @@
+#include <memory>
+
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/text.h"
 #include "describe/imported.h"
-#include "eval_commands.h"
-#include "evaluate/counts.h"
+#include "eval.h"
 #include "present/ground_truth_report.h"
-#include "present/result_file.h"
 #include "sequence/frames.h"
 #include "sequence/sequence_source.h"
-#include "truth/check.h"
 #include "truth/formats.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
-
 namespace {
+
+/// Numbers of frames; empty: those of the ground truth.
+struct ScopeInputs {
+  std::string result;
+  std::string query;
+  std::vector<std::string> train;
+  std::optional<uint64_t> query_frames;
+  std::optional<uint64_t> train_frames;
+};
+
+struct TruthInputs {
+  std::string ground_truth;
+  std::string target;  ///< format to convert to
+  GroundTruthFlags flags;
+  ScopeInputs scope;
+  TableFormat format = TableFormat::text;
+};
 
 size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
   const SequenceSource sequence = open_sequence(argument);
@@ -44,15 +59,16 @@ GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& mo
 
 void add_scope_flags(const Command& command, ScopeInputs& inputs) {
   constexpr const char* kGroup = "Numbers of frames (default: those of the ground truth)";
-  command.add_option("--result", inputs.result, "those of a result of vpr-query").group(kGroup);
-  command.add_option("--query", inputs.query, "those of this query: folder, list or video")
+  command.add_option("--result", inputs.result, "result of vpr-query with these frames")
       .group(kGroup);
-  command.add_list("--train", inputs.train, "and of this training sequence; repeatable")
+  command.add_option("--query", inputs.query, "query with these frames: folder, list or video")
       .group(kGroup);
-  command.add_option("--query-frames", inputs.query_frames, "a number")
+  command.add_list("--train", inputs.train, "training sequence with these frames; repeatable")
+      .group(kGroup);
+  command.add_option("--query-frames", inputs.query_frames, "number of query frames")
       .type_name("NUMBER")
       .group(kGroup);
-  command.add_option("--train-frames", inputs.train_frames, "a number")
+  command.add_option("--train-frames", inputs.train_frames, "number of training frames")
       .type_name("NUMBER")
       .group(kGroup);
 }
@@ -64,23 +80,24 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
   if (int{!inputs.result.empty()} + int{has_sequences} + int{has_numbers} > 1)
     throw Error(
         ErrorKind::usage,
-        "give the numbers of frames once: --result, --query with --train, or --query-frames "
-        "with --train-frames");
+        "the numbers of frames have several sources. Use one: --result, --query with --train, or "
+        "--query-frames with --train-frames");
   if (!inputs.result.empty()) return scope_of(read_result(inputs.result, monitor).result);
   if (has_sequences) {
     if (inputs.query.empty() || inputs.train.empty())
-      throw Error(ErrorKind::usage, "give both --query and --train");
+      throw Error(ErrorKind::usage, "--query and --train go together");
     return scope_of_sequences(inputs, monitor);
   }
   if (!has_numbers) return {{"", kUnknownFrames}, {{{"", kUnknownFrames}}}};
   if (!inputs.query_frames || !inputs.train_frames)
-    throw Error(ErrorKind::usage, "give both --query-frames and --train-frames");
+    throw Error(ErrorKind::usage, "--query-frames and --train-frames go together");
   if (*inputs.query_frames > kMaxGrownFrames || *inputs.train_frames > kMaxGrownFrames)
-    throw Error(ErrorKind::usage, fmt::format("numbers of frames go up to {}", kMaxGrownFrames));
+    throw Error(ErrorKind::usage,
+                fmt::format("the maximum number of frames is {}", kMaxGrownFrames));
   return {{"", *inputs.query_frames}, {{{"", *inputs.train_frames}}}};
 }
 
-void run(Session& session, const CheckInputs& inputs) {
+void run_check(Session& session, const TruthInputs& inputs) {
   session.claim_output();
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
@@ -96,20 +113,14 @@ void run(Session& session, const CheckInputs& inputs) {
 
 bool is_written(const GroundTruthFormat& format) { return format.write != nullptr; }
 
-const GroundTruthFormat& find_target(const std::string& name) {
-  const GroundTruthFormat& format = find_format(name);
-  if (!is_written(format))
-    throw Error(ErrorKind::usage,
-                fmt::format("a ground truth can't be turned into {}; --to takes {}", format.name,
-                            format_names(is_written)));
-  return format;
-}
-
-void run(Session& session, const ConvertInputs& inputs) {
+void run_convert(Session& session, const TruthInputs& inputs) {
   const CommonOptions& options = session.options;
   if (options.output.empty())
-    throw Error(ErrorKind::usage, "give the file to write, as in -o pairs.csv");
-  const GroundTruthFormat& target = find_target(inputs.target);
+    throw Error(ErrorKind::usage, "the output file is missing. Add it, as in -o pairs.csv");
+  const GroundTruthFormat& target = find_format(inputs.target);
+  if (!is_written(target))
+    throw Error(ErrorKind::usage, fmt::format("{} cannot be written. Use --to with {}", target.name,
+                                              format_names(is_written)));
   session.claim_output();
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
@@ -119,8 +130,9 @@ void run(Session& session, const ConvertInputs& inputs) {
   const bool holds_ignored = target.ignores_in.empty() ||
                              std::filesystem::path(options.output).extension() == target.ignores_in;
   if (summary.ignored > 0 && !holds_ignored)
-    warn(session.monitor, fmt::format("{} to ignore become different: {} can't say that",
-                                      counted(summary.ignored, "pair"), target.name));
+    warn(session.monitor,
+         fmt::format("{} labeled ignore become different, since {} has no such label",
+                     counted(summary.ignored, "pair"), target.name));
   target.write(found, session.outputs.file(options.output), session.monitor);
   session.print_result(fmt::format("{} ({}) to {} ({}): {}, {} of the same place, {} ignored\n",
                                    inputs.ground_truth, found.format, options.output, target.name,
@@ -131,33 +143,37 @@ void run(Session& session, const ConvertInputs& inputs) {
 
 }  // namespace
 
-void add_check(Program& program, CheckInputs& inputs) {
+void add_check(Program& program) {
+  const auto inputs = std::make_shared<TruthInputs>();
   const Command command = program.add_command(
       "check",
-      "Look for what is odd in a ground truth: indices out of range, contradictions (exit code 4), "
-      "duplicates, one-sided pairs, queries without a match.",
+      "Check a ground truth for indices out of range, contradictions (exit code 4), duplicates, "
+      "one-sided pairs and queries without a match.",
       "  vpr-eval check ground_truth.csv --query corridor/query --train corridor/ref\n"
       "  vpr-eval check GT.npz --json",
-      [&inputs](Session& session) { run(session, inputs); });
-  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
-  add_setting(command, "--format", inputs.format, "of the table: text, csv, markdown or latex");
-  add_ground_truth_flags(command, inputs.flags);
-  add_scope_flags(command, inputs.scope);
+      [inputs](Session& session) { run_check(session, *inputs); });
+  command.add_option("GROUND-TRUTH", inputs->ground_truth, ground_truth_help()).required();
+  add_setting(command, "--format", inputs->format,
+              "format of the table: text, csv, markdown or latex (default: text)");
+  add_ground_truth_flags(command, inputs->flags);
+  add_scope_flags(command, inputs->scope);
 }
 
-void add_convert(Program& program, ConvertInputs& inputs) {
+void add_convert(Program& program) {
+  const auto inputs = std::make_shared<TruthInputs>();
   const Command command = program.add_command(
-      "convert", "Turn a ground truth into another format.",
+      "convert", "Convert a ground truth to another format.",
       "  vpr-eval convert ground_truth_new.npy --to pairs -o pairs.csv\n"
-      "  vpr-eval convert query.csv --ground-truth-reference ref.csv --radius 5 --to matrix "
+      "  vpr-eval convert query.csv --ground-truth-train ref.csv --radius 5 --to matrix "
       "-o GT.npz\n"
       "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to pairs "
       "-o pairs.csv",
-      [&inputs](Session& session) { run(session, inputs); });
-  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
-  command.add_option("--to", inputs.target, format_names(is_written)).required();
-  add_ground_truth_flags(command, inputs.flags, "--from,--ground-truth-format");
-  add_scope_flags(command, inputs.scope);
+      [inputs](Session& session) { run_convert(session, *inputs); });
+  command.add_option("GROUND-TRUTH", inputs->ground_truth, ground_truth_help()).required();
+  command.add_option("--to", inputs->target, "output format: " + format_names(is_written))
+      .required();
+  add_ground_truth_flags(command, inputs->flags, "--from,--ground-truth-format");
+  add_scope_flags(command, inputs->scope);
 }
 
 }  // namespace vpr

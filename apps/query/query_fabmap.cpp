@@ -1,72 +1,150 @@
-// vpr-query against a FAB-MAP database.
+// Queries of a FAB-MAP database.
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "decide/clustering.h"
-#include "explain_fabmap.h"
-#include "fabmap/openfabmap.h"
+#include "fabmap/train.h"
+#include "present/chart.h"
 #include "present/explanation_report.h"
-#include "present/result_file.h"
 #include "present/score_matrix.h"
 #include "present/table.h"
-#include "query_inputs.h"
-#include "query_loop.h"
+#include "query.h"
 #include "run/fabmap_query.h"
+#include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kTableRows = 20;
-
 struct WordQuery {
   std::string name;
   std::string path;
-  std::optional<SequenceArgument> images;  // none for a BOW matrix
+  std::optional<SequenceArgument> images;  ///< as recorded; nullopt for a BOW matrix
   SequenceWords words;
 };
 
-WordQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
+WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database,
                      bool skip_unreadable, const Session& session) {
   WordQuery query;
-  if (!inputs.query_bow.empty()) {
-    const SequenceArgument argument = parse_sequence_argument(inputs.query_bow);
+  if (!options.query_bow.empty()) {
+    const SequenceArgument argument = parse_sequence_argument(options.query_bow);
     query.name = sequence_names({argument}).front();
     query.path = argument.path.string();
     SequenceWords rows{{}, read_openfabmap_frames(argument, database.tree.words())};
     rows.sequence.frames = rows.words.size();
-    const Selection shown =
-        warped(inputs.selection.warp, rows.sequence.frames, session.options.seed);
-    query.words = selected(std::move(rows), shown);
+    const Selection selection =
+        at_speed(options.selection.speed, rows.sequence.frames, session.options.seed);
+    query.words = selected(std::move(rows), selection);
     return query;
   }
-  const QuerySource source = find_query(inputs, session);
-  query.name = source.sequence.name;
-  query.path = source.sequence.sequence.path.string();
-  query.images = {source.sequence.sequence.path, source.sequence.sequence.range};
-  query.words = describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
-                               session.monitor);
+  const NamedSequence source = find_query(options, session).sequence;
+  query.name = source.name;
+  query.path = source.sequence.path.string();
+  query.images = {source.sequence.path, source.sequence.range};
+  query.words =
+      describe_words(open_sequence(source.sequence), database, skip_unreadable, session.monitor);
   return query;
 }
 
-// If nothing was recognized, the match with the highest probability.
+// The training sequences of --train by group of the database. Groups of equal names are
+// assigned in order. Throws Error(usage) for a name without a group.
+std::map<size_t, SequenceArgument> images_by_group(const QueryOptions& options,
+                                                   const FabmapDatabase& database) {
+  std::map<size_t, SequenceArgument> images;
+  for (const std::string& text : options.train_images) {
+    // An existing path takes precedence over the name of a group.
+    const bool is_path = std::filesystem::exists(parse_sequence_argument(text).path);
+    const size_t equals = is_path ? std::string::npos : text.find('=');
+    const SequenceArgument argument =
+        parse_sequence_argument(equals == std::string::npos ? text : text.substr(equals + 1));
+    const std::string name =
+        equals == std::string::npos ? sequence_names({argument}).front() : text.substr(0, equals);
+    size_t group = 0;
+    while (group < database.groups.size() &&
+           (database.groups[group].sequence.name != name || images.contains(group)))
+      ++group;
+    if (group == database.groups.size())
+      throw Error(ErrorKind::usage,
+                  fmt::format("--train: the database has no further group named {}; "
+                              "vpr-train info lists them",
+                              name));
+    images[group] = argument;
+  }
+  return images;
+}
+
+// Draws the explained frame next to the views of its best places, with their words. `recorded`: the
+// frame before selection. `images`: by group of the database; other views have no image.
+void draw_explanation(const Explanation& explanation, const SequenceArgument& query,
+                      size_t recorded, const FabmapDatabase& database,
+                      const std::map<size_t, SequenceArgument>& images, const Session& session) {
+  const FrameFeatures frame =
+      locate_words(open_sequence(query), recorded, database, session.monitor);
+  std::vector<ImagePair> pairs;
+  for (const PlaceExplanation& place : explanation.places) {
+    ImagePair& pair = pairs.emplace_back();
+    pair.query = mark_words(frame, place, fmt::format("query frame {}", explanation.frame));
+    pair.view.title = fmt::format("{}, probability {:.4f}, log-odds {:+.2f}", place.place,
+                                  place.match.score, place.log_odds);
+    const ViewOrigin origin = database.origin(place.match.view);
+    const auto source = images.find(origin.group);
+    if (source == images.end()) {
+      pair.view.title += " (its images: --train)";
+      continue;
+    }
+    try {
+      const FrameFeatures view =
+          locate_words(open_sequence(source->second), origin.frame, database, session.monitor);
+      pair.view = mark_words(view, place, pair.view.title);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      pair.view.title += " (can't be decoded)";
+    }
+  }
+  session.outputs.file(companion_path(session.options.output, "explain.png"))
+      .write(png_of(draw_word_pairs(pairs)));
+}
+
+// Explains a frame in the context of the result and in the plot of --explain; returns the text.
+std::string explain(size_t frame, std::span<const double> posterior, const QueryOptions& options,
+                    const FabmapDatabase& database, const WordQuery& query,
+                    const FabmapQuerySettings& settings, ResultContext& context,
+                    const Session& session) {
+  const FabmapDatabase searched =
+      settings.loop ? with_query(database, query.words, query.name) : database;
+  const Explanation explanation =
+      explain_frame(searched, query.words.words[frame], frame, posterior, settings);
+  context.explanation = explanation_json(explanation);
+  const std::string text = "\n" + explanation_text(explanation);
+  const std::string& output = session.options.output;
+  if (!query.images || output.empty() || explanation.places.empty()) return text;
+  std::map<size_t, SequenceArgument> images = images_by_group(options, searched);
+  if (settings.loop) images[searched.groups.size() - 1] = *query.images;
+  const Selection& selection = query.words.sequence.selection;
+  draw_explanation(explanation, *query.images,
+                   selection.is_all() ? frame : selection.sources[frame], searched, images,
+                   session);
+  return text + fmt::format("Drawn in {}\n", companion_path(output, "explain.png").string());
+}
+
+// The match with the highest probability if there is no recognition.
 std::string advice(const Result& result) {
   const Match* best = nullptr;
   for (const std::optional<Match>& match : result.best)
     if (match && (best == nullptr || match->score > best->score)) best = &*match;
   if (!result.recognitions.empty() || best == nullptr) return "";
   const auto& settings = std::get<FabmapQuerySettings>(result.settings);
-  const std::string in_a_row =
+  const std::string consecutive =
       settings.window == 1 ? "" : fmt::format(" in {} consecutive frames", settings.window);
   return fmt::format(
-      "Nothing is recognized: no probability is above t_p {}{}. The highest is {:.4f}, of {} in "
+      "Nothing is recognized: no probability is above t_p {}{}. The highest is {:.4f}, for {} in "
       "frame {}.\n",
-      settings.place_threshold, in_a_row, best->score, result.places->names[best->train],
+      settings.place_threshold, consecutive, best->score, result.places->names[best->train],
       best->query);
 }
 
@@ -82,7 +160,7 @@ std::string summary(const Result& result) {
   if (places.featureless > 0)
     table.title += fmt::format("; {} without features", counted(places.featureless, "frame"));
   table.columns = {"query frames", "places", "recognitions", "probability"};
-  const auto stretch = [](const std::string& first, const std::string& last) {
+  const auto range = [](const std::string& first, const std::string& last) {
     return first == last ? first : fmt::format("{} to {}", first, last);
   };
   const bool is_frame_a_place = places.names.size() == places.views;
@@ -90,8 +168,8 @@ std::string summary(const Result& result) {
                                                       : place_runs(result.recognitions, 1, 0);
   for (const PlaceRun& run : runs) {
     if (table.rows.size() == kTableRows) break;
-    table.rows.push_back({stretch(std::to_string(run.first_frame), std::to_string(run.last_frame)),
-                          stretch(places.names[run.first_place], places.names[run.last_place]),
+    table.rows.push_back({range(std::to_string(run.first_frame), std::to_string(run.last_frame)),
+                          range(places.names[run.first_place], places.names[run.last_place]),
                           std::to_string(run.recognitions),
                           fmt::format("{:.4f}", run.probability)});
   }
@@ -102,62 +180,47 @@ std::string summary(const Result& result) {
 
 }  // namespace
 
-void run_fabmap_query(Session& session, const QueryInputs& inputs,
-                      const FabmapQuerySettings& settings) {
-  const CommonOptions& options = session.options;
-  if (!options.output.empty()) claim_result(options.output, session.outputs);
-  if (inputs.explained_frame && !options.output.empty())
-    session.outputs.claim_file(explanation_picture_path(options.output));
-  if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
-  if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
+void query_places(Session& session, const QueryOptions& options,
+                  const FabmapQuerySettings& settings) {
+  claim_outputs(options, session);
   const Stopwatch watch;
-  const FabmapDatabase database = read_fabmap_database(inputs.database);
-  const WordQuery query = read_query(inputs, database, settings.skip_unreadable, session);
+  const FabmapDatabase database = read_fabmap_database(options.database);
+  const WordQuery query = read_query(options, database, settings.skip_unreadable, session);
   const double describe_s = watch.elapsed_s();
   const size_t frames = query.words.sequence.frames;
-  images_by_group(inputs, database);  // a wrong name should not cost the whole query
-  const auto explained = inputs.explained_frame;
+  images_by_group(options, database);  // report a wrong name before the query
+  const auto explained = options.explained_frame;
   if (explained && *explained >= frames)
     throw Error(ErrorKind::usage, fmt::format("--explain {}: the query's frames are 0 to {}",
                                               *explained, frames - 1));
   std::optional<PosteriorFile> posteriors;
-  if (!inputs.posteriors.empty())
-    posteriors.emplace(session.outputs.file(inputs.posteriors), frames,
+  if (!options.posteriors.empty())
+    posteriors.emplace(session.outputs.file(options.posteriors), frames,
                        database.views.views() + (settings.loop ? frames : 0));
   std::vector<double> explained_posterior;
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
     if (posteriors) posteriors->add(posterior);
     if (frame == explained) explained_posterior.assign(posterior.begin(), posterior.end());
   };
-  FabmapRun run = query_fabmap(database, query.words, query.name, settings, options.seed, observe,
-                               session.monitor);
-  run.seconds["describe"] = describe_s;
-  run.seconds["total"] = watch.elapsed_s();
-  ResultContext context = context_of(session, inputs, query.path, run.seconds);
+  FabmapRun run = query_fabmap(database, query.words, query.name, settings, session.options.seed,
+                               observe, session.monitor);
+  ResultContext context = make_context(options, session);
+  context.run.paths["query"] = query.path;
+  context.seconds = std::move(run.seconds);
+  context.seconds["describe"] = describe_s;
+  context.seconds["total"] = watch.elapsed_s();
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = words_fingerprint(query.words);
   std::string text = summary(run.result) + advice(run.result);
-  if (explained) {
-    const FabmapDatabase searched =
-        settings.loop ? with_query(database, query.words, query.name) : database;
-    const Explanation explanation = explain_frame(searched, query.words.words[*explained],
-                                                  *explained, explained_posterior, settings);
-    context.explanation = explanation_json(explanation);
-    text += "\n" + explanation_text(explanation);
-    if (query.images && !options.output.empty() && !explanation.places.empty()) {
-      const Selection& selection = query.words.sequence.selection;
-      const FrameOfQuery frame = {*query.images,
-                                  selection.is_all() ? *explained : selection.sources[*explained]};
-      write_explanation_picture(explanation, inputs, frame, searched, settings.loop, session);
-      text += fmt::format("Drawn in {}\n", explanation_picture_path(options.output).string());
-    }
-  }
+  if (explained)
+    text += explain(*explained, explained_posterior, options, database, query, settings, context,
+                    session);
   if (posteriors) {
     context.files["posteriors"] = posteriors->entry(session.monitor);
-    context.checksums[inputs.posteriors] = context.files["posteriors"]["checksum"];
+    context.checksums[options.posteriors] = context.files["posteriors"]["checksum"];
   }
-  write_loops(inputs, run.result, session);
-  session.print_result(text, keep_result(session, run.result, context));
+  save_loops(options, run.result, session);
+  session.print_result(text, save_result(session, run.result, context));
 }
 
 }  // namespace vpr

@@ -1,45 +1,191 @@
-// vpr-query against a database of sequences: FastABLE, OpenABLE.
+// Queries of sequences: FastABLE, OpenABLE, LSH and the filter.
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/checksum.h"
 #include "base/error.h"
-#include "base/json.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "evaluate/counts.h"
-#include "present/result_file.h"
+#include "evaluate/outcomes.h"
+#include "match/lsh.h"
+#include "present/evaluation_charts.h"
+#include "present/score_matrix.h"
 #include "present/table.h"
-#include "query_inputs.h"
-#include "query_loop.h"
+#include "query.h"
 #include "run/advice.h"
-#include "run/fuse.h"
 #include "run/own_database.h"
+#include "run/plan.h"
 #include "run/query.h"
 #include "run/train.h"
-#include "saved_matrix.h"
 #include "sequence/sequence_source.h"
+#include "truth/times.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kTableRows = 20;
+constexpr size_t kMatrixPixels = 2000;  // per side
 
-std::string query_fingerprint(const DescriptorSet& query) {
+/// A query and the data that it is matched with.
+struct QueryData {
+  QuerySource source;
+  SequenceDatabase database;
+  DescriptorSet query;
+  std::optional<PrecomputedDistances> scores;  ///< of --scores; database and query refer to it
+  std::vector<int64_t> times_ns;               ///< of the query, for --loop with a gap in seconds
+};
+
+std::string text_of(const SequenceArgument& argument) {
+  return argument.path.string() + range_text(argument.range);
+}
+
+std::string fingerprint_of(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
+}
+
+void read_database(QueryData& data, ResultContext& context, const QueryOptions& options,
+                   const ResolvedSettings& settings, const Session& session) {
+  data.source = find_query(options, session);
+  data.database = open_database(options.database, settings, options.fuse, session.monitor);
+  data.query =
+      describe_query(data.source.sequence.sequence, data.database, settings, session.monitor);
+  context.run.paths["query"] = text_of(data.source.sequence.sequence);
+  context.database_fingerprint = data.database.fingerprint;
+  context.query_fingerprint = fingerprint_of(data.query);
+  if (const FusedViews* fused = fused_views(data.database))
+    context.fused_fingerprint = fused->fabmap.fingerprint;
+}
+
+void read_scores(QueryData& data, ResultContext& context, const QueryOptions& options,
+                 const Session& session) {
+  const ScoreFlags& flags = options.scores;
+  data.source.sequence.name =
+      options.query.value_or(std::filesystem::path(flags.path).stem().string());
+  if (!options.ground_truth.empty())
+    data.source.ground_truth =
+        ground_truth_argument(options.ground_truth, options.ground_truth_flags);
+  require_order(flags);
+  const PrecomputedDistances& scores =
+      data.scores.emplace(flags.path, flags.format(), session.monitor);
+  std::vector<NamedArgument> sequences;
+  for (const std::string& text : options.train_sequences)
+    sequences.push_back(parse_named_range(text, "", "--train-sequence"));
+  MatrixQuery given = matrix_query(scores, sequences);
+  data.database = std::move(given.database);
+  data.query = selected(std::move(given.query),
+                        at_speed(options.selection.speed, scores.queries(), session.options.seed));
+  const PrecomputedUnits& units = scores.units();
+  context.scores = {{"kind", enum_name(flags.order())},
+                    {"best", units.best},
+                    {"unit", units.unit},
+                    {"is_exact", units.is_exact}};
+  context.database_fingerprint = context.query_fingerprint = scores.fingerprint(session.monitor);
+}
+
+// Integer seconds in steps of one are possibly numbers of frames.
+bool may_be_numbers(const std::vector<int64_t>& times) {
+  for (size_t f = 1; f < times.size(); ++f)
+    if (times[f] - times[f - 1] != kSecond) return false;
+  return times.size() > 1 && times.front() % kSecond == 0;
+}
+
+// Times from the names of the frames, which were not made for this purpose: an error is one of
+// usage.
+std::vector<int64_t> times_of_names(const std::string& query, const Monitor& monitor) {
+  try {
+    const std::vector<int64_t> times = read_frame_times(query, monitor);
+    if (may_be_numbers(times))
+      warn(monitor,
+           fmt::format("{}: the names of its frames, {} to {}, are interpreted as seconds; if they "
+                       "count frames, use --frame-times, or a gap in frames",
+                       query, time_text(times.front()), time_text(times.back())));
+    return times;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::data) throw;
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}; a gap in seconds needs times. Use --frame-times FILE with one per line, "
+                    "or a gap in frames, as in --loop-gap 300.",
+                    error.what()));
+  }
+}
+
+void read_loop(QueryData& data, ResultContext& context, const QueryOptions& options,
+               const SequenceQuerySettings& settings, const Session& session) {
+  data.source = find_query(options, session);
+  const SequenceArgument& argument = data.source.sequence.sequence;
+  const std::string query = text_of(argument);
+  const bool needs_times = settings.loop_gap_s != 0;
+  if (needs_times)
+    data.times_ns = options.loop_times.empty()
+                        ? times_of_names(query, session.monitor)
+                        : read_frame_times(options.loop_times, session.monitor);
+  data.query = describe_own(open_sequence(argument), settings, session.monitor);
+  const size_t frames = data.query.rows().size();
+  if (needs_times && data.times_ns.size() != frames)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: has {}, and {} has {}",
+                    options.loop_times.empty() ? query : options.loop_times,
+                    counted(data.times_ns.size(), "time"), query, counted(frames, "frame")));
+  data.database = own_database(data.query, data.source.sequence.name);
+  context.run.paths["query"] = query;
+  context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);
+}
+
+/// The score matrix of --save-matrix, from the rows of a query.
+struct SavedMatrix {
+  std::optional<MatrixFile> file;
+  std::optional<RowPixels> pixels;
+  std::optional<GroundTruth> truth;  ///< for the image
+};
+
+std::optional<GroundTruth> read_truth(const QueryData& data, const Result& shape,
+                                      const Monitor& monitor) {
+  if (!data.source.ground_truth) return std::nullopt;
+  GroundTruthScope scope = scope_of(shape);
+  scope.query_names = [&] { return data.query.sequence.frame_names; };
+  for (size_t s = 0; s < scope.sequences.size(); ++s)
+    scope.sequences[s].names = [&, s] { return data.database.sequences[s].sequence.frame_names; };
+  return read_ground_truth(*data.source.ground_truth, scope, monitor);
+}
+
+// Whether any cell of the matrix has no score.
+bool has_gaps(const QueryPlan& plan) {
+  const auto is_unreadable = [](const DescribedFrames& span) { return !span.unreadable.empty(); };
+  return !plan.query_sequence.unreadable.empty() || !plan.past.empty() ||
+         std::any_of(plan.train.begin(), plan.train.end(), is_unreadable);
+}
+
+// The consumer of the rows; none without --save-matrix.
+std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& path,
+                                      const QueryData& data, const QueryPlan& plan,
+                                      const Session& session) {
+  if (path.empty()) return {};
+  const Result shape = make_result(plan);  // without matches
+  if (path.ends_with(".npy"))
+    return {std::ref(
+        saved.file.emplace(session.outputs.file(path), shape, has_gaps(plan), session.monitor))};
+  saved.truth = read_truth(data, shape, session.monitor);
+  return {std::ref(saved.pixels.emplace(layout_of(shape), kMatrixPixels))};
+}
+
+void finish_matrix(const SavedMatrix& saved, const std::string& path, const Result& result,
+                   ResultContext& context, const Session& session) {
+  if (saved.file) {
+    context.matrix = matrix_layout_json(layout_of(result));
+    context.files["matrix"] = saved.file->entry(session.monitor);
+    context.checksums[path] = context.files["matrix"]["checksum"];
+  }
+  if (saved.pixels)
+    session.outputs.file(path).write(chart_png({result_matrix_chart(
+        result, *saved.pixels, saved.truth ? &*saved.truth : nullptr, session.monitor)}));
 }
 
 // The anchors of windows `first` to `last`.
 std::string anchors_text(size_t first, size_t last, size_t length) {
   const std::string text = std::to_string(anchor_of(first, length));
   return first == last ? text : fmt::format("{} to {}", text, anchor_of(last, length));
-}
-
-std::string rate_text(const Cluster& track) {
-  const auto rate = mean_rate(track);
-  return rate ? fmt::format("{:.2f}", *rate) : "-";
 }
 
 Table places_table(const Result& result) {
@@ -54,13 +200,16 @@ Table places_table(const Result& result) {
                    result.path ? "rate" : std::string(kind.frame_unit)};
   for (const Cluster& cluster : result.clusters->all) {
     if (table.rows.size() == kTableRows) break;
-    const std::string value =
+    std::string value =
         fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits);
+    if (result.path) {
+      const auto rate = mean_rate(cluster);
+      value = rate ? fmt::format("{:.2f}", *rate) : "-";
+    }
     table.rows.push_back({result.targets[cluster.target].sequence.name,
                           anchors_text(cluster.query_first, cluster.query_last, length),
                           anchors_text(cluster.train_first, cluster.train_last, length),
-                          std::to_string(cluster.recognitions),
-                          result.path ? rate_text(cluster) : value});
+                          std::to_string(cluster.recognitions), value});
   }
   return table;
 }
@@ -72,148 +221,63 @@ std::string summary(const QueryRun& run) {
   if (clusters > kTableRows) text += fmt::format("... and {} more\n", clusters - kTableRows);
   if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
-    text += fmt::format(
-        "Against an exact search: the best match of {} of {} was found, and {} of {}\n",
-        result.recall->found_best, counted(result.recall->windows, "window"),
-        result.recognitions.size(), counted(result.recall->recognitions, "recognition"));
+    text += fmt::format("Compared with an exact search: the best match of {} of {}, and {} of {}\n",
+                        result.recall->found_best, counted(result.recall->windows, "window"),
+                        result.recognitions.size(),
+                        counted(result.recall->recognitions, "recognition"));
   return text;
 }
 
-/// What a query is compared with, and what files say of both.
-struct Sides {
-  std::optional<GivenDistances> given;  ///< of --scores
-  SequenceDatabase database;
-  DescriptorSet query;
-  QuerySource source;
-  ResultContext context;
-  std::vector<int64_t> times_ns;  ///< of --loop
-};
-
-// A matrix and a walk against its own past have no training sequences that the filter needs.
-std::string advice_text(Sides& sides, const Result& result, const QueryResources& resources,
+// Advice if there is no recognition. The filter needs training sequences and their statistics,
+// which a score matrix and a loop query do not have.
+std::string advice_text(QueryData& data, const Result& result, const QueryResources& resources,
                         const Session& session) {
-  if (const auto sentence = too_many_recognitions(result)) warn(session.monitor, *sentence);
+  if (const auto sentence = excess_advice(result)) warn(session.monitor, *sentence);
   if (!result.recognitions.empty()) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (sides.given || settings.loop || has_paths(settings.method))
-    return nothing_recognized(result) + "\n";
-  ensure_statistics(sides.database, session.monitor);
-  return filter_finding(sides.database, sides.query, settings, resources, session.monitor) + "\n";
-}
-
-void describe_own(Sides& sides, const Session& session, const QueryInputs& inputs,
-                  const SequenceQuerySettings& settings) {
-  sides.source = find_query(inputs, session);
-  LoopWalk walk = describe_loop(sides.source.sequence.sequence, inputs, settings, session);
-  sides.database = std::move(walk.database);
-  sides.database.sequences.front().sequence.name = sides.source.sequence.name;
-  sides.query = std::move(walk.query);
-  sides.times_ns = std::move(walk.times_ns);
-  sides.context.database_fingerprint = sides.context.query_fingerprint =
-      query_fingerprint(sides.query);
-}
-
-void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
-              const ResolvedSettings& settings) {
-  sides.source = find_query(inputs, session);
-  sides.database = open_database(inputs.database, settings, inputs.fuse, session.monitor);
-  sides.query =
-      describe_query(sides.source.sequence.sequence, sides.database, settings, session.monitor);
-  sides.context.database_fingerprint = sides.database.fingerprint;
-  sides.context.query_fingerprint = query_fingerprint(sides.query);
-  if (const FusedViews* fused = fused_views(sides.database))
-    sides.context.fused_fingerprint = fused->fabmap.fingerprint;
-}
-
-void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
-  sides.source = find_scored_query(inputs);
-  const GivenDistances& given = sides.given.emplace(inputs.scores.matrix.path,
-                                                    inputs.scores.matrix.format(), session.monitor);
-  MatrixQuery made = matrix_query(given, scored_sequences(inputs.scores));
-  sides.database = std::move(made.database);
-  sides.query = selected(std::move(made.query),
-                         warped(inputs.selection.warp, given.queries(), session.options.seed));
-  const GivenUnits& units = given.units();
-  sides.context.scores = {{"kind", enum_name(inputs.scores.matrix.order())},
-                          {"best", units.best},
-                          {"unit", units.unit},
-                          {"is_exact", units.is_exact}};
-  const std::string fingerprint = given.fingerprint(session.monitor);
-  sides.context.database_fingerprint = sides.context.query_fingerprint = fingerprint;
-}
-
-QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
-  QueryResources resources;
-  resources.kernels = session.kernels;
-  resources.memory_limit = inputs.memory_limit;
-  resources.verify_cells = inputs.verify_cells;
-  resources.seed = session.options.seed;
-  return resources;
-}
-
-// Before anything is read.
-void claim_outputs(const Session& session, const QueryInputs& inputs) {
-  if (!session.options.output.empty()) claim_result(session.options.output, session.outputs);
-  claim_matrix(inputs, session.outputs);
-  if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
+  if (data.scores || settings.loop || has_paths(settings.method))
+    return no_recognition_advice(result) + "\n";
+  ensure_statistics(data.database, session.monitor);
+  return filter_advice(data.database, data.query, settings, resources, session.monitor) + "\n";
 }
 
 }  // namespace
 
-void run_sequence_query(Session& session, const QueryInputs& inputs,
-                        const ResolvedSettings& settings) {
-  if (inputs.follow) return follow_query(session, inputs, settings);
-  claim_outputs(session, inputs);
-  const QueryResources resources = resources_of(session, inputs);
-
+void query_sequences(Session& session, const QueryOptions& options,
+                     const ResolvedSettings& settings) {
+  const Monitor& monitor = session.monitor;
+  claim_outputs(options, session);
+  const QueryResources resources = resources_of(options, session);
   const Stopwatch watch;
-  Sides sides;
-  const bool has_scores = !inputs.scores.matrix.path.empty();
-  has_scores       ? take_scores(sides, session, inputs)
-  : settings->loop ? describe_own(sides, session, inputs, *settings)
-                   : describe(sides, session, inputs, settings);
-  const SequenceDatabase& database = sides.database;
-  const DescriptorSet& query = sides.query;
-  const QuerySource& source = sides.source;
-  const ResultContext& known = sides.context;
-  const double describe_s = watch.elapsed_s();
-  const std::string& name = source.sequence.name;
-  SavedMatrix matrix;
-  std::optional<GroundTruth> truth;
-  const auto search = [&] {
-    QueryPlan planned =
-        settings->loop
-            ? plan_loop(database, query, name, settings, sides.times_ns, resources, session.monitor)
-            : plan_query(database, query, name, settings, resources, session.monitor);
-    const Result shape = make_result(planned);  // without matches
-    if (source.ground_truth && inputs.matrix.ends_with(".png")) {
-      GroundTruthScope scope = scope_of(shape);
-      scope.query_names = [&] { return query.sequence.frame_names; };
-      for (size_t s = 0; s < scope.sequences.size(); ++s)
-        scope.sequences[s].names = [&, s] { return database.sequences[s].sequence.frame_names; };
-      truth = read_ground_truth(*source.ground_truth, scope, session.monitor);
-    }
-    const Sinks observers{start_matrix(matrix, inputs.matrix, planned, shape, session)};
-    return run_query(std::move(planned), resources, observers, session.monitor);
-  };
-  QueryRun found = search();
-  found.seconds["describe"] = describe_s;
-  found.seconds["total"] = watch.elapsed_s();
-
-  ResultContext context = context_of(
-      session, inputs,
-      source.sequence.sequence.path.string() + range_text(source.sequence.sequence.range),
-      found.seconds);
+  ResultContext context = make_context(options, session);
   context.run.memory_limit = resources.memory_limit;
-  context.scores = known.scores;
-  context.database_fingerprint = known.database_fingerprint;
-  context.query_fingerprint = known.query_fingerprint;
-  context.fused_fingerprint = known.fused_fingerprint;
-  if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
-  finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
-  const Json json = keep_result(session, found.result, context);
-  write_loops(inputs, found.result, session);
-  session.print_result(summary(found) + advice_text(sides, found.result, resources, session), json);
+  QueryData data;
+  if (!options.scores.path.empty())
+    read_scores(data, context, options, session);
+  else if (settings->loop)
+    read_loop(data, context, options, *settings, session);
+  else
+    read_database(data, context, options, settings, session);
+  const double describe_s = watch.elapsed_s();
+  const std::string& name = data.source.sequence.name;
+  SavedMatrix matrix;
+  const auto search = [&] {
+    QueryPlan plan =
+        settings->loop ? plan_loop(data.database, data.query, name, settings, data.times_ns,
+                                   resources, monitor)
+                       : plan_query(data.database, data.query, name, settings, resources, monitor);
+    const Sinks sinks{start_matrix(matrix, options.matrix, data, plan, session)};
+    return run_query(std::move(plan), resources, sinks, monitor);
+  };
+  QueryRun run = search();
+  context.seconds = std::move(run.seconds);
+  context.seconds["describe"] = describe_s;
+  context.seconds["total"] = watch.elapsed_s();
+  if (options.verify_cells > 0) context.verified_cells = run.verified_cells;
+  finish_matrix(matrix, options.matrix, run.result, context, session);
+  const Json json = save_result(session, run.result, context);
+  save_loops(options, run.result, session);
+  session.print_result(summary(run) + advice_text(data, run.result, resources, session), json);
 }
 
 }  // namespace vpr

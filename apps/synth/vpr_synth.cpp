@@ -1,4 +1,4 @@
-// vpr-synth: renders walks through a building, with their ground truth.
+// vpr-synth: renders sequences of a building, with their ground truth.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -9,15 +9,14 @@
 #include "synth/recording.h"
 
 int main(int argc, char** argv) {
-  vpr::Program program("vpr-synth", "Render walks through a building, with their ground truth.",
+  vpr::Program program("vpr-synth", "Render sequences of a building, with their ground truth.",
                        "  vpr-synth configs/worlds/small.json -o building");
   std::string world_path;
-  vpr::NoSettings none;
-  program.add_config(program.command(), none);
+  program.add_config(program.command());
   program.command().add_option("WORLD", world_path, "world description (JSON)").required();
   program.set_run([&](vpr::Session& session) {
     if (session.options.output.empty())
-      throw vpr::Error(vpr::ErrorKind::usage, "give the folder to write, as in -o building");
+      throw vpr::Error(vpr::ErrorKind::usage, "the output is missing, as in -o building");
     vpr::World world = vpr::read_world(world_path);
     if (program.command().is_given("--seed")) world.seed = session.options.seed;
     const vpr::Output& folder =

@@ -1,84 +1,70 @@
-// vpr-train descriptors: a database of what another program describes frames by.
-#include <filesystem>
+// vpr-train descriptors and vpr-train export: descriptors from and for other programs.
+#include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/npy.h"
 #include "base/text.h"
 #include "describe/imported.h"
+#include "present/database_report.h"
 #include "sequence/sequence_source.h"
-#include "train_inputs.h"
+#include "train.h"
 
 namespace vpr {
 namespace {
 
-// "NAME=FIRST:LAST" of the only array.
-NamedArgument range_argument(const std::string& text, const SequenceArgument& array) {
-  const size_t equals = text.rfind('=');
-  if (equals == std::string::npos || equals == 0)
-    throw Error(ErrorKind::usage, fmt::format("--sequence takes NAME=FIRST:LAST, found {}", text));
-  const SequenceArgument argument =
-      parse_sequence_argument(fmt::format("{}@{}", array.path.string(), text.substr(equals + 1)));
-  if (argument.path != array.path)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("--sequence takes NAME=FIRST:LAST, rows that are numbered from 0, found "
-                    "{}",
-                    text));
-  return {text.substr(0, equals), argument};
-}
+struct ImportOptions {
+  std::vector<std::string> arrays;
+  std::string names;
+  std::vector<std::string> ranges;
+  bool as_bits = false;
+  uint64_t precision = 16;
+  DescriptorMetric metric = DescriptorMetric::cosine;
+  SequenceTrainSettings settings;
+};
 
-std::vector<NamedArgument> find_sequences(const DescriptorsCommand& given) {
+std::vector<NamedArgument> find_sequences(const ImportOptions& options) {
   std::vector<SequenceArgument> arrays;
-  for (const std::string& text : given.arrays) arrays.push_back(parse_sequence_argument(text));
+  for (const std::string& text : options.arrays) arrays.push_back(parse_sequence_argument(text));
   if (arrays.empty())
     throw Error(ErrorKind::usage,
-                "give descriptors, as in --npy db.npy, or a folder of .npy files");
-  for (const SequenceArgument& array : arrays)
-    if (open_sequence(array).kind != SequenceKind::descriptors)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: is no .npy file, nor a folder with .npy files and no images",
-                              array.path.string()));
+                "descriptors are missing, as in --npy db.npy, or a folder of .npy files");
+  for (const SequenceArgument& array : arrays) require_descriptors(array);
   std::vector<NamedArgument> sequences;
-  if (given.ranges.empty()) {
+  if (options.ranges.empty()) {
     const std::vector<std::string> names = sequence_names(arrays);
     for (size_t a = 0; a < arrays.size(); ++a) sequences.push_back({names[a], arrays[a]});
     return sequences;
   }
   if (arrays.size() != 1 || !arrays.front().range.is_all())
     throw Error(ErrorKind::usage,
-                "--sequence names rows of one --npy; give several as --npy A.npy --npy B.npy, with "
-                "ranges as in A.npy@0:100");
-  for (const std::string& text : given.ranges)
-    sequences.push_back(range_argument(text, arrays.front()));
-  for (size_t s = 0; s < sequences.size(); ++s)
-    for (size_t before = 0; before < s; ++before)
-      if (sequences[before].name == sequences[s].name)
+                "--sequence needs a single --npy without a range; for several arrays use ranges, "
+                "as in --npy A.npy@0:100 --npy B.npy");
+  for (const std::string& text : options.ranges) {
+    sequences.push_back(parse_named_range(text, arrays.front().path, "--sequence"));
+    for (size_t s = 0; s + 1 < sequences.size(); ++s)
+      if (sequences[s].name == sequences.back().name)
         throw Error(ErrorKind::usage,
-                    fmt::format("two sequences are called {}", sequences[s].name));
+                    fmt::format("two sequences have the name {}", sequences[s].name));
+  }
   return sequences;
 }
 
-std::vector<std::string> read_names(const std::string& path) {
-  const MappedFile file(path);
-  std::vector<std::string> names;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text())))
-    names.emplace_back(line);
-  return names;
-}
-
-// --names has a line for every row of the array, of which sequences take ranges.
+// Names the frames by --names, which has one line per row of the array; sequences are ranges of it.
 void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
-                 const DescriptorsCommand& given) {
-  if (given.names.empty()) return;
-  if (given.arrays.size() != 1)
-    throw Error(ErrorKind::usage, "--names has a line for every row of one --npy");
-  const std::vector<std::string> names = read_names(given.names);
-  const SequenceArgument array = parse_sequence_argument(given.arrays.front());
+                 const ImportOptions& options) {
+  if (options.names.empty()) return;
+  if (options.arrays.size() != 1)
+    throw Error(ErrorKind::usage, "--names needs a single --npy, with one line per row");
+  const MappedFile file(options.names);
+  const auto names = split_lines(without_byte_order_mark(file.text()));
+  const SequenceArgument array = parse_sequence_argument(options.arrays.front());
   const size_t rows = ArrayRows(open_sequence({array.path, {}})).count();
   if (names.size() != rows)
-    throw Error(ErrorKind::data, fmt::format("{}: names {}, and {} has {}", given.names,
+    throw Error(ErrorKind::data, fmt::format("{}: names {}, and {} has {}", options.names,
                                              counted(names.size(), "frame"), array.path.string(),
                                              counted(rows, "row")));
   for (size_t s = 0; s < sequences.size(); ++s) {
@@ -88,69 +74,146 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
   }
 }
 
-std::string_view kind_of(const DescriptorsCommand& given) {
-  if (given.precision != 8 && given.precision != 16)
-    throw Error(ErrorKind::usage, fmt::format("--precision must be 16 or 8 bits a number, found {}",
-                                              given.precision));
-  const bool is_cosine = given.metric == DescriptorMetric::cosine;
-  if (given.as_bits && (given.precision != 16 || !is_cosine))
-    throw Error(ErrorKind::usage, "--precision and --metric are for vectors; --bits are exact");
-  if (!is_cosine && given.precision != 16)
+std::string_view kind_of(const ImportOptions& options) {
+  if (options.precision != 8 && options.precision != 16)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("--value-bits must be 16 or 8 bits per value, found {}", options.precision));
+  const bool is_cosine = options.metric == DescriptorMetric::cosine;
+  if (options.as_bits && (options.precision != 16 || !is_cosine))
+    throw Error(ErrorKind::usage, "--value-bits and --metric have no effect on --bits; omit them");
+  if (!is_cosine && options.precision != 16)
     throw Error(ErrorKind::usage,
-                fmt::format("--metric {} takes numbers of 16 bits; leave --precision out",
-                            enum_name(given.metric)));
-  if (given.as_bits) return kBitKind;
-  if (!is_cosine) return given.metric == DescriptorMetric::l2 ? kPointKind : kDirectionKind;
-  return given.precision == 16 ? kVectorKind : kNarrowVectorKind;
+                fmt::format("--metric {} needs 16 bits per value; omit --value-bits",
+                            enum_name(options.metric)));
+  if (options.as_bits) return kBitKind;
+  if (!is_cosine) return options.metric == DescriptorMetric::l2 ? kPointKind : kDirectionKind;
+  return options.precision == 16 ? kVectorKind : kNarrowVectorKind;
 }
 
-void train(Session& session, const DescriptorsCommand& given) {
+void import_descriptors(Session& session, const ImportOptions& options) {
   claim_database(session);
-  SequenceTrainSettings settings = given.settings;
-  settings.descriptor_kind = kind_of(given);
-  const std::vector<NamedArgument> sequences = find_sequences(given);
+  SequenceTrainSettings settings = options.settings;
+  settings.descriptor_kind = kind_of(options);
+  const std::vector<NamedArgument> sequences = find_sequences(options);
   SequenceDatabase database =
       train_sequences(sequences, settings, session.kernels, session.monitor);
-  name_frames(database, sequences, given);
-  store_sequences(session, database);
+  name_frames(database, sequences, options);
+  store_database(session, database);
+}
+
+template <class T>
+std::vector<float> as_floats(DescriptorRow row, double unit) {
+  std::vector<float> values;
+  for (size_t i = 0; i < row.size(); i += sizeof(T)) {
+    T value = 0;
+    std::memcpy(&value, row.data() + i, sizeof(T));
+    values.push_back(static_cast<float>(value * unit));
+  }
+  return values;
+}
+
+// Coordinates of points count units; vectors have any length.
+std::vector<float> as_floats(const DescriptorStore& store, DescriptorRow row) {
+  const ElementType element = store.shape().element;
+  return element == ElementType::int8
+             ? as_floats<int8_t>(row, 1)
+             : as_floats<int16_t>(row, element == ElementType::points16 ? store.unit : 1);
+}
+
+// Exports bits and gray levels as uint8, vectors and points as float32; unreadable frames are 0 or
+// NaN.
+void export_descriptors(const Session& session, const std::string& path, const std::string& file) {
+  if (!session.options.output.empty())
+    throw Error(ErrorKind::usage, "--descriptors names the file to write; omit -o");
+  session.outputs.claim_file(file);
+  const SequenceDatabase database = read_sequence_database(path);
+  const DescriptorStore& store = database.descriptors;
+  const DescriptorShape shape = store.shape();
+  const bool as_float =
+      shape.element != ElementType::bits && shape.element != ElementType::gray_levels;
+  const size_t columns = shape.element == ElementType::bits ? (shape.length + 7) / 8 : shape.length;
+  const std::string_view type = as_float ? npy_type<float>() : npy_type<uint8_t>();
+  const std::vector<float> no_floats(columns, std::numeric_limits<float>::quiet_NaN());
+  const std::vector<uint8_t> no_bytes(columns);
+  Output& output = session.outputs.file(file);
+  output.write(npy_header(type, {store.rows().size(), columns}));
+  for (const DescribedFrames& sequence : descriptor_spans(database)) {
+    auto unreadable = sequence.unreadable.begin();
+    for (size_t i = 0; i < sequence.rows.size(); ++i) {
+      const bool is_missing = unreadable != sequence.unreadable.end() && *unreadable == i;
+      if (is_missing) ++unreadable;
+      const DescriptorRow row = sequence.rows[i];
+      if (as_float)
+        output.write(std::as_bytes(std::span(is_missing ? no_floats : as_floats(store, row))));
+      else
+        output.write(std::as_bytes(is_missing ? std::span(no_bytes) : row.first(columns)));
+    }
+  }
+  session.print_result(
+      fmt::format("{}: {} of {} values, {}\n", file, counted(store.rows().size(), "row"), columns,
+                  type),
+      database_json(database, stored_thresholds(database, session.monitor), session.run));
 }
 
 }  // namespace
 
-void add_descriptors_command(Program& program, DescriptorsCommand& given) {
+void add_descriptors(Program& program) {
+  const auto options = std::make_shared<ImportOptions>();
+  SequenceTrainSettings& settings = options->settings;
   const Command command = program.add_command(
-      "descriptors",
-      "A database of descriptors that another program computed, such as a network's.",
+      "descriptors", "Build a database of descriptors from another program, such as a network.",
       "  vpr-train descriptors --npy db.npy --names db.txt -o walk.vprdb\n"
       "  vpr-train descriptors --npy db.npy --sequence monday=0:900 --sequence tuesday=900:1750 "
       "-o building.vprdb\n"
       "  vpr-train descriptors --npy db.npy --metric l2 -o walk.vprdb\n"
       "  vpr-train descriptors --npy codes.npy --bits -o codes.vprdb",
-      [&given](Session& session) { train(session, given); });
-  program.add_config(command, given.settings);
-  command.add_list("--npy", given.arrays,
-                   "n x d numbers, a row a frame: float16, float32 or float64 (cosine distances), "
-                   "or with --bits uint8 or bool; or a folder with a .npy file a frame; a training "
-                   "sequence, with an optional range db.npy@FIRST:LAST[:STEP]; repeatable");
-  command.add_list("--sequence", given.ranges,
-                   "NAME=FIRST:LAST: these rows of the one --npy are a training sequence (from 0, "
-                   "without LAST); repeatable (default: all rows are one)");
-  command.add_option("--names", given.names,
-                     "text file with a line for every row of --npy: what its frame is called");
-  command.add_flag("--bits", given.as_bits,
-                   "uint8 are 8 bits a number, bool a bit each (Hamming distances)");
-  add_setting(command, "--metric", given.metric,
-              "cosine (default: only directions count), l2 (Euclidean, for vectors whose lengths "
-              "count) or chord (l2 of the vectors at length 1: the order of cosine, finer where "
-              "frames are nearly alike)");
-  add_setting(command, "--precision", given.precision,
-              "bits of a number of vectors: 16 (default), or 8, which take half the memory");
-  add_setting(command, "--c-l", given.settings.window_length,
-              "window length c_l of the automatic thresholds (default 40)");
-  add_setting(command, "--safety-factor", given.settings.safety_factor,
-              "multiplies the automatic thresholds (default 1)");
-  command.add_flag("--skip-unreadable", given.settings.skip_unreadable,
-                   "rows that are all NaN keep their index and never match");
+      [options](Session& session) { import_descriptors(session, *options); });
+  program.add_config(command, settings);
+  command.add_list("--npy", options->arrays,
+                   "training sequence: n x d values with one row per frame, float16, float32 or "
+                   "float64, or with --bits uint8 or bool; or a folder with one .npy file per "
+                   "frame; with an optional range db.npy@FIRST:LAST[:STEP]; repeatable");
+  command.add_list("--sequence", options->ranges,
+                   "NAME=FIRST:LAST: rows of a single --npy that form a training sequence (from 0, "
+                   "without LAST); repeatable (default: all rows)");
+  command.add_option("--names", options->names,
+                     "text file with the names of the frames, one line per row of --npy");
+  command.add_flag("--bits", options->as_bits,
+                   "compare bits by Hamming distance: 8 bits per uint8, or one per bool");
+  add_setting(command, "--metric", options->metric,
+              "cosine (only directions count), l2 (Euclidean, lengths also count) or chord (l2 of "
+              "the vectors at length 1: the order of cosine with a finer resolution of small "
+              "distances) (default: cosine)");
+  add_setting(command, "--value-bits", options->precision,
+              "bits per value of a vector: 16, or 8 for half the memory (default: 16)");
+  add_setting(command, "--c-l", settings.window_length,
+              "window length c_l of the automatic thresholds (default: 40)");
+  add_setting(command, "--safety-factor", settings.safety_factor,
+              "factor of the automatic thresholds (default: 1)");
+  command.add_flag("--skip-unreadable", settings.skip_unreadable,
+                   "ignore rows of only NaN; they keep their index and never match");
+}
+
+void add_export(Program& program) {
+  struct Export {
+    std::string database;
+    std::string descriptors;
+  };
+  const auto options = std::make_shared<Export>();
+  const Command command = program.add_command(
+      "export", "Write a database as files for other programs.",
+      "  vpr-train export corridor.vprdb --descriptors corridor.npy", [options](Session& session) {
+        export_descriptors(session, options->database, options->descriptors);
+      });
+  program.add_config(command);
+  command.add_option("DB", options->database, "database of a sequence method").required();
+  command
+      .add_option("--descriptors", options->descriptors,
+                  "write one row per frame of all sequences (.npy): bits as uint8 with 8 bits per "
+                  "value, vectors as float32, images as uint8")
+      .type_name("FILE")
+      .required();
 }
 
 }  // namespace vpr

@@ -1,179 +1,197 @@
-// vpr-train: databases from frames; listing, checking and extending them.
+// vpr-train: builds, lists, verifies and extends databases.
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
-#include "fabmap/database.h"
 #include "present/database_report.h"
+#include "sequence/sequence_source.h"
 #include "store/archive.h"
-#include "train_inputs.h"
+#include "train.h"
 
 namespace vpr {
 namespace {
 
-/// What `add` adds.
-struct AddInputs {
-  TrainInputs train;
-  std::vector<std::string> places;
-  bool skip_unreadable = false;
-};
+// The sequences with their rates and selections.
+std::vector<NamedArgument> selected_arguments(const TrainOptions& options, const Session& session,
+                                              const std::vector<std::string>& taken = {}) {
+  std::optional<Dataset> dataset;
+  if (!options.dataset.empty()) dataset = read_dataset(options.dataset);
+  std::vector<NamedArgument> named = named_arguments(options, taken);
+  for (NamedArgument& argument : named)
+    argument.sequence =
+        selected(argument.sequence, options.selection, {}, dataset ? &*dataset : nullptr, session);
+  return named;
+}
 
-void add_to_sequences(Session& session, const std::string& path, const AddInputs& inputs) {
-  if (!inputs.places.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: is a database for fastable, which has no --place", path));
+void print_database(const Session& session, const SequenceDatabase& database,
+                    const std::string& path, const std::string& more) {
+  const std::vector<AutomaticThresholds> thresholds = stored_thresholds(database, session.monitor);
+  session.print_result(database_text(database, thresholds, path) + more,
+                       database_json(database, thresholds, session.run));
+}
+
+void add_fastable(Program& program) {
+  struct Fastable {
+    TrainOptions options;
+    SequenceTrainSettings settings;
+  };
+  const auto train = std::make_shared<Fastable>();
+  SequenceTrainSettings& settings = train->settings;
+  const Command command = program.add_command(
+      "fastable", "Build a database for FastABLE and OpenABLE: one descriptor per frame.",
+      "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
+      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb\n"
+      "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
+      [train](Session& session) {
+        claim_database(session);
+        store_database(session, train_sequences(selected_arguments(train->options, session),
+                                                train->settings, session.kernels, session.monitor));
+      });
+  program.add_config(command, settings);
+  add_inputs(command, train->options);
+  add_rate_flags(command, train->options.selection, "training sequences");
+  command.add_option("--dataset", train->options.dataset,
+                     "data set description instead of sequences");
+  std::vector<std::string> kinds;
+  std::string summaries = "Descriptors:\n";
+  for (const DescriptorKind& kind : descriptor_kinds()) {
+    if (kind.is_imported) continue;
+    kinds.emplace_back(kind.name);
+    summaries += fmt::format("  {:<17}{}\n", kind.name, kind.summary);
+  }
+  add_setting(command, "--descriptor", settings.descriptor_kind,
+              "descriptor of the frames, see below (default: ldb)")
+      .choices("NAME", kinds);
+  command.add_footer(summaries);
+  add_setting(command, "--c-l", settings.window_length,
+              "window length c_l of the automatic thresholds (default: 40)");
+  add_setting(command, "--safety-factor", settings.safety_factor,
+              "factor of the automatic thresholds (default: 1)");
+  command.add_flag("--illumination-invariant", settings.descriptor.illumination_invariant,
+                   "decode in color and remove the color of the light");
+  add_unreadable_flag(command, settings.skip_unreadable);
+}
+
+void add_info(Program& program) {
+  const auto path = std::make_shared<std::string>();
+  const Command command = program.add_command(
+      "info", "List a database and verify its checksums.", "  vpr-train info corridor.vprdb",
+      [path](Session& session) {
+        const std::string verified = "All checksums are right.\n";
+        if (database_family(*path) == DatabaseFamily::fabmap) {
+          const FabmapDatabase database = read_fabmap_database(*path);
+          session.print_result(database_text(database, *path) + verified,
+                               database_json(database, session.run));
+        } else {
+          print_database(session, read_sequence_database(*path), *path, verified);
+        }
+      });
+  program.add_config(command);
+  command.add_option("DB", *path, "database").required();
+}
+
+void extend_sequences(Session& session, const std::string& path, const TrainOptions& options) {
+  if (!options.places.empty())
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: is a database for fastable, which does not support --place", path));
   const SequenceDatabase database = read_sequence_database(path);
   std::vector<std::string> taken;
   for (const TrainSequence& train : database.sequences) taken.push_back(train.sequence.name);
-  store_sequences(session, add_sequences(database, rated_arguments(inputs.train, session, taken),
-                                         inputs.skip_unreadable, session.kernels, session.monitor));
+  store_database(session, add_sequences(database, selected_arguments(options, session, taken),
+                                        options.skip_unreadable, session.kernels, session.monitor));
 }
 
-void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
-  if (inputs.train.selection.fps || inputs.train.selection.recorded_fps)
+void extend_fabmap(Session& session, const std::string& path, const TrainOptions& options) {
+  if (options.selection.fps || options.selection.recorded_fps)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is a database for fabmap, whose views are not thinned by --fps; "
-                            "give a range with a step, as in PATH@::6",
+                fmt::format("{}: is a database for fabmap, which does not support --fps. Use a "
+                            "range with a step, as in PATH@::6",
                             path));
   FabmapDatabase database = read_fabmap_database(path);
   std::vector<std::string> taken;
   for (const ViewGroup& group : database.groups) taken.push_back(group.sequence.name);
-  add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
-            session.monitor);
-  store_fabmap(session, database);
+  add_views(database, group_arguments(options, taken), options.skip_unreadable, session.monitor);
+  store_database(session, database);
 }
 
-std::vector<std::string> described_kinds() {
-  std::vector<std::string> names;
-  for (const DescriptorKind& kind : descriptor_kinds())
-    if (!kind.is_imported) names.emplace_back(kind.name);
-  return names;
-}
-
-std::string descriptor_help() {
-  std::string text = "Descriptors:\n";
-  for (const DescriptorKind& kind : descriptor_kinds())
-    if (!kind.is_imported) text += fmt::format("  {:<17}{}\n", kind.name, kind.summary);
-  return text;
-}
-
-/// What `vpr-train fastable` is told.
-struct FastableCommand {
-  TrainInputs inputs;
-  SequenceTrainSettings settings;
-};
-
-void add_fastable_command(Program& program, FastableCommand& given) {
-  const Command fastable = program.add_command(
-      "fastable", "A database for FastABLE and OpenABLE: one descriptor a frame.",
-      "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
-      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb\n"
-      "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
-      [&](Session& session) {
-        claim_database(session);
-        store_sequences(session, train_sequences(rated_arguments(given.inputs, session),
-                                                 given.settings, session.kernels, session.monitor));
-      });
-  program.add_config(fastable, given.settings);
-  add_inputs(fastable, given.inputs);
-  add_rate_flags(fastable, given.inputs.selection, "training sequences");
-  fastable.add_option("--dataset", given.inputs.dataset,
-                      "data set description, instead of sequences");
-  add_setting(fastable, "--descriptor", given.settings.descriptor_kind,
-              "what frames are described by (default ldb); see Descriptors below")
-      .choices("NAME", described_kinds());
-  fastable.add_footer(descriptor_help());
-  add_setting(fastable, "--c-l", given.settings.window_length,
-              "window length c_l of the automatic thresholds (default 40)");
-  add_setting(fastable, "--safety-factor", given.settings.safety_factor,
-              "multiplies the automatic thresholds (default 1)");
-  fastable.add_flag("--illumination-invariant", given.settings.descriptor.illumination_invariant,
-                    "decode in color and remove the light's color first");
-  fastable.add_flag("--skip-unreadable", given.settings.skip_unreadable,
-                    "frames that can't be decoded keep their index and never match");
-}
-
-/// What the commands that start from a database are told.
-struct DatabaseCommands {
-  std::string path;
-  AddInputs added;
-  std::string descriptors;
-  NoSettings settings;
-};
-
-void print_info(Session& session, const std::string& path) {
-  const std::string verified = "All checksums are right.\n";
-  if (database_family(path) == DatabaseFamily::fabmap) {
-    const FabmapDatabase database = read_fabmap_database(path);
-    session.print_result(database_text(database, path) + verified,
-                         database_json(database, session.run));
-  } else {
-    print_database(session, read_sequence_database(path), path, verified);
-  }
-}
-
-void add_info_command(Program& program, DatabaseCommands& given) {
-  const Command info = program.add_command(
-      "info", "List a database, and verify its checksums.", "  vpr-train info corridor.vprdb",
-      [&](Session& session) { print_info(session, given.path); });
-  program.add_config(info, given.settings);
-  info.add_option("DB", given.path, "database").required();
-}
-
-void add_add_command(Program& program, DatabaseCommands& given) {
-  const Command add = program.add_command(
-      "add", "A new database with more sequences; the old ones are not described again.",
+void add_add(Program& program) {
+  struct Add {
+    std::string database;
+    TrainOptions options;
+  };
+  const auto add = std::make_shared<Add>();
+  const Command command = program.add_command(
+      "add", "Extend a database with more sequences, without computing its descriptors again.",
       "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
       "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
-      [&](Session& session) {
-        session.outputs.release(given.path);  // it is extended in place, once it was read
+      [add](Session& session) {
+        session.outputs.release(add->database);  // it is read before it is replaced
         claim_database(session);
-        if (database_family(given.path) == DatabaseFamily::fabmap)
-          add_to_fabmap(session, given.path, given.added);
-        else
-          add_to_sequences(session, given.path, given.added);
+        const bool is_fabmap = database_family(add->database) == DatabaseFamily::fabmap;
+        (is_fabmap ? extend_fabmap : extend_sequences)(session, add->database, add->options);
       });
-  program.add_config(add, given.settings);
-  add.add_option("DB", given.path, "database to start from").required();
-  add_inputs(add, given.added.train);
-  add_place_option(add, given.added.places);
-  add_rate_flags(add, given.added.train.selection, "training sequences");
-  add.add_flag("--skip-unreadable", given.added.skip_unreadable,
-               "frames that can't be decoded keep their index and never match");
-}
-
-void add_export_command(Program& program, DatabaseCommands& given) {
-  const Command command = program.add_command(
-      "export", "Write a database as files that other programs read.",
-      "  vpr-train export corridor.vprdb --descriptors corridor.npy",
-      [&](Session& session) { export_descriptors(session, given.path, given.descriptors); });
-  program.add_config(command, given.settings);
-  command.add_option("DB", given.path, "database").required();
-  command
-      .add_option(
-          "--descriptors", given.descriptors,
-          "of sequences: a row a frame, of all sequences (.npy): bits as uint8, 8 a number, "
-          "vectors as float32, pictures as uint8")
-      .type_name("FILE")
-      .required();
+  program.add_config(command);
+  command.add_option("DB", add->database, "database to start from").required();
+  add_inputs(command, add->options);
+  add_place_option(command, add->options.places);
+  add_rate_flags(command, add->options.selection, "training sequences");
+  add_unreadable_flag(command, add->options.skip_unreadable);
 }
 
 }  // namespace
+
+void add_inputs(const Command& command, TrainOptions& options) {
+  command.add_list("--train", options.sequences,
+                   "training sequence: folder of images, list (.txt) or video, with an optional "
+                   "range PATH@FIRST:LAST[:STEP]; repeatable");
+  command.add_option("--train-folders", options.folders,
+                     "folder whose sub-folders are training sequences");
+}
+
+std::vector<NamedArgument> named_arguments(const TrainOptions& options,
+                                           const std::vector<std::string>& taken) {
+  std::vector<SequenceArgument> arguments;
+  std::vector<NamedArgument> named;
+  for (const std::string& text : options.sequences)
+    arguments.push_back(parse_sequence_argument(text));
+  if (!options.folders.empty())
+    for (const SequenceArgument& argument : subfolder_arguments(options.folders))
+      arguments.push_back(argument);
+  if (!options.dataset.empty()) {
+    if (!arguments.empty())
+      throw Error(ErrorKind::usage, "--dataset and training sequences exclude each other");
+    for (const NamedSequence& train : read_dataset(options.dataset).train)
+      named.push_back({train.name, train.sequence});
+  }
+  const std::vector<std::string> names = sequence_names(arguments, taken);
+  for (size_t i = 0; i < arguments.size(); ++i) named.push_back({names[i], arguments[i]});
+  if (named.empty())
+    throw Error(ErrorKind::usage, "a training sequence is missing, as in --train FOLDER");
+  return named;
+}
+
+void claim_database(const Session& session) {
+  if (session.options.output.empty())
+    throw Error(ErrorKind::usage, "the output is missing, as in -o DB.vprdb");
+  session.outputs.claim_folder(session.options.output, is_database_folder);
+}
+
+void store_database(const Session& session, const SequenceDatabase& database) {
+  write_sequence_database(session.options.output, database, session.outputs);
+  print_database(session, database, session.options.output, "");
+}
+
 }  // namespace vpr
 
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-train", "Build, list and extend databases for visual place recognition.",
                   "  vpr-train fastable --train monday --train tuesday -o building.vprdb");
-  FastableCommand fastable;
-  add_fastable_command(program, fastable);
-  DescriptorsCommand descriptors;
-  add_descriptors_command(program, descriptors);
-  FabmapCommand fabmap;
-  add_fabmap_command(program, fabmap);
-  DatabaseCommands database;
-  add_info_command(program, database);
-  add_add_command(program, database);
-  add_export_command(program, database);
+  add_fastable(program);
+  add_descriptors(program);
+  add_fabmap(program);
+  add_info(program);
+  add_add(program);
+  add_export(program);
   return program.main(argc, argv);
 }

@@ -235,7 +235,7 @@ def overview(experiments):
         sections += ["", f"## {written['title']}", "", *lines(outcomes)]
         total += outcomes
     counts = summary(total)
-    return [f"Of all findings {counts['hold']} of {counts['of']} hold.", *sections]
+    return [f"{counts['hold']} of {counts['of']} findings hold.", *sections]
 
 
 def main():

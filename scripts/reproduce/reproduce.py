@@ -25,7 +25,7 @@ def measures(counts):
     found = {"correct": counts["recognitions"]["correct"], "incorrect": counts["recognitions"]["incorrect"],
              "correct recognitions": counts["recognitions"]["correct"],
              "incorrect recognitions": counts["recognitions"]["incorrect"],
-             "recognitions": sum(counts["recognitions"].values()), "distinct": counts["distinct"]}
+             "recognitions": sum(counts["recognitions"][key] for key in ("correct", "incorrect", "ignored")), "distinct": counts["recognitions"]["distinct"]}
     if "places" in counts:
         found["correct places"] = counts["places"]["correct"]
         found["incorrect places"] = counts["places"]["incorrect"]
@@ -97,7 +97,7 @@ def run_maps(experiment, laboratory):
                  "incorrect places")):
             report = laboratory.report(method, name, query, *settings)
             counts = measures(report["counts"])
-            found[f"{title} places"] = counts["distinct"]
+            found[f"{title} places"] = counts["recognitions"]["distinct"]
             found[f"{title} {wrong}"] = counts[wrong]
             found[f"{title} per cent of path"] = localized_per_cent(report)
             keep_result(WORK / f"map-{method}")

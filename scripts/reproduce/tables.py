@@ -90,7 +90,7 @@ def write_markdown(path, title, kind, cells, notes, outcomes):
 
 
 def write_json(path, experiment, title, data, cells, outcomes, provenance, machine):
-    content = {"schema": "vpr.reproduction/2", "experiment": path.stem, "title": title,
+    content = {"schema": "vpr.reproduction/3", "experiment": path.stem, "title": title,
                "paper": experiment["paper"], "data": data, "cells": cells,
                "findings": outcomes, "summary": findings.summary(outcomes),
                "notes": experiment.get("notes", []), "provenance": provenance}

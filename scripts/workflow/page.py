@@ -40,7 +40,7 @@ def counts_of(counts):
     """Recognitions and places; for FAB-MAP, distinct places."""
     places = counts.get("places", {})
     return [counts["recognitions"]["correct"], counts["recognitions"]["incorrect"], places.get("correct"),
-            places.get("incorrect"), counts["distinct"]]
+            places.get("incorrect"), counts["recognitions"]["distinct"]]
 
 
 COUNTS = ["recognitions correct", "incorrect", "places correct", "incorrect", "distinct"]
@@ -54,7 +54,7 @@ def runs_of(runs, folder):
         rows.append([(name, os.path.relpath(path, folder)), *counts_of(report["counts"]),
                      report["best_match"]["rate"], best.get("average_precision"),
                      best.get("recall_at_100_precision"), report["localization"]["share"]])
-    return table(["run", *COUNTS, "best match right", "average precision", "recall at 100 %",
+    return table(["run", *COUNTS, "best match correct", "average precision", "recall at 100 %",
                   "localized"], rows)
 
 

@@ -156,7 +156,7 @@ def written_description(name, content, folder, out):
         found = existing(text, folder)
         return text if found is None else os.path.abspath(os.path.join(folder, text))
 
-    named = {"schema": "vpr.dataset/1", "name": name, **with_strings(content, absolute)}
+    named = {"schema": "vpr.dataset/3", "name": name, **with_strings(content, absolute)}
     path = pathlib.Path(out, "inputs", name, "dataset.json")
     write_if_new(path, json.dumps(named, indent=1) + "\n")
     return str(path)

@@ -1,9 +1,9 @@
 #include "base/checksum.h"
 
+#include <new>
+
 #include <fmt/format.h>
 #include <xxhash.h>
-
-#include "base/error.h"
 
 namespace vpr {
 namespace {
@@ -20,22 +20,16 @@ std::string checksum(std::span<const std::byte> bytes) {
 
 std::string checksum(std::string_view text) { return checksum(std::as_bytes(std::span(text))); }
 
-struct ChecksumStream::State {
-  XXH3_state_t* xxh = XXH3_createState();
-  ~State() { XXH3_freeState(xxh); }
-};
-
-ChecksumStream::ChecksumStream() : state_(std::make_unique<State>()) {
-  if (state_->xxh == nullptr) throw std::bad_alloc();
-  XXH3_128bits_reset(state_->xxh);
+ChecksumStream::ChecksumStream()
+    : state_(XXH3_createState(), [](XXH3_state_s* state) { XXH3_freeState(state); }) {
+  if (state_ == nullptr) throw std::bad_alloc();
+  XXH3_128bits_reset(state_.get());
 }
-
-ChecksumStream::~ChecksumStream() = default;
 
 void ChecksumStream::add(std::span<const std::byte> bytes) {
-  XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size());
+  XXH3_128bits_update(state_.get(), bytes.data(), bytes.size());
 }
 
-std::string ChecksumStream::text() const { return as_text(XXH3_128bits_digest(state_->xxh)); }
+std::string ChecksumStream::text() const { return as_text(XXH3_128bits_digest(state_.get())); }
 
 }  // namespace vpr

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+struct XXH3_state_s;
+
 namespace vpr {
 
 /// "xxh3:" and the 128-bit XXH3 checksum of the bytes as 32 hexadecimal digits. Empty input is
@@ -18,15 +20,11 @@ std::string checksum(std::string_view text);
 class ChecksumStream {
  public:
   ChecksumStream();
-  ~ChecksumStream();
-  ChecksumStream(const ChecksumStream&) = delete;
-  ChecksumStream& operator=(const ChecksumStream&) = delete;
   void add(std::span<const std::byte> bytes);
   std::string text() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<XXH3_state_s, void (*)(XXH3_state_s*)> state_;
 };
 
 }  // namespace vpr

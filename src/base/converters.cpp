@@ -24,18 +24,9 @@ struct Converter {
   bool (*reads)(const fs::path& path, std::string_view start) = nullptr;
 };
 
-bool is_mat(const fs::path& path, std::string_view start) {
-  return path.extension() == ".mat" || start.starts_with("MATLAB ") ||
-         start.starts_with("\x89HDF\r\n");
-}
-
 bool is_opencv_yaml(const fs::path& path, std::string_view start) {
   const fs::path name = path.extension() == ".gz" ? path.stem() : path;
   return name.extension() == ".yml" || name.extension() == ".yaml" || start.starts_with("%YAML");
-}
-
-bool is_gpx(const fs::path& path, std::string_view start) {
-  return path.extension() == ".gpx" || start.find("<gpx") != std::string_view::npos;
 }
 
 bool is_image(const fs::path&, std::string_view start) {
@@ -60,29 +51,35 @@ bool is_openseqslam(const fs::path&, std::string_view start) {
          });
 }
 
-bool holds_python_objects(const fs::path&, std::string_view start) {
-  const auto header = parse_npy_header(start);
-  return header && header->type == "|O";
-}
-
 constexpr Converter kConverters[] = {
-    {"mat", "a MAT-file", "mat.py", true, is_mat},
+    {"mat", "a MAT-file", "mat.py", true,
+     [](const fs::path& path, std::string_view start) {
+       return path.extension() == ".mat" || start.starts_with("MATLAB ") ||
+              start.starts_with("\x89HDF\r\n");
+     }},
     {"openfabmap", "OpenCV's YAML", "openfabmap.py", true, is_opencv_yaml},
-    {"gpx", "a GPX track", "gpx.py", false, is_gpx},
+    {"gpx", "a GPX track", "gpx.py", false,
+     [](const fs::path& path, std::string_view start) {
+       return path.extension() == ".gpx" || start.find("<gpx") != std::string_view::npos;
+     }},
     {"mask", "an image", "mask.py", false, is_image},
     {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", false, is_openseqslam},
-    {"vpr-bench", "an array of Python objects", "vpr_bench.py", false, holds_python_objects}};
+    {"vpr-bench", "an array of Python objects", "vpr_bench.py", false,
+     [](const fs::path&, std::string_view start) {
+       const auto header = parse_npy_header(start);
+       return header && header->type == "|O";
+     }}};
 
 }  // namespace
 
-void refuse_unconverted(const fs::path& path, std::string_view start, bool arrays_only) {
+void refuse_convertible(const fs::path& path, std::string_view start, bool arrays_only) {
   for (const Converter& converter : kConverters)
     if ((converter.makes_arrays || !arrays_only) && converter.reads(path, start))
       throw Error(ErrorKind::usage, fmt::format("{} is {}: convert it with scripts/convert/{}",
                                                 path.string(), converter.what, converter.script));
 }
 
-void refuse_unconverted_format(std::string_view format) {
+void refuse_convertible_format(std::string_view format) {
   for (const Converter& converter : kConverters)
     if (converter.format == format)
       throw Error(ErrorKind::usage,

@@ -2,25 +2,19 @@
 
 #include <system_error>
 
+#include <fmt/format.h>
+
 namespace vpr {
 
 int exit_code(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::usage:
-      return 2;
-    case ErrorKind::input:
-    case ErrorKind::output:
-      return 3;
-    case ErrorKind::data:
-      return 4;
-    case ErrorKind::expectation:
-      return 5;
-    case ErrorKind::interrupted:
-      return 130;
-    case ErrorKind::internal:
-      break;
-  }
-  return 1;
+  constexpr int kCodes[] = {2, 3, 3, 4, 5, 130, 1};  // in the order of ErrorKind
+  return kCodes[static_cast<size_t>(kind)];
+}
+
+void require_range(std::string_view setting, double value, double low, double high) {
+  if (!(value >= low && value <= high))
+    throw Error(ErrorKind::usage,
+                fmt::format("{} must be from {} to {}, found {}", setting, low, high, value));
 }
 
 std::string system_error_text(int error_number) {

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace vpr {
 
@@ -28,6 +29,9 @@ class Error : public std::runtime_error {
 };
 
 int exit_code(ErrorKind kind);
+
+/// Throws Error(usage), which names the setting, unless low <= value <= high.
+void require_range(std::string_view setting, double value, double low, double high);
 
 /// The system's text for an errno value, such as "No space left on device". Thread-safe.
 std::string system_error_text(int error_number);

@@ -2,6 +2,7 @@
 #include "base/highway.h"
 // The settings above must come first.
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -41,20 +42,13 @@ constexpr size_t kVectors = kGroup / kLanes;
 HWY_INLINE Doubles Exp(Doubles x) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
-  constexpr double kInverseFactorials[] = {1.0 / 6227020800,
-                                           1.0 / 479001600,
-                                           1.0 / 39916800,
-                                           1.0 / 3628800,
-                                           1.0 / 362880,
-                                           1.0 / 40320,
-                                           1.0 / 5040,
-                                           1.0 / 720,
-                                           1.0 / 120,
-                                           1.0 / 24,
-                                           1.0 / 6,
-                                           1.0 / 2,
-                                           1.0,
-                                           1.0};
+  constexpr auto kInverseFactorials = [] {  // 1 / 13!, 1 / 12!, ..., 1 / 0!
+    std::array<double, 14> inverse{};
+    double factorial = 1;
+    for (size_t k = 0; k < inverse.size(); factorial *= static_cast<double>(++k))
+      inverse[13 - k] = 1 / factorial;
+    return inverse;
+  }();
   const auto too_small = hn::Lt(x, hn::Set(d, kLeast));
   const Doubles bounded = hn::Max(x, hn::Set(d, kLeast));
   const Doubles n = hn::Round(hn::Mul(bounded, hn::Set(d, 1.4426950408889634)));
@@ -62,7 +56,7 @@ HWY_INLINE Doubles Exp(Doubles x) {
   const Doubles r = hn::Sub(hn::Sub(bounded, hn::Mul(n, hn::Set(d, 6.93147180369123816490e-01))),
                             hn::Mul(n, hn::Set(d, 1.90821492927058770002e-10)));
   Doubles series = hn::Set(d, kInverseFactorials[0]);
-  for (size_t k = 1; k < std::size(kInverseFactorials); ++k)
+  for (size_t k = 1; k < kInverseFactorials.size(); ++k)
     series = hn::Add(hn::Mul(series, r), hn::Set(d, kInverseFactorials[k]));
   const auto power = hn::ShiftLeft<52>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 1023)));
   return hn::IfThenZeroElse(too_small, hn::Mul(series, hn::BitCast(d, power)));

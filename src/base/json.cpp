@@ -10,13 +10,8 @@
 
 namespace vpr {
 
-namespace {
-
-constexpr int kMaxDepth = 64;
-
-}  // namespace
-
 std::optional<Json> parse_json(std::string_view text) {
+  constexpr int kMaxDepth = 64;
   bool too_deep = false;
   Json json = Json::parse(
       text,
@@ -39,8 +34,8 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
 }
 
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
-                    ErrorKind error_kind, int version) {
-  const std::string wanted = fmt::format("vpr.{}/{}", schema_kind, version);
+                    ErrorKind error_kind) {
+  const std::string wanted = fmt::format("vpr.{}/{}", schema_kind, kSchemaVersion);
   const auto found = json.is_object() ? json.find("schema") : json.end();
   if (!json.is_object() || found == json.end() || !found->is_string())
     throw Error(error_kind,

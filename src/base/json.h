@@ -33,10 +33,13 @@ std::optional<Json> parse_json(std::string_view text);
 /// Reads a whole file. Throws Error(input) if it cannot be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 
-/// Checks `"schema": "vpr.<kind>/<version>"`. Otherwise throws Error(error_kind), which says
+/// Version of all JSON schemas.
+inline constexpr int kSchemaVersion = 3;
+
+/// Checks `"schema": "vpr.<kind>/<kSchemaVersion>"`. Otherwise throws Error(error_kind), which says
 /// whether the kind or the version differs.
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
-                    ErrorKind error_kind, int version = 1);
+                    ErrorKind error_kind);
 
 /// Two spaces of indentation and a final line feed; invalid UTF-8 is replaced.
 std::string to_text(const Json& json);

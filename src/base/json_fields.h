@@ -17,14 +17,14 @@
 
 namespace vpr {
 
-/// Reads the fields of one JSON object; anything unexpected is damage. `message`: of the error,
-/// from `where` and the damage.
+/// Reads the fields of one JSON object; anything unexpected is an error. `message` is the format of
+/// the error from `where` and the damage.
 class Fields {
  public:
   Fields(const Json& json, const std::string& where,
-         std::string_view message = "{}: is damaged: {}; make it again")
+         std::string_view message = "{}: is damaged: {}. Run the command that wrote it again")
       : json_(json), where_(where), message_(message) {
-    if (!json.is_object()) fail("a part is no object");
+    if (!json.is_object()) fail("a part is not an object");
   }
   const Json& operator[](const std::string& key) const {
     const auto found = json_.find(key);
@@ -35,17 +35,17 @@ class Fields {
   uint64_t count(const std::string& key, uint64_t most) const {
     const Json& value = (*this)[key];
     if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
-      fail(fmt::format("\"{}\" is no number in range", key));
+      fail(fmt::format("\"{}\" is not a number in range", key));
     return value.get<uint64_t>();
   }
   std::string text(const std::string& key) const {
     const Json& value = (*this)[key];
-    if (!value.is_string()) fail(fmt::format("\"{}\" is no text", key));
+    if (!value.is_string()) fail(fmt::format("\"{}\" is not a string", key));
     return value.get<std::string>();
   }
   const Json& list(const std::string& key) const {
     const Json& value = (*this)[key];
-    if (!value.is_array()) fail(fmt::format("\"{}\" is no list", key));
+    if (!value.is_array()) fail(fmt::format("\"{}\" is not a list", key));
     return value;
   }
   Fields object(const std::string& key) const { return {(*this)[key], where_, message_}; }
@@ -61,10 +61,10 @@ class Fields {
   std::string_view message_;
 };
 
-/// "fps": frames a second.
+/// "fps": frames per second.
 inline double read_fps(const Fields& fields) {
   const Json& json = fields["fps"];
-  if (!json.is_number()) fields.fail("\"fps\" is no number");
+  if (!json.is_number()) fields.fail("\"fps\" is not a number");
   const auto fps = json.get<double>();
   if (!(fps > 0 && std::isfinite(fps))) fields.fail("\"fps\" is out of range");
   return fps;
@@ -75,14 +75,14 @@ inline constexpr bool kIsNumbered = false;
 template <class T>
 inline constexpr bool kIsNumbered<std::map<size_t, T>> = true;
 
-/// A field of visit_fields that is written and read in a way of its own, under its key.
+/// A field of visit_fields with its own functions that write and read it under its key.
 template <class T>
 concept OwnForm = requires(T field, Json& json, const Fields& fields, const std::string& key) {
   field.write(json, key);
   field.read(fields, key);
 };
 
-/// A struct as JSON, by its visit_fields. A number that is not finite is null.
+/// A struct as JSON, by its visit_fields. Infinity and NaN become null.
 template <class T>
 Json fields_to_json(const T& value) {
   if constexpr (Settings<T>) {
@@ -128,7 +128,7 @@ void fields_from_json(const Json& json, T& value, const Fields& fields, const st
   } else if constexpr (detail::kIsOptional<T>) {
     if (!json.is_null()) fields_from_json(json, value.emplace(), fields, key);
   } else if constexpr (detail::kIsList<T>) {
-    if (!json.is_array()) fields.fail(fmt::format("\"{}\" is no list", key));
+    if (!json.is_array()) fields.fail(fmt::format("\"{}\" is not a list", key));
     for (const Json& item : json) fields_from_json(item, value.emplace_back(), fields, key);
   } else if constexpr (kIsNumbered<T>) {
     const Fields part(json, fields.where());
@@ -137,7 +137,7 @@ void fields_from_json(const Json& json, T& value, const Fields& fields, const st
       const char* end = item.key().data() + item.key().size();
       const auto [stop, error] = std::from_chars(item.key().data(), end, number);
       if (error != std::errc{} || stop != end)
-        part.fail(fmt::format("\"{}\" is no number", item.key()));
+        part.fail(fmt::format("\"{}\" is not a number", item.key()));
       fields_from_json(item.value(), value[number], part, item.key());
     }
   } else {
@@ -154,7 +154,7 @@ void fields_from_json(const Json& json, T& value, const Fields& fields, const st
   }
 }
 
-/// A field that is absent where it has no value; otherwise, an optional without one is null.
+/// A field that is omitted if it has no value. (An optional without a value is otherwise null.)
 template <class T>
 struct IfSet {
   std::optional<T>& field;
@@ -169,7 +169,7 @@ struct IfSet {
 template <class T>
 IfSet(std::optional<T>&) -> IfSet<T>;
 
-/// A field that is absent where it has its usual value.
+/// A field that is omitted if it has its usual value.
 template <class T>
 struct Unless {
   T& field;
@@ -185,7 +185,7 @@ struct Unless {
 template <class T>
 Unless(T&, T) -> Unless<T>;
 
-/// A field that follows from the others: it is not read.
+/// A field computed from the others: it is not read.
 template <class T>
 struct Derived {
   T value;

@@ -21,58 +21,36 @@ namespace {
 }
 
 // A regular file, open for reading.
-class InputFile {
- public:
+struct InputFile {
   explicit InputFile(const std::filesystem::path& path)
-      : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-    if (file_ < 0) fail(path, errno);
+      : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    if (descriptor < 0) fail(path, errno);
     struct stat status {};
-    int error_number = ::fstat(file_, &status) == 0 ? 0 : errno;
+    int error_number = ::fstat(descriptor, &status) == 0 ? 0 : errno;
     if (error_number == 0 && !S_ISREG(status.st_mode))
       error_number = S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
-    if (error_number != 0) {
-      ::close(file_);
-      fail(path, error_number);
-    }
-    size_ = static_cast<size_t>(status.st_size);
+    size = static_cast<size_t>(status.st_size);
+    if (error_number == 0) return;
+    ::close(descriptor);
+    fail(path, error_number);
   }
-  ~InputFile() { ::close(file_); }
+  ~InputFile() { ::close(descriptor); }
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
-  size_t size() const { return size_; }
-
-  const std::byte* map() const {
-    void* const data = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
-    if (data == MAP_FAILED) fail(path_, errno);
-    return static_cast<const std::byte*>(data);
-  }
-
-  size_t read(char* bytes) const {
-    size_t done = 0;
-    while (done < size_) {
-      const ssize_t got = ::read(file_, bytes + done, size_ - done);
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) fail(path_, errno);
-      if (got == 0) break;
-      done += static_cast<size_t>(got);
-    }
-    return done;
-  }
-
- private:
-  const std::filesystem::path& path_;
-  int file_;
-  size_t size_ = 0;
+  int descriptor;
+  size_t size = 0;
 };
 
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const InputFile file(path);
-  if (file.size() == 0) return;
-  data_ = file.map();
-  size_ = file.size();
+  if (file.size == 0) return;
+  void* const data = ::mmap(nullptr, file.size, PROT_READ, MAP_PRIVATE, file.descriptor, 0);
+  if (data == MAP_FAILED) fail(path, errno);
+  data_ = static_cast<const std::byte*>(data);
+  size_ = file.size;
 }
 
 MappedFile::~MappedFile() {
@@ -97,8 +75,15 @@ MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
 
 std::string read_whole_file(const std::filesystem::path& path) {
   const InputFile file(path);
-  std::string bytes(file.size(), '\0');
-  bytes.resize(file.read(bytes.data()));
+  std::string bytes(file.size, '\0');
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(file.descriptor, bytes.data() + done, bytes.size() - done);
+    if (got == 0) break;
+    if (got > 0) done += static_cast<size_t>(got);
+    if (got < 0 && errno != EINTR) fail(path, errno);
+  }
+  bytes.resize(done);
   return bytes;
 }
 

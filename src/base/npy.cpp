@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -56,17 +56,15 @@ struct Half {
   uint16_t bits;
 };
 
-// As for the 32-bit format, except for the widths of exponent and fraction.
 double number(Half half) {
-  const uint32_t sign = uint32_t{half.bits} >> 15 << 31;
-  const uint32_t exponent = half.bits >> 10 & 31U;
-  const uint32_t fraction = half.bits & 1023U;
-  if (exponent == 0) {
-    const double size = fraction * 0x1p-24;
-    return sign != 0 ? -size : size;
-  }
-  const uint32_t wide = exponent == 31 ? 255 : exponent + 112;
-  return static_cast<double>(std::bit_cast<float>(sign | wide << 23 | fraction << 13));
+  const double sign = half.bits >> 15 != 0 ? -1 : 1;
+  const int exponent = half.bits >> 10 & 31;
+  const int fraction = half.bits & 1023;
+  if (exponent == 31)
+    return fraction != 0 ? std::numeric_limits<double>::quiet_NaN()
+                         : sign * std::numeric_limits<double>::infinity();
+  return sign *
+         (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
 }
 
 template <class T>
@@ -124,11 +122,9 @@ std::optional<NpyHeader> parse_npy_header(std::string_view file) {
 }
 
 std::optional<size_t> npy_value_size(std::string_view type) {
-  size_t size = 0;
-  if (type.size() != 3 || (type[0] != '<' && type[0] != '|')) return std::nullopt;
-  const auto [end, error] = std::from_chars(type.data() + 2, type.data() + 3, size);
-  if (error != std::errc{} || end != type.data() + 3 || size == 0) return std::nullopt;
-  return size;
+  const bool is_sized =
+      type.size() == 3 && (type[0] == '<' || type[0] == '|') && type[2] > '0' && type[2] <= '9';
+  return is_sized ? std::optional<size_t>(type[2] - '0') : std::nullopt;
 }
 
 std::string npy_header(std::string_view type, const std::vector<size_t>& shape) {
@@ -146,7 +142,7 @@ std::string npy_header(std::string_view type, const std::vector<size_t>& shape) 
 NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
   const auto header = parse_npy_header(file_.text());
   const auto size = header ? npy_value_size(header->type) : std::nullopt;
-  if (!header) refuse_unconverted(path, file_.text().substr(0, kMaxNpyHeader), true);
+  if (!header) refuse_convertible(path, file_.text().substr(0, kMaxNpyHeader), true);
   if (!size)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not a little-endian .npy array of numbers", name_));
@@ -162,19 +158,16 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
                             name_, fmt::join(header->shape, ", "), found));
   if (header->offset % *size != 0)
     throw Error(ErrorKind::data, fmt::format("{}: its values are not aligned", name_));
-  type_ = header->type;
-  shape_ = header->shape;
-  is_column_major_ = header->is_column_major;
-  offset_ = header->offset;
+  header_ = *header;
   count_ = bytes / *size;
 }
 
 void NpyArray::require(std::string_view type, size_t dimensions) const {
-  if (type_ != type || shape_.size() != dimensions)
+  if (header_.type != type || shape().size() != dimensions)
     throw Error(ErrorKind::data,
                 fmt::format("{}: expected {} dimensions of type {}, found {} of type {}", name_,
-                            dimensions, type, shape_.size(), type_));
-  if (is_column_major_)
+                            dimensions, type, shape().size(), header_.type));
+  if (is_column_major())
     throw Error(ErrorKind::data, fmt::format("{}: is in Fortran order; save it in C order, as with "
                                              "numpy.ascontiguousarray",
                                              name_));

@@ -9,44 +9,20 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
-#include "base/error.h"
 #include "base/mapped_file.h"
-#include "base/output.h"
 
 namespace vpr {
 
-/// NumPy's name of an element type: "|u1", "<i4", ...
+/// NumPy's name of an arithmetic type other than bool: "|u1", "<i4", ...
 template <class T>
-std::string_view npy_type();
-template <>
-inline std::string_view npy_type<uint8_t>() {
-  return "|u1";
-}
-template <>
-inline std::string_view npy_type<uint16_t>() {
-  return "<u2";
-}
-template <>
-inline std::string_view npy_type<int32_t>() {
-  return "<i4";
-}
-template <>
-inline std::string_view npy_type<uint32_t>() {
-  return "<u4";
-}
-template <>
-inline std::string_view npy_type<uint64_t>() {
-  return "<u8";
-}
-template <>
-inline std::string_view npy_type<float>() {
-  return "<f4";
-}
-template <>
-inline std::string_view npy_type<double>() {
-  return "<f8";
+std::string_view npy_type() {
+  static constexpr char kName[] = {
+      sizeof(T) == 1 ? '|' : '<',
+      std::is_floating_point_v<T> ? 'f' : (std::is_signed_v<T> ? 'i' : 'u'), '0' + sizeof(T)};
+  return {kName, 3};
 }
 
 /// The header of a .npy file.
@@ -77,18 +53,17 @@ class NpyArray {
   NpyArray() = default;
   explicit NpyArray(const std::filesystem::path& path);
 
-  const std::string& type() const { return type_; }
-  const std::vector<size_t>& shape() const { return shape_; }
-  /// Fortran order: the first index changes fastest.
-  bool is_column_major() const { return is_column_major_; }
+  const std::string& type() const { return header_.type; }
+  const std::vector<size_t>& shape() const { return header_.shape; }
+  bool is_column_major() const { return header_.is_column_major; }
   /// The whole file with its header, as checksums cover it.
   std::span<const std::byte> file_bytes() const { return file_.bytes(); }
 
   /// The raw bytes of the values, of any type and order.
-  std::span<const std::byte> value_bytes() const { return file_.bytes().subspan(offset_); }
+  std::span<const std::byte> value_bytes() const { return file_.bytes().subspan(header_.offset); }
   /// Releases the memory of values; the system reads them from the file again if needed.
   void forget_values(size_t first_byte, size_t size) const {
-    file_.forget(offset_ + first_byte, size);
+    file_.forget(header_.offset + first_byte, size);
   }
 
   /// The values. Throws Error(data) if the type or the number of dimensions differs, or if the
@@ -96,7 +71,7 @@ class NpyArray {
   template <class T>
   std::span<const T> values(size_t dimensions) const {
     require(npy_type<T>(), dimensions);
-    return {reinterpret_cast<const T*>(file_.bytes().data() + offset_), count_};
+    return {reinterpret_cast<const T*>(file_.bytes().data() + header_.offset), count_};
   }
 
  private:
@@ -104,19 +79,9 @@ class NpyArray {
 
   std::string name_;
   MappedFile file_;
-  std::string type_;
-  std::vector<size_t> shape_;
-  bool is_column_major_ = false;
-  size_t offset_ = 0;
-  size_t count_ = 0;
+  NpyHeader header_;
+  size_t count_ = 0;  ///< of values
 };
-
-/// Writes header and values to an open file; the caller commits.
-template <class T>
-void write_npy(Output& file, std::span<const T> values, const std::vector<size_t>& shape) {
-  file.write(npy_header(npy_type<T>(), shape));
-  file.write(std::as_bytes(values));
-}
 
 /// How to read numbers of one type.
 struct NumberType {

@@ -293,8 +293,6 @@ void Output::check() const {
 
 void Output::write(std::span<const std::byte> bytes) { write_all(descriptor_, bytes, target_); }
 
-void Output::write(std::string_view text) { write(std::as_bytes(std::span(text))); }
-
 void Output::reserve(uint64_t size) {
   if (size == 0) return;
   int error_number = EINTR;
@@ -402,7 +400,7 @@ Outputs::Claim& Outputs::claim(const fs::path& path, FolderCheck is_ours) {
       std::make_unique<Output>(path, is_extended ? Existing::replace : existing_, is_ours));
 }
 
-Output& Outputs::request(const fs::path& path, FolderCheck is_ours) {
+Output& Outputs::folder(const fs::path& path, FolderCheck is_ours) {
   Claim* const claimed = find(path);
   Claim& found = claimed != nullptr && !claimed->is_requested ? *claimed : claim(path, is_ours);
   assert(found.output->is_folder() == (is_ours != nullptr));
@@ -410,17 +408,7 @@ Output& Outputs::request(const fs::path& path, FolderCheck is_ours) {
   return *found.output;
 }
 
-void Outputs::claim_file(const fs::path& path) { claim(path, nullptr); }
-
-void Outputs::claim_folder(const fs::path& path, FolderCheck is_ours) { claim(path, is_ours); }
-
-Output& Outputs::file(const fs::path& path) { return request(path, nullptr); }
-
-Output& Outputs::folder(const fs::path& path, FolderCheck is_ours) {
-  return request(path, is_ours);
-}
-
-std::vector<const Output*> Outputs::files_beside(const fs::path& main) const {
+std::vector<const Output*> Outputs::files_next_to(const fs::path& main) const {
   std::vector<const Output*> files;
   const auto folder = identity_of(folder_of(main));
   for (const Claim& claim : claims_) {

@@ -63,7 +63,7 @@ class Output {
 
   /// Appends to a file.
   void write(std::span<const std::byte> bytes);
-  void write(std::string_view text);
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   /// Reserves space for a file, so that a full disk is an error before hours of work.
   void reserve(uint64_t size);
   /// Writes to a file. Threads may write concurrently to ranges that do not overlap.
@@ -104,16 +104,18 @@ class Outputs {
   void extend(const std::filesystem::path& input);
 
   /// Throw as Output does, and Error(usage) if the path is already claimed or is protected.
-  void claim_file(const std::filesystem::path& path);
-  void claim_folder(const std::filesystem::path& path, FolderCheck is_ours);
+  void claim_file(const std::filesystem::path& path) { claim(path, nullptr); }
+  void claim_folder(const std::filesystem::path& path, FolderCheck is_ours) {
+    claim(path, is_ours);
+  }
 
   /// Requests an output, which is claimed if necessary. Each can be requested once. Valid until
   /// commit().
-  Output& file(const std::filesystem::path& path);
+  Output& file(const std::filesystem::path& path) { return folder(path, nullptr); }
   Output& folder(const std::filesystem::path& path, FolderCheck is_ours);
 
   /// The requested files in the folder of `main`, except `main`.
-  std::vector<const Output*> files_beside(const std::filesystem::path& main) const;
+  std::vector<const Output*> files_next_to(const std::filesystem::path& main) const;
 
   /// The sentence with temporary names replaced by the names of the targets.
   std::string with_targets(std::string sentence) const;
@@ -136,7 +138,6 @@ class Outputs {
 
   Claim& claim(const std::filesystem::path& path, FolderCheck is_ours);
   Claim* find(const std::filesystem::path& path);
-  Output& request(const std::filesystem::path& path, FolderCheck is_ours);
   void check_protected(const std::filesystem::path& path) const;
 
   Existing existing_;

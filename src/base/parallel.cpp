@@ -24,16 +24,10 @@ size_t thread_count() {
   return std::min<size_t>(limit, static_cast<size_t>(oneapi::tbb::info::default_concurrency()));
 }
 
-struct ThreadLimit::Control {
-  oneapi::tbb::global_control control;
-};
-
 ThreadLimit::ThreadLimit(size_t threads) {
   if (threads == 0) threads = static_cast<size_t>(oneapi::tbb::info::default_concurrency());
-  control_.reset(new Control{
-      oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism, threads)});
+  control_ = std::make_shared<oneapi::tbb::global_control>(
+      oneapi::tbb::global_control::max_allowed_parallelism, threads);
 }
-
-ThreadLimit::~ThreadLimit() = default;
 
 }  // namespace vpr

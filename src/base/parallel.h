@@ -24,13 +24,9 @@ size_t thread_count();
 class ThreadLimit {
  public:
   explicit ThreadLimit(size_t threads);
-  ~ThreadLimit();
-  ThreadLimit(const ThreadLimit&) = delete;
-  ThreadLimit& operator=(const ThreadLimit&) = delete;
 
  private:
-  struct Control;
-  std::unique_ptr<Control> control_;
+  std::shared_ptr<void> control_;
 };
 
 /// Tells ThreadSanitizer that everything this thread has done so far happens before what another

@@ -1,4 +1,4 @@
-// Functions that split, quote, compare and print strings.
+// Functions that split, quote, compare and print strings, and CSV.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,8 @@ namespace vpr {
 /// parts are views of `text`.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
-/// The lines of a text without their ends,
-///  or \r
-/// . The end of the last line does not start another line; an empty text has no lines.
+/// The lines of a text without their ends, \n or \r\n. The end of the last line does not start
+/// another line; an empty text has no lines.
 std::vector<std::string_view> split_lines(std::string_view text);
 
 /// The words between blanks (spaces, tabs and carriage returns); consecutive blanks count as one.
@@ -52,5 +51,19 @@ std::string counted(uint64_t count, std::string_view noun, std::string_view plur
 /// names differ only in leading zeros, fewer zeros come first. A strict weak order of all byte
 /// strings.
 bool natural_less(std::string_view a, std::string_view b);
+
+/// One row of a CSV file: its fields as text, without quotes.
+struct CsvRow {
+  size_t line = 0;  ///< one-based, where the row starts
+  std::vector<std::string> fields;
+};
+
+/// Parses comma-separated values (RFC 4180): quoted fields, \n or \r\n. Skips empty lines, a byte
+/// order mark, and lines before the first row that begin with #. `where` names the file in errors.
+/// Throws Error(data) for an unterminated quote or a quote inside an unquoted field.
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
+
+/// A field of CSV, quoted if necessary.
+std::string csv_field(const std::string& text);
 
 }  // namespace vpr

@@ -29,12 +29,6 @@ size_t proc_bytes(const char* path, const std::string& name) {
   return 0;
 }
 
-Json numbers_json(const NamedNumbers& numbers) {
-  Json json = Json::object();
-  for (const auto& [name, value] : numbers) json[name] = value;
-  return json;
-}
-
 NamedNumbers read_numbers(const Json& json, const Fields& where) {
   if (!json.is_object()) where.fail("the parameters are not an object");
   NamedNumbers numbers;
@@ -65,8 +59,17 @@ void check_seconds(double seconds) {
                 fmt::format("seconds must be above 0 and at most 3600, found {}", seconds));
 }
 
-std::vector<double> time_repeatedly(const Effort& effort, const std::function<void()>& work,
-                                    const Monitor& monitor) {
+void check_values(std::string_view name, const std::vector<uint64_t>& values, uint64_t low,
+                  uint64_t high) {
+  if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
+  for (const uint64_t value : values)
+    if (value < low || value > high)
+      throw Error(ErrorKind::usage,
+                  fmt::format("{} must be from {} to {}, found {}", name, low, high, value));
+}
+
+TimeSummary time_repeatedly(const Effort& effort, const std::function<void()>& work,
+                            const Monitor& monitor, double units) {
   for (size_t i = 0; i < effort.warm_ups; ++i) {
     check_stop(monitor);
     work();
@@ -78,9 +81,9 @@ std::vector<double> time_repeatedly(const Effort& effort, const std::function<vo
     check_stop(monitor);
     const Stopwatch watch;
     work();
-    times_ms.push_back(watch.elapsed_ms());
+    times_ms.push_back(watch.elapsed_ms() / units);
   }
-  return times_ms;
+  return summarize(std::move(times_ms));
 }
 
 void pin_to_cores(size_t cores) {
@@ -109,19 +112,6 @@ std::optional<double> find_number(const NamedNumbers& numbers, const std::string
   return std::nullopt;
 }
 
-double BenchRow::parameter(const std::string& name) const {
-  return find_number(parameters, name).value_or(0);
-}
-
-void add_speed_up(BenchResult& result, const std::string& work, const std::string& slower,
-                  const std::string& name) {
-  for (BenchRow& row : result.rows) {
-    if (row.work != work) continue;
-    if (const BenchRow* other = find_row(result, slower, row.parameters))
-      row.values.emplace_back(name, other->time.median_ms / row.time.median_ms);
-  }
-}
-
 const BenchRow* find_row(const BenchResult& result, const std::string& work,
                          const NamedNumbers& parameters) {
   for (const BenchRow& row : result.rows)
@@ -129,8 +119,29 @@ const BenchRow* find_row(const BenchResult& result, const std::string& work,
   return nullptr;
 }
 
+std::vector<Series> time_series(const BenchResult& result, const std::vector<std::string>& works,
+                                const std::string& x, const NamedNumbers& fixed) {
+  std::vector<Series> all;
+  for (const std::string& work : works) {
+    Series series{work, {}};
+    for (const BenchRow& row : result.rows)
+      if (row.work == work && std::ranges::all_of(fixed, [&](const NamedNumber& parameter) {
+            return find_number(row.parameters, parameter.name) == parameter.value;
+          }))
+        series.points.emplace_back(find_number(row.parameters, x).value_or(0), row.time.median_ms);
+    if (!series.points.empty()) all.push_back(std::move(series));
+  }
+  return all;
+}
+
+Json numbers_json(const NamedNumbers& numbers) {
+  Json json = Json::object();
+  for (const auto& [name, value] : numbers) json[name] = value;
+  return json;
+}
+
 Json bench_json(const BenchResult& result, const RunInfo& run) {
-  Json json = {{"schema", "vpr.bench/2"}, {"bench", result.bench}, {"settings", result.settings}};
+  Json json = {{"schema", "vpr.bench/3"}, {"bench", result.bench}, {"settings", result.settings}};
   json["rows"] = Json::array();
   for (const BenchRow& row : result.rows)
     json["rows"].push_back({{"work", row.work},
@@ -153,7 +164,7 @@ Json bench_json(const BenchResult& result, const RunInfo& run) {
 BenchResult read_bench(const std::filesystem::path& path) {
   const std::string where = path.string();
   const Json json = read_json(path, ErrorKind::data);
-  require_schema(json, "bench", where, ErrorKind::data, 2);
+  require_schema(json, "bench", where, ErrorKind::data);
   const Fields fields(json, where);
   BenchResult result;
   result.bench = fields.text("bench");

@@ -1,14 +1,12 @@
-#include "bench/bench_tables.h"
-
+// Benchmark results as tables, and the comparison of two runs.
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "bench/bench_result.h"
 
 namespace vpr {
 namespace {
@@ -18,7 +16,7 @@ std::vector<std::string> names_of(const std::vector<BenchRow>& rows,
   std::vector<std::string> names;
   for (const BenchRow& row : rows)
     for (const auto& [name, value] : row.*numbers)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      if (std::ranges::count(names, name) == 0) names.push_back(name);
   return names;
 }
 
@@ -30,21 +28,18 @@ std::string cell(const NamedNumbers& numbers, const std::string& name) {
 
 std::string milliseconds(double value) { return fmt::format("{:.4g}", value); }
 
-// Values for developers of a method, or derived ones: the share of a core at 10 Hz equals the time
-// in milliseconds. CSV and JSON include them.
-bool is_shown(const std::string& name) {
-  static const std::set<std::string> kHidden = {"cpu_at_10_hz_percent", "ring", "statistics_s",
-                                                "learned_share"};
-  return kHidden.count(name) == 0;
-}
-
 std::string short_number(double value) {
   return fmt::format(fmt::runtime(std::abs(value) >= 1000 ? "{:.0f}" : "{:.4g}"), value);
 }
 
-// The column title of a value.
+// The column title of a value. Empty: only for developers of a method, or derived (the share of a
+// core at 10 Hz equals the time in milliseconds), and so only in CSV and JSON.
 std::string label(const std::string& name) {
   static const std::map<std::string, std::string> kLabels = {
+      {"cpu_at_10_hz_percent", ""},
+      {"learned_share", ""},
+      {"ring", ""},
+      {"statistics_s", ""},
       {"c_l", "c_l"},
       {"cpu_percent", "CPU %"},
       {"peak_mib", "peak MiB"},
@@ -62,39 +57,19 @@ std::string label(const std::string& name) {
   return words;
 }
 
-// Whether two rows fit one table: they have the same unit and parameters of the same names.
-bool is_alike(const BenchRow& a, const BenchRow& b) {
-  const auto same_name = [](const auto& x, const auto& y) { return x.first == y.first; };
-  return a.per == b.per && std::equal(a.parameters.begin(), a.parameters.end(),
-                                      b.parameters.begin(), b.parameters.end(), same_name);
-}
-
+// Groups rows that fit one table: they have the same unit and parameters of the same names.
 std::vector<std::vector<BenchRow>> alike_rows(const std::vector<BenchRow>& rows) {
+  const auto is_alike = [](const BenchRow& a, const BenchRow& b) {
+    return a.per == b.per && std::ranges::equal(a.parameters, b.parameters, {}, &NamedNumber::name,
+                                                &NamedNumber::name);
+  };
   std::vector<std::vector<BenchRow>> groups;
   for (const BenchRow& row : rows) {
-    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& other) {
-      return is_alike(other.front(), row);
-    });
+    const auto group = std::ranges::find_if(
+        groups, [&](const auto& other) { return is_alike(other.front(), row); });
     (group == groups.end() ? groups.emplace_back() : *group).push_back(row);
   }
   return groups;
-}
-
-// Splits the parameters of rows with equal names: those that differ become columns, the others
-// become text.
-std::vector<std::string> differing(const std::vector<BenchRow>& rows, std::string& common) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : rows.front().parameters) {
-    const std::string first = cell(rows.front().parameters, name);
-    const bool same = std::all_of(rows.begin(), rows.end(), [&, &key = name](const BenchRow& row) {
-      return cell(row.parameters, key) == first;
-    });
-    if (same)
-      common += fmt::format(", {} {}", label(name), first);
-    else
-      names.push_back(name);
-  }
-  return names;
 }
 
 // Values of at least half of the rows.
@@ -102,7 +77,7 @@ std::vector<std::string> usual_values(const std::vector<BenchRow>& rows) {
   std::vector<std::string> names = names_of(rows, &BenchRow::values);
   std::erase_if(names, [&](const std::string& name) {
     const auto has = [&](const BenchRow& row) { return !cell(row.values, name).empty(); };
-    return !is_shown(name) ||
+    return label(name).empty() ||
            2 * std::count_if(rows.begin(), rows.end(), has) < static_cast<ptrdiff_t>(rows.size());
   });
   return names;
@@ -112,17 +87,24 @@ std::vector<std::string> usual_values(const std::vector<BenchRow>& rows) {
 std::string remark(const BenchRow& row, const std::vector<std::string>& shown) {
   std::string text = row.note;
   for (const auto& [name, value] : row.values)
-    if (is_shown(name) && std::find(shown.begin(), shown.end(), name) == shown.end())
+    if (!label(name).empty() && std::ranges::count(shown, name) == 0)
       text += fmt::format("{}{} {:.3g}", text.empty() ? "" : ", ", label(name), value);
   return text;
 }
 
 Table readable_table(const std::string& bench, const std::vector<BenchRow>& rows) {
   Table table;
-  std::string common;
-  const std::vector<std::string> parameters = differing(rows, common);
+  table.title = fmt::format("{}: milliseconds per {}", bench, rows.front().per);
+  std::vector<std::string> parameters;  // those that differ; the others go into the title
+  for (const std::string& name : names_of(rows, &BenchRow::parameters)) {
+    const std::string first = cell(rows.front().parameters, name);
+    if (std::ranges::all_of(
+            rows, [&](const BenchRow& row) { return cell(row.parameters, name) == first; }))
+      table.title += fmt::format(", {} {}", label(name), first);
+    else
+      parameters.push_back(name);
+  }
   const std::vector<std::string> values = usual_values(rows);
-  table.title = fmt::format("{}: milliseconds per {}{}", bench, rows.front().per, common);
   table.columns = {"work"};
   for (const std::string& name : parameters) table.columns.push_back(label(name));
   table.columns.insert(table.columns.end(), {"median", "quartiles", "runs"});
@@ -157,12 +139,6 @@ std::string row_name(const std::string& work, const NamedNumbers& parameters) {
 // lower quartile ratio is above 1, or above the factor if that is smaller. Both bounds are strict.
 bool is_slower(const BenchRatio& row, double factor) {
   return row.ratio > factor && row.low > std::min(factor, 1.0);
-}
-
-// A large ratio whose quartiles include the old time is not significant.
-std::string verdict(const BenchRatio& row, double factor) {
-  if (is_slower(row, factor)) return "slower";
-  return row.ratio > factor ? "unsure" : "";
 }
 
 // The ratio of times that may be 0 because of the clock's resolution; 0 / 0 is 1.
@@ -242,34 +218,32 @@ Table comparison_table(const BenchComparison& comparison, double factor) {
     table.rows.push_back({row_name(row.work, row.parameters), fmt::format("{:.4g}", row.old_ms),
                           fmt::format("{:.4g}", row.new_ms), fmt::format("{:.3f}", row.ratio),
                           fmt::format("{:.3f}", row.low), fmt::format("{:.3f}", row.high),
-                          verdict(row, factor)});
+                          is_slower(row, factor) ? "slower"
+                          : row.ratio > factor   ? "unsure"
+                                                 : ""});
   return table;
 }
 
 Json comparison_json(const BenchComparison& comparison, double factor) {
-  Json json = {{"schema", "vpr.bench-comparison/1"}, {"factor", factor}};
+  Json json = {{"schema", "vpr.bench-comparison/3"}, {"factor", factor}};
   json["rows"] = Json::array();
-  for (const BenchRatio& row : comparison.ratios) {
-    Json parameters = Json::object();
-    for (const auto& [name, value] : row.parameters) parameters[name] = value;
+  for (const BenchRatio& row : comparison.ratios)
     json["rows"].push_back({{"work", row.work},
-                            {"parameters", parameters},
+                            {"parameters", numbers_json(row.parameters)},
                             {"old_ms", row.old_ms},
                             {"new_ms", row.new_ms},
                             {"ratio", row.ratio},
                             {"low", row.low},
                             {"high", row.high},
                             {"slower", is_slower(row, factor)}});
-  }
   json["only_in_one"] = comparison.only_in_one;
   json["slower"] = count_slower(comparison, factor);
   return json;
 }
 
 size_t count_slower(const BenchComparison& comparison, double factor) {
-  return static_cast<size_t>(
-      std::count_if(comparison.ratios.begin(), comparison.ratios.end(),
-                    [&](const BenchRatio& row) { return is_slower(row, factor); }));
+  return static_cast<size_t>(std::ranges::count_if(
+      comparison.ratios, [&](const BenchRatio& row) { return is_slower(row, factor); }));
 }
 
 }  // namespace vpr

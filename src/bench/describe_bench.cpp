@@ -1,5 +1,3 @@
-#include "bench/describe_bench.h"
-
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -9,12 +7,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "bench/benches.h"
 #include "bench/generated.h"
 #include "describe/frame_descriptors.h"
-#include "describe/ldb.h"
 #include "describe/whole_frame.h"
-#include "sequence/decode.h"
 #include "sequence/frames.h"
 
 namespace vpr {
@@ -50,14 +46,14 @@ Frames load_frames(const std::optional<SequenceSource>& images, uint64_t count, 
 }
 
 // Times training with all threads: decoding alone, and decoding with describing.
-void add_whole_sequence(BenchResult& result, const SequenceSource& images,
-                        const DescribeBenchSettings& settings, const Monitor& monitor) {
+void add_whole_sequence(BenchResult& result, const SequenceSource& images, const Effort& effort,
+                        const Monitor& monitor) {
+  const size_t files = images.files.size();
   const auto add = [&](const std::string& work, const std::function<void()>& run) {
-    BenchRow row{work, {{"files", static_cast<double>(images.files.size())}}, "frame", {}, {}, ""};
-    std::vector<double> times_ms = time_repeatedly({settings.seconds}, run, monitor);
-    for (double& ms : times_ms) ms /= static_cast<double>(images.files.size());
-    row.time = summarize(std::move(times_ms));
-    result.rows.push_back(std::move(row));
+    result.rows.push_back({work,
+                           {{"files", files}},
+                           "frame",
+                           time_repeatedly(effort, run, monitor, static_cast<double>(files))});
   };
   add("decode all", [&] {
     for_each_frame(images, PixelFormat::gray, Unreadable::fail, {}, [](size_t, const cv::Mat&) {});
@@ -79,29 +75,21 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   std::vector<FeatureKind> kinds;
   for (const std::string& name : settings.features)
     value_from_json(Json(name), kinds.emplace_back(), "feature_kinds", "feature_kinds");
-  BenchResult result;
-  result.bench = "describe";
-  result.settings = value_to_json(settings);
+  BenchResult result{"describe", value_to_json(settings)};
   const Frames frames = load_frames(images, settings.frames, seed);
   size_t next = 0;
   StepCounter counter(monitor, "measure", 7 + kinds.size());
   const auto add = [&](const std::string& work, auto&& run) {
-    BenchRow row{work,
-                 {{"width", static_cast<double>(frames.gray[0].cols)},
-                  {"height", static_cast<double>(frames.gray[0].rows)}},
+    const auto run_next = [&] {
+      run(next);
+      next = (next + 1) % frames.gray.size();
+    };
+    BenchRow& row = result.rows.emplace_back(
+        BenchRow{work,
+                 {{"width", frames.gray[0].cols}, {"height", frames.gray[0].rows}},
                  "frame",
-                 {},
-                 {},
-                 ""};
-    row.time = summarize(time_repeatedly(
-        {settings.seconds},
-        [&] {
-          run(next);
-          next = (next + 1) % frames.gray.size();
-        },
-        monitor));
+                 time_repeatedly({settings.seconds}, run_next, monitor)});
     row.values.emplace_back("fps", 1000 / row.time.median_ms);
-    result.rows.push_back(std::move(row));
     counter.add();
   };
   add("decode", [&](size_t i) { cv::imdecode(frames.files[i], cv::IMREAD_GRAYSCALE); });
@@ -123,7 +111,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
     result.rows.back().values.emplace_back(
         "features", static_cast<double>(points) / static_cast<double>(frames.gray.size()));
   }
-  if (images) add_whole_sequence(result, *images, settings, monitor);
+  if (images) add_whole_sequence(result, *images, {settings.seconds}, monitor);
   return result;
 }
 

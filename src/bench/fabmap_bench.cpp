@@ -1,5 +1,3 @@
-#include "bench/fabmap_bench.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,12 +5,11 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
+#include "bench/benches.h"
 #include "bench/generated.h"
 #include "fabmap/model.h"
-#include "fabmap/posterior.h"
 #include "fabmap/word_clustering.h"
 
 namespace vpr {
@@ -25,21 +22,19 @@ constexpr uint64_t kQuerySeed = uint64_t{2} << 40;
 constexpr size_t kCheckedPlaces = 100;
 
 void check_settings(const FabmapBenchSettings& settings) {
-  const auto require = [](std::string_view name, const std::vector<uint64_t>& values, uint64_t low,
-                          uint64_t high) {
-    if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
-    for (const uint64_t value : values)
-      if (value < low || value > high)
-        throw Error(ErrorKind::usage,
-                    fmt::format("{} must be from {} to {}, found {}", name, low, high, value));
-  };
-  require("places", settings.places, 1, 100'000'000);
-  require("words", settings.words, 2, 10'000'000);
-  require("words_per_frame", settings.words_per_frame, 1, 100'000);
-  require("descriptors", {settings.descriptors}, 0, 100'000'000);
-  require("pretrain_frames", {settings.pretrain_frames}, 1, 1'000'000);
+  check_values("places", settings.places, 1, 100'000'000);
+  check_values("words", settings.words, 2, 10'000'000);
+  check_values("words_per_frame", settings.words_per_frame, 1, 100'000);
+  check_values("descriptors", {settings.descriptors}, 0, 100'000'000);
+  check_values("pretrain_frames", {settings.pretrain_frames}, 1, 1'000'000);
   check_seconds(settings.seconds);
   for (const std::string& variant : settings.variants) find_fabmap_variant(variant);
+}
+
+ViewWords generate_views(size_t words, size_t places, size_t per_frame, uint64_t seed) {
+  ViewWords views;
+  for (size_t v = 0; v < places; ++v) views.add(generate_words(words, per_frame, seed + v));
+  return views;
 }
 
 /// Views with the data that queries need.
@@ -50,7 +45,7 @@ struct Example {
   std::vector<WordSet> queries;
 
   Example(const FabmapModel& model, size_t places, size_t per_frame, uint64_t seed)
-      : views(draw(model.words(), places, per_frame, seed)),
+      : views(generate_views(model.words(), places, per_frame, seed)),
         lists(make_word_index(views, model.words())),
         index(make_fabmap_index(model, views, lists)) {
     for (size_t q = 0; q < kQueries; ++q)
@@ -58,11 +53,6 @@ struct Example {
   }
   Example(const Example&) = delete;
 
-  static ViewWords draw(size_t words, size_t places, size_t per_frame, uint64_t seed) {
-    ViewWords views;
-    for (size_t v = 0; v < places; ++v) views.add(generate_words(words, per_frame, seed + v));
-    return views;
-  }
   FabmapQuery query(const FabmapModel& model, size_t q) const {
     return {model, views, index, queries[q % queries.size()], views.views()};
   }
@@ -120,18 +110,14 @@ BenchRow time_kmeans(const FabmapBenchSettings& settings, uint64_t words, uint64
   for (int r = 0; r < descriptors.rows; ++r)
     for (int c = 0; c < descriptors.cols; ++c)
       descriptors.at<float>(r, c) = static_cast<float>(uniform_unit(engine));
-  BenchRow row{"k-means",
-               {{"descriptors", static_cast<double>(settings.descriptors)},
-                {"words", static_cast<double>(words)},
-                {"iterations", static_cast<double>(settings.iterations)}},
-               "vocabulary",
-               {},
-               {},
-               ""};
   const Stopwatch watch;
   kmeans_words(descriptors, {words, settings.iterations, seed}, monitor);
-  row.time = summarize({watch.elapsed_ms()});
-  return row;
+  return {"k-means",
+          {{"descriptors", settings.descriptors},
+           {"words", words},
+           {"iterations", settings.iterations}},
+          "vocabulary",
+          summarize({watch.elapsed_ms()})};
 }
 
 // Times the Chow-Liu tree of generated frames; returns the tree.
@@ -143,13 +129,11 @@ ChowLiuTree time_tree(BenchResult& result, const FabmapBenchSettings& settings, 
   const Stopwatch watch;
   ChowLiuTree tree = train_chow_liu(frames, words, monitor);
   result.rows.push_back({"chow-liu tree",
-                         {{"pretrain_frames", static_cast<double>(settings.pretrain_frames)},
-                          {"words", static_cast<double>(words)},
-                          {"words_per_frame", static_cast<double>(per_frame)}},
+                         {{"pretrain_frames", settings.pretrain_frames},
+                          {"words", words},
+                          {"words_per_frame", per_frame}},
                          "tree",
-                         summarize({watch.elapsed_ms()}),
-                         {},
-                         ""});
+                         summarize({watch.elapsed_ms()})});
   return tree;
 }
 
@@ -169,39 +153,18 @@ void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
           fmt::format("{} with {} places: above slow_limit", variant, places));
       continue;
     }
-    BenchRow row{variant, parameters, "query frame", {}, {}, ""};
+    const auto& log_likelihoods = find_fabmap_variant(variant).log_likelihoods;
     size_t q = 0;
-    row.time = summarize(time_repeatedly(
-        effort, [&] { find_fabmap_variant(variant).log_likelihoods(example.query(model, q++)); },
-        monitor));
+    const auto query = [&] { log_likelihoods(example.query(model, q++)); };
+    BenchRow row{variant, parameters, "query frame", time_repeatedly(effort, query, monitor)};
     row.values.emplace_back("fps", 1000 / row.time.median_ms);
     if (!is_slow(variant)) row.values.emplace_back("postings", postings);
     result.rows.push_back(std::move(row));
   }
   const auto logs = fabmap2_log_likelihoods(example.query(model, 0));
-  BenchRow row{"posterior", parameters, "query frame", {}, {}, ""};
-  row.time = summarize(time_repeatedly(
-      effort, [&] { fabmap_posterior(logs, logs[0], {}, {}); }, monitor));
-  result.rows.push_back(std::move(row));
-}
-
-// The times for the first values of words and words per frame, by the number of places.
-Chart chart_of(const BenchResult& result, const FabmapBenchSettings& settings) {
-  Chart chart{"fabmap",
-              fmt::format("FAB-MAP query time, {} words, {} per frame", settings.words.front(),
-                          settings.words_per_frame.front()),
-              {"places", true},
-              {"milliseconds", true}};
-  for (const std::string& variant : settings.variants) {
-    Series series{variant, {}};
-    for (const BenchRow& row : result.rows)
-      if (row.work == variant &&
-          row.parameter("words") == static_cast<double>(settings.words.front()) &&
-          row.parameter("words_per_frame") == static_cast<double>(settings.words_per_frame.front()))
-        series.points.emplace_back(row.parameter("places"), row.time.median_ms);
-    if (!series.points.empty()) chart.series.push_back(series);
-  }
-  return chart;
+  const auto posterior = [&] { fabmap_posterior(logs, logs[0], {}, {}); };
+  result.rows.push_back(
+      {"posterior", parameters, "query frame", time_repeatedly(effort, posterior, monitor)});
 }
 
 }  // namespace
@@ -209,9 +172,7 @@ Chart chart_of(const BenchResult& result, const FabmapBenchSettings& settings) {
 BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
                          const Monitor& monitor) {
   check_settings(settings);
-  BenchResult result;
-  result.bench = "fabmap";
-  result.settings = value_to_json(settings);
+  BenchResult result{"fabmap", value_to_json(settings)};
   StepCounter counter(
       monitor, "measure",
       settings.words.size() * settings.words_per_frame.size() * settings.places.size());
@@ -224,15 +185,22 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
       check_variants(model, settings, per_frame, seed);
       for (const uint64_t places : settings.places) {
         const Example example(model, places, per_frame, seed);
-        const NamedNumbers parameters = {{"places", static_cast<double>(places)},
-                                         {"words", static_cast<double>(words)},
-                                         {"words_per_frame", static_cast<double>(per_frame)}};
-        time_queries(result, settings, model, example, parameters, monitor);
+        time_queries(result, settings, model, example,
+                     {{"places", places}, {"words", words}, {"words_per_frame", per_frame}},
+                     monitor);
         counter.add();
       }
     }
   }
-  result.charts.push_back(chart_of(result, settings));
+  const uint64_t words = settings.words.front();
+  const uint64_t per_frame = settings.words_per_frame.front();
+  result.charts.push_back(
+      {"fabmap",
+       fmt::format("FAB-MAP query time, {} words, {} per frame", words, per_frame),
+       {"places", true},
+       {"milliseconds", true},
+       time_series(result, settings.variants, "places",
+                   {{"words", words}, {"words_per_frame", per_frame}})});
   return result;
 }
 

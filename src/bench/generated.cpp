@@ -21,7 +21,7 @@ void flip_bits(LdbCode& code, size_t count, RandomEngine& engine) {
 
 }  // namespace
 
-std::vector<LdbCode> generate_walk(size_t count, uint64_t seed) {
+std::vector<LdbCode> generate_sequence(size_t count, uint64_t seed) {
   RandomEngine engine(seed);
   std::vector<LdbCode> codes(count);
   LdbCode code{};
@@ -33,8 +33,8 @@ std::vector<LdbCode> generate_walk(size_t count, uint64_t seed) {
   return codes;
 }
 
-std::vector<LdbCode> repeat_walk(const std::vector<LdbCode>& walk, size_t first, size_t count,
-                                 size_t changed_bits, uint64_t seed) {
+std::vector<LdbCode> repeat_sequence(const std::vector<LdbCode>& walk, size_t first, size_t count,
+                                     size_t changed_bits, uint64_t seed) {
   RandomEngine engine(seed);
   std::vector<LdbCode> codes;
   for (size_t i = 0; i < count; ++i) {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "describe/descriptor_rows.h"
-#include "describe/ldb.h"
 #include "fabmap/vocabulary.h"
 
 namespace cv {
@@ -16,12 +15,12 @@ namespace vpr {
 
 /// Codes of a sequence: consecutive codes differ in about 60 bits, like neighboring frames of real
 /// recordings.
-std::vector<LdbCode> generate_walk(size_t count, uint64_t seed);
+std::vector<LdbCode> generate_sequence(size_t count, uint64_t seed);
 
 /// `count` codes from `first` on, each with `changed_bits` randomly chosen bits flipped: the same
 /// route on another day.
-std::vector<LdbCode> repeat_walk(const std::vector<LdbCode>& walk, size_t first, size_t count,
-                                 size_t changed_bits, uint64_t seed);
+std::vector<LdbCode> repeat_sequence(const std::vector<LdbCode>& walk, size_t first, size_t count,
+                                     size_t changed_bits, uint64_t seed);
 
 /// Vectors in the format of imported ones.
 struct GeneratedVectors {

@@ -1,5 +1,3 @@
-#include "bench/matching_bench.h"
-
 #include <algorithm>
 #include <array>
 
@@ -7,21 +5,21 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/named_table.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
+#include "bench/benches.h"
 #include "bench/generated.h"
 #include "decide/clustering.h"
 #include "decide/row_scan.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_online.h"
+#include "match/fastable.h"
 #include "match/lsh.h"
 #include "match/match.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "match/zscores.h"
-#include "run/verify.h"
+#include "run/query.h"
 
 namespace vpr {
 namespace {
@@ -36,34 +34,32 @@ FrameDistances first_rows(const MatchingCase& example, size_t rows) {
   return example.distances.of_query({example.distances.query.rows.first(frames), {}});
 }
 
-std::vector<double> divided(std::vector<double> times_ms, double by) {
-  for (double& ms : times_ms) ms /= by;
-  return times_ms;
-}
-
 // Passes query frames through the stage of settings.method repeatedly. The first windows are
-// shorter and are not timed. Calls `seen` after each frame.
-void time_stage(const FrameDistances& distances, const MatchSettings& settings,
-                const Effort& effort, const Monitor& monitor, const std::function<void()>& seen,
-                BenchRow& row) {
+// shorter and are not timed. Calls `after_frame` after each frame.
+void time_stage(
+    const FrameDistances& distances, const MatchSettings& settings, const Effort& effort,
+    const Monitor& monitor, BenchRow& row, const std::function<void()>& after_frame = [] {}) {
   const WindowStage stage = window_stage(distances, {&settings.window_length, 1}, settings);
   QueryFrame next{0, 0, 1};
   const auto advance = [&] {
     stage(distances, next, [](size_t, std::span<const ScoreRow>) {});
-    seen();
+    after_frame();
     next = {(next.row + 1) % distances.query_frames, next.number + 1, next.in_a_row + 1};
   };
   for (size_t f = 0; f <= settings.window_length; ++f) advance();
-  row.time = summarize(time_repeatedly(effort, advance, monitor));
+  row.time = time_repeatedly(effort, advance, monitor);
+}
+
+// Whether the ring of sums fits the memory; z-scores need all of it.
+bool has_whole_ring(const MatchingCase& example) {
+  return ring_fits(example.distances.train_frames, example.settings.window_length,
+                   example.settings.memory_limit);
 }
 
 void time_online(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                  BenchRow& row) {
-  time_stage(
-      example.distances, example.settings, effort, monitor, [] {}, row);
-  row.values.emplace_back("ring",
-                          ring_fits(example.distances.train_frames, example.settings.window_length,
-                                    example.settings.memory_limit));
+  time_stage(example.distances, example.settings, effort, monitor, row);
+  row.values.emplace_back("ring", has_whole_ring(example));
 }
 
 ScoreBasis score_basis(const MatchingCase& example) {
@@ -85,7 +81,7 @@ void time_zscores(const MatchingCase& example, const Effort& effort, const Monit
     learned += learning->update ? 1 : 0;
     ++frames;
   };
-  time_stage(zscores(learning), example.settings, effort, monitor, count, row);
+  time_stage(zscores(learning), example.settings, effort, monitor, row, count);
   row.values.emplace_back("learned_share",
                           static_cast<double>(learned) / static_cast<double>(frames));
 }
@@ -95,18 +91,15 @@ void time_filtered(const MatchingCase& example, const Effort& effort, const Moni
   MatchSettings settings = example.settings;
   settings.method = &find_sequence_method("filter");
   settings.window_length = 1;
-  time_stage(
-      zscores(example.distances, score_basis(example), monitor), settings, effort, monitor, [] {},
-      row);
+  time_stage(zscores(example.distances, score_basis(example), monitor), settings, effort, monitor,
+             row);
 }
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                 BenchRow& row) {
-  const auto frames = static_cast<double>(example.distances.query_frames);
-  row.time = summarize(divided(
-      time_repeatedly(
-          effort, [&] { match(example.distances, example.settings, {{ignore}}, {}); }, monitor),
-      frames));
+  const auto run = [&] { match(example.distances, example.settings, {{ignore}}, {}); };
+  row.time =
+      time_repeatedly(effort, run, monitor, static_cast<double>(example.distances.query_frames));
 }
 
 void time_openable(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -120,58 +113,48 @@ void time_openable(const MatchingCase& example, const Effort& effort, const Moni
   run(1);
   const double share = effort.seconds / 10 / watch.elapsed_s();
   const size_t rows = std::clamp<size_t>(static_cast<size_t>(share), 1, example.rows());
-  row.time = summarize(divided(time_repeatedly(
-                                   effort, [&] { run(rows); }, monitor),
-                               static_cast<double>(rows)));
+  row.time = time_repeatedly(
+      effort, [&] { run(rows); }, monitor, static_cast<double>(rows));
   if (rows < example.rows()) row.note = fmt::format("{} rows sampled", rows);
 }
 
 void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
               BenchRow& row) {
   const size_t length = example.settings.window_length;
+  const DescriptorRows& queries = example.distances.query.rows;
   const Stopwatch watch;
   const LshIndex index(example.distances.train, length, example.settings.lsh, example.settings.seed,
                        monitor);
   row.values.emplace_back("build_s", watch.elapsed_s());
   size_t window = 0;
-  row.time = summarize(time_repeatedly(
-      effort,
-      [&] {
-        index.find(example.query_codes[window].data());
-        window = (window + 1) % example.rows();
-      },
-      monitor));
+  const auto find_next = [&] {
+    index.find(queries[window].data());
+    window = (window + 1) % example.rows();
+  };
+  row.time = time_repeatedly(effort, find_next, monitor);
   RecognitionScan scan({{0}, example.rows(), 1, example.settings.kernels});
   match(example.distances, example.settings, {{std::ref(scan)}}, monitor);
   const auto exact = scan.result().best;
   size_t found = 0;
-  for (size_t w = 0; w < example.rows(); ++w) {
-    const auto candidates = index.find(example.query_codes[w].data());
-    found += std::any_of(candidates.begin(), candidates.end(), [&](const LshCandidate& candidate) {
+  for (size_t w = 0; w < example.rows(); ++w)
+    found += std::ranges::any_of(index.find(queries[w].data()), [&](const LshCandidate& candidate) {
       return candidate.distance == exact[w]->score;
     });
-  }
   row.values.emplace_back("recall",
                           static_cast<double>(found) / static_cast<double>(example.rows()));
 }
 
 constexpr std::array<MatchingTimer, 6> kTimers = {{
-    {"fastable-online", "one query frame after the other", false, time_online},
-    {"fastable", "the whole query in one batch", false, time_batch},
-    {"zscore", "online, z-scores", false, time_zscores},
-    {"filter", "online, over places and speeds, with z-scores", false, time_filtered},
-    {"openable", "no reuse, same kernels", false, time_openable},
-    {"lsh", "multi-probe hashing, approximate", true, time_lsh},
+    {"fastable-online", false, time_online},
+    {"fastable", false, time_batch},
+    {"zscore", false, time_zscores},
+    {"filter", false, time_filtered},
+    {"openable", false, time_openable},
+    {"lsh", true, time_lsh},
 }};
 
 const MatchingTimer& find_matching_timer(std::string_view name) {
   return find_named(kTimers, "method", name);
-}
-
-// Z-scores need the whole ring.
-bool has_room_for_scores(const MatchingCase& example) {
-  return ring_fits(example.distances.train_frames, example.settings.window_length,
-                   example.settings.memory_limit);
 }
 
 void check_scores(const MatchingCase& example, const Monitor& monitor) {
@@ -190,24 +173,17 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
 constexpr size_t kMaxFrames = 50'000'000;
 
 void check_settings(const MatchingBenchSettings& settings) {
-  const auto require = [](std::string_view name, const std::vector<uint64_t>& values) {
-    if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
-    for (const uint64_t value : values)
-      if (value < 1 || value > kMaxFrames)
-        throw Error(ErrorKind::usage,
-                    fmt::format("{} must be from 1 to {}, found {}", name, kMaxFrames, value));
-  };
-  require("databases", settings.databases);
-  require("c_l", settings.window_lengths);
-  require("query_frames", settings.query_frames);
+  check_values("databases", settings.databases, 1, kMaxFrames);
+  check_values("c_l", settings.window_lengths, 1, kMaxFrames);
+  check_values("query_frames", settings.query_frames, 1, kMaxFrames);
   check_seconds(settings.seconds);
   if (settings.changed_bits > kLdbBits)
     throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
                                               settings.changed_bits));
   for (const std::string& method : settings.methods) find_matching_timer(method);
-  if (settings.descriptor_length > kMaxNumbers)
+  if (settings.descriptor_length > kMaxIntegers)
     throw Error(ErrorKind::usage, fmt::format("descriptor_length must be at most {}, found {}",
-                                              kMaxNumbers, settings.descriptor_length));
+                                              kMaxIntegers, settings.descriptor_length));
   if (settings.precision != 8 && settings.precision != 16)
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be 16 or 8 bits, found {}", settings.precision));
@@ -223,39 +199,36 @@ std::vector<std::string> timed_methods(const MatchingBenchSettings& settings) {
 }
 
 /// Training and query frames of one database size.
-struct Walks {
-  std::vector<LdbCode> train_codes;
+struct BenchFrames {
+  std::vector<LdbCode> train_codes;  ///< empty for vectors
   std::vector<LdbCode> query_codes;
   GeneratedVectors train_vectors;
   GeneratedVectors query_vectors;
 
   MatchingCase example(const MatchSettings& match) const {
-    if (train_codes.empty()) return {train_vectors.rows(), query_vectors.rows(), match};
-    return {train_codes, query_codes, match};
+    return train_codes.empty() ? make_case(train_vectors.rows(), query_vectors.rows(), match)
+                               : make_case(train_codes, query_codes, match);
   }
 };
 
-Walks make_walks(const MatchingBenchSettings& settings,
-                 const std::optional<RecordedCodes>& recorded, uint64_t frames, uint64_t query,
-                 uint64_t seed) {
-  Walks walks;
-  const size_t numbers = settings.descriptor_length;
-  if (numbers != 0) {
-    walks.train_vectors = generate_vectors(frames, numbers, settings.precision, seed, seed + 1);
-    walks.query_vectors =
-        generate_vectors(query, numbers, settings.precision, seed, seed + 2, frames / 3);
-  } else if (recorded) {
+BenchFrames make_frames(const MatchingBenchSettings& settings,
+                        const std::optional<RecordedCodes>& recorded, size_t frames, size_t query,
+                        uint64_t seed) {
+  const size_t length = settings.descriptor_length;
+  if (length != 0)
+    return {{},
+            {},
+            generate_vectors(frames, length, settings.precision, seed, seed + 1),
+            generate_vectors(query, length, settings.precision, seed, seed + 2, frames / 3)};
+  if (recorded) {
     const auto first = [](const std::vector<LdbCode>& codes, size_t count) {
       return std::vector<LdbCode>(codes.begin(), codes.begin() + static_cast<ptrdiff_t>(count));
     };
-    walks.train_codes = first(recorded->train, frames);
-    walks.query_codes = first(recorded->query, query);
-  } else {
-    walks.train_codes = generate_walk(frames, seed);
-    walks.query_codes =
-        repeat_walk(walks.train_codes, frames / 3, query, settings.changed_bits, seed + 1);
+    return {first(recorded->train, frames), first(recorded->query, query), {}, {}};
   }
-  return walks;
+  const std::vector<LdbCode> train = generate_sequence(frames, seed);
+  return {
+      train, repeat_sequence(train, frames / 3, query, settings.changed_bits, seed + 1), {}, {}};
 }
 
 // The reason why a case cannot be measured; empty if it can.
@@ -282,15 +255,7 @@ std::string obstacle(const MatchingBenchSettings& settings,
 }
 
 NamedNumbers parameters_of(uint64_t frames, uint64_t length, uint64_t query) {
-  return {{"frames", static_cast<double>(frames)},
-          {"c_l", static_cast<double>(length)},
-          {"query_frames", static_cast<double>(query)}};
-}
-
-// Frames per second, and the share of one core at 10 Hz.
-void add_rates(BenchRow& row) {
-  row.values.emplace_back("fps", 1000 / row.time.median_ms);
-  row.values.emplace_back("cpu_at_10_hz_percent", row.time.median_ms);
+  return {{"frames", frames}, {"c_l", length}, {"query_frames", query}};
 }
 
 // Recognitions as dense as with a well-chosen threshold: a quarter of a band of 400 windows.
@@ -301,53 +266,76 @@ BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
   for (uint32_t query = 0; recognitions.size() < count; ++query)
     for (uint32_t train = 0; train < 400 && recognitions.size() < count; ++train)
       if (uniform_below(engine, 4) == 0) recognitions.push_back({query, 0, train, 0, 1});
-  BenchRow row{
-      "cluster", {{"recognitions", static_cast<double>(count)}}, "set of recognitions", {}, {}, ""};
   size_t places = 0;
-  row.time = summarize(time_repeatedly(
-      effort, [&] { places = cluster_recognitions(recognitions, {}).all.size(); }, monitor));
-  row.values.emplace_back("places", static_cast<double>(places));
-  return row;
+  const auto cluster = [&] { places = cluster_recognitions(recognitions, {}).all.size(); };
+  const TimeSummary time = time_repeatedly(effort, cluster, monitor);
+  return {"cluster", {{"recognitions", count}}, "set of recognitions", time, {{"places", places}}};
 }
 
 Chart time_chart(const BenchResult& result, const MatchingBenchSettings& settings,
-                 const std::string& x, const NamedNumbers& fixed) {
+                 const std::string& x, const std::string& label, const NamedNumbers& fixed) {
   Chart chart;
   chart.file = fmt::format("time-by-{}", x);
   chart.title = "Matching time per query frame";
   for (const auto& [name, value] : fixed) chart.title += fmt::format(", {} {:g}", name, value);
-  chart.x.label = x == "frames" ? "database frames"
-                  : x == "c_l"  ? "window length c_l (frames)"
-                                : "query frames";
+  chart.x.label = label;
   chart.y.label = "milliseconds";
   chart.x.is_log = x == "frames";
   chart.y.is_log = true;
-  for (const std::string& method : settings.methods) {
-    Series series{method, {}};
-    for (const BenchRow& row : result.rows)
-      if (row.work == method && std::all_of(fixed.begin(), fixed.end(), [&](const auto& parameter) {
-            return row.parameter(parameter.first) == parameter.second;
-          }))
-        series.points.emplace_back(row.parameter(x), row.time.median_ms);
-    if (!series.points.empty()) chart.series.push_back(series);
-  }
+  chart.series = time_series(result, settings.methods, x, fixed);
   return chart;
+}
+
+// Adds the value `name` to every row of `work`: the speed-up over the row of `slower` with the same
+// parameters.
+void add_speed_up(BenchResult& result, const std::string& work, const std::string& slower,
+                  const std::string& name) {
+  for (BenchRow& row : result.rows)
+    if (const BenchRow* other = find_row(result, slower, row.parameters);
+        row.work == work && other != nullptr)
+      row.values.emplace_back(name, other->time.median_ms / row.time.median_ms);
+}
+
+// The speed-ups of FastABLE over OpenABLE, and all charts.
+void add_comparisons(BenchResult& result, const MatchingBenchSettings& settings) {
+  for (const char* work : {"fastable-online", "fastable"})
+    add_speed_up(result, work, "openable", "times_openable");
+  add_speed_up(result, "zscore", "fastable-online", "share_of_fastable_speed");
+  const uint64_t most_frames = settings.databases.back();
+  const uint64_t longest = settings.window_lengths.back();
+  const uint64_t query = settings.query_frames.front();
+  Chart speed_ups{"speed-up",
+                  "FastABLE over OpenABLE, same kernels",
+                  {"database frames", true},
+                  {"times faster", false, true}};
+  for (const uint64_t length : settings.window_lengths) {
+    Series series{fmt::format("c_l {}", length), {}};
+    for (const uint64_t frames : settings.databases) {
+      const BenchRow* row =
+          find_row(result, "fastable-online", parameters_of(frames, length, query));
+      if (row == nullptr) continue;
+      if (const auto times = find_number(row->values, "times_openable"))
+        series.points.emplace_back(static_cast<double>(frames), *times);
+    }
+    if (!series.points.empty()) speed_ups.series.push_back(series);
+  }
+  if (!speed_ups.series.empty()) result.charts.push_back(speed_ups);
+  result.charts.push_back(time_chart(result, settings, "frames", "database frames",
+                                     {{"c_l", longest}, {"query_frames", query}}));
+  if (settings.window_lengths.size() > 1)
+    result.charts.push_back(time_chart(result, settings, "c_l", "window length c_l (frames)",
+                                       {{"frames", most_frames}, {"query_frames", query}}));
+  if (settings.query_frames.size() > 1)
+    result.charts.push_back(time_chart(result, settings, "query_frames", "query frames",
+                                       {{"frames", most_frames}, {"c_l", longest}}));
 }
 
 }  // namespace
 
-MatchingCase::MatchingCase(const std::vector<LdbCode>& train_frames,
-                           std::vector<LdbCode> query_frames, const MatchSettings& match)
-    : train_codes(train_frames), query_codes(std::move(query_frames)), settings(match) {
-  const DescriptorSpan train{train_codes, {}};
-  distances = frame_distances({&train, 1}, {query_codes, {}});
-}
-
-MatchingCase::MatchingCase(const DescriptorRows& train, const DescriptorRows& query,
-                           const MatchSettings& match)
-    : settings(match) {
-  const DescriptorSpan span{train, {}};
-  distances = frame_distances({&span, 1}, {query, {}});
+MatchingCase make_case(const DescriptorRows& train, const DescriptorRows& query,
+                       const MatchSettings& settings) {
+  const DescribedFrames span{train, {}};
+  return {settings, frame_distances({&span, 1}, {query, {}})};
 }
 
 std::span<const MatchingTimer> matching_timers() { return kTimers; }
@@ -356,7 +344,7 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
                    const Monitor& monitor) {
   const size_t length = example.settings.window_length;
   const auto check = [&](std::string_view method, size_t rows) {
-    if (std::find(methods.begin(), methods.end(), method) == methods.end()) return;
+    if (std::ranges::count(methods, method) == 0) return;
     const FrameDistances some = first_rows(example, rows);
     CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedCells, 1));
     MatchSettings settings = example.settings;
@@ -371,8 +359,7 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   check("fastable-online", 200);
   check("fastable", 200);
   check("openable", 2);
-  if (std::find(methods.begin(), methods.end(), "zscore") != methods.end() &&
-      has_room_for_scores(example))
+  if (std::ranges::count(methods, "zscore") > 0 && has_whole_ring(example))
     check_scores(example, monitor);
 }
 
@@ -380,9 +367,7 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
                            const std::optional<RecordedCodes>& recorded, uint64_t seed,
                            const RowKernels& kernels, const Monitor& monitor) {
   check_settings(settings);
-  BenchResult result;
-  result.bench = "matching";
-  result.settings = value_to_json(settings);
+  BenchResult result{"matching", value_to_json(settings)};
   const Effort effort{settings.seconds};
   const std::vector<std::string> methods = timed_methods(settings);
   StepCounter counter(monitor, "measure",
@@ -390,71 +375,39 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
                           settings.query_frames.size() * methods.size());
   for (const uint64_t frames : settings.databases)
     for (const uint64_t query : settings.query_frames) {
-      std::optional<Walks> walks;
+      std::optional<BenchFrames> data;
       for (const uint64_t length : settings.window_lengths) {
         if (const std::string reason = obstacle(settings, recorded, frames, length, query);
             !reason.empty()) {
           result.left_out.push_back(reason);
           continue;
         }
-        if (!walks) walks = make_walks(settings, recorded, frames, query, seed);
+        if (!data) data = make_frames(settings, recorded, frames, query, seed);
         const MatchingCase example =
-            walks->example({length, settings.ring_bytes, kernels, settings.lsh, seed});
+            data->example({length, settings.ring_bytes, kernels, settings.lsh, seed});
         check_methods(example, methods, monitor);
         for (const std::string& method : methods) {
           counter.add();
-          if (method == "zscore" && !has_room_for_scores(example)) {
+          if (method == "zscore" && !has_whole_ring(example)) {
             result.left_out.push_back(
                 fmt::format("zscore for {} frames, whose scores exceed ring_bytes {}", frames,
                             settings.ring_bytes));
             continue;
           }
-          BenchRow row{method, parameters_of(frames, length, query), "query frame", {}, {}, ""};
+          BenchRow row{method, parameters_of(frames, length, query), "query frame"};
           reset_peak_memory();
           find_matching_timer(method).measure(example, effort, monitor, row);
-          add_rates(row);
-          row.values.emplace_back("peak_mib", static_cast<double>(peak_memory() >> 20));
+          row.values.emplace_back("fps", 1000 / row.time.median_ms);
+          row.values.emplace_back("cpu_at_10_hz_percent", row.time.median_ms);
+          row.values.emplace_back("peak_mib", peak_memory() >> 20);
           result.rows.push_back(std::move(row));
         }
       }
     }
   if (settings.clustered_recognitions > 0)
     result.rows.push_back(time_clustering(settings.clustered_recognitions, effort, seed, monitor));
+  add_comparisons(result, settings);
   return result;
-}
-
-void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& settings) {
-  // The speed-up over OpenABLE with the same kernels, if that was timed.
-  for (const char* work : {"fastable-online", "fastable"})
-    add_speed_up(result, work, "openable", "times_openable");
-  add_speed_up(result, "zscore", "fastable-online", "share_of_fastable_speed");
-  std::vector<Series> speed_ups;
-  for (const uint64_t length : settings.window_lengths) {
-    Series series{fmt::format("c_l {}", length), {}};
-    for (const uint64_t frames : settings.databases) {
-      const NamedNumbers parameters = parameters_of(frames, length, settings.query_frames.front());
-      const BenchRow* fast = find_row(result, "fastable-online", parameters);
-      const BenchRow* slow = find_row(result, "openable", parameters);
-      if (fast == nullptr || slow == nullptr) continue;
-      series.points.emplace_back(static_cast<double>(frames),
-                                 slow->time.median_ms / fast->time.median_ms);
-    }
-    if (!series.points.empty()) speed_ups.push_back(series);
-  }
-  if (!speed_ups.empty())
-    result.charts.push_back({"speed-up",
-                             "FastABLE over OpenABLE, same kernels",
-                             {"database frames", true},
-                             {"times faster", false, true},
-                             speed_ups});
-  const NamedNumbers longest = {{"c_l", static_cast<double>(settings.window_lengths.back())}};
-  const NamedNumbers largest = {{"frames", static_cast<double>(settings.databases.back())}};
-  const NamedNumbers query = {{"query_frames", static_cast<double>(settings.query_frames.front())}};
-  result.charts.push_back(time_chart(result, settings, "frames", {longest[0], query[0]}));
-  if (settings.window_lengths.size() > 1)
-    result.charts.push_back(time_chart(result, settings, "c_l", {largest[0], query[0]}));
-  if (settings.query_frames.size() > 1)
-    result.charts.push_back(time_chart(result, settings, "query_frames", {largest[0], longest[0]}));
 }
 
 }  // namespace vpr

@@ -1,5 +1,3 @@
-#include "bench/realtime_bench.h"
-
 #include <algorithm>
 #include <chrono>
 #include <ctime>
@@ -8,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/statistics.h"
+#include "bench/benches.h"
 #include "run/train.h"
 
 namespace vpr {
@@ -18,11 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-double process_cpu_s() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
-}
+double process_cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
 
@@ -66,20 +60,16 @@ BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSourc
   const double wall_s = std::max(Milliseconds(Clock::now() - start).count(),
                                  static_cast<double>(frames) * period_ms) /
                         1000;
-  BenchRow row{"replay", {{"rate_hz", settings.rate_hz}}, "frame", summarize(latencies_ms), {}, ""};
+  BenchRow row{"replay", {{"rate_hz", settings.rate_hz}}, "frame", summarize(latencies_ms)};
   for (const int percent : {50, 95, 99})
     row.values.emplace_back(fmt::format("latency_{}_ms", percent),
                             quantile(latencies_ms, percent / 100.0));
   row.values.emplace_back("latency_max_ms", row.time.most_ms);
   const auto missed = std::count_if(latencies_ms.begin(), latencies_ms.end(),
                                     [&](double ms) { return ms > period_ms; });
-  row.values.emplace_back("missed", static_cast<double>(missed));
+  row.values.emplace_back("missed", missed);
   row.values.emplace_back("cpu_percent", 100 * (process_cpu_s() - cpu_before) / wall_s);
-  BenchResult result;
-  result.bench = "realtime";
-  result.settings = value_to_json(settings);
-  result.rows.push_back(std::move(row));
-  return result;
+  return {"realtime", value_to_json(settings), {row}};
 }
 
 }  // namespace vpr

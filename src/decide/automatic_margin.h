@@ -1,59 +1,63 @@
-// The automatic margin, and whether windows or training sequences show the same place.
+// The automatic margin and the detection of overlapping sequences: both compare training sequences
+// with each other.
 #pragma once
 
-#include <optional>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 
-#include "decide/margin_scan.h"
-#include "decide/score_kind.h"
+#include "base/monitor.h"
+#include "decide/exclusion_zones.h"
+#include "decide/query_settings.h"
 #include "match/frame_distances.h"
-#include "match/rows.h"
-#include "match/zscore_model.h"
+#include "match/match.h"
+#include "match/zscores.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
 
-/// Margins of best matches that are wrong, as sums over a window, the largest first: of every
-/// training sequence as a query against all that show other places than it, and against its own
-/// windows that start half_width + c_l or more frames before or behind. Of the latter those are
-/// left out that seem to show the same place after all: whose distance is that of one
-/// (is_same_place, kOwnDepth). Nothing is elsewhere in one short walk: then there are none.
-/// `basis`: of all sequences, of z-scores; null for distances. Long sequences are
-/// compared in stretches, so that of each no more than most_pairs frame pairs are. Throws
+/// Pairs (a, b), a < b, increasing, of sequences that show the same place at least in part. One of
+/// the two is a query with windows of 20 frames (or half of the shorter sequence), and at least a
+/// tenth of them match the other sequence consistently: the window and the window 10 frames earlier
+/// have best matches by z-scores of the whole query (Score::zscore_offline) with margins of at
+/// least 3 / sqrt(20), and these matches are 5 to 15 frames apart. (For sequences of one place in
+/// different light, seasons and speeds, the share was a third to nine tenths; for different places,
+/// at most 1 in 25. Floors with the same rendering are not distinguished.) `radii`: the exclusion
+/// radius of every sequence. Longer sequences are compared in evenly spread parts of 1000 frames,
+/// at least two per sequence, with at most most_pairs frame pairs in total. Throws
 /// Error(interrupted) on a stop.
-std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,
-                                    const Elsewhere& elsewhere, const ScoreBasis* basis,
+std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
+    std::span<const DescribedFrames> sequences, const std::vector<uint32_t>& radii,
+    const RowKernels& kernels, const Monitor& monitor, size_t most_pairs = size_t{1} << 32);
+
+/// Margins of incorrect best matches, as sums over a window, the largest first. Each training
+/// sequence is a query against all sequences of other places, and against its own windows that
+/// start at least exclusion_radius + c_l frames before or after the query window. A best
+/// match among its own windows is skipped if it is as close as the same place (is_same_place,
+/// kOwnDepth). Empty for one short sequence. `basis`: of the z-scores of all sequences; null for
+/// distances. Long sequences are compared in parts, with at most most_pairs frame pairs per
+/// sequence. Throws Error(interrupted) on a stop.
+std::vector<uint32_t> false_margins(std::span<const DescribedFrames> sequences,
+                                    const ExclusionZones& zones, const ScoreBasis* basis,
                                     const MatchSettings& settings, const Monitor& monitor,
                                     size_t most_pairs = size_t{1} << 31);
 
-/// X in score a frame: just above the largest of the false margins, which are sorted, and a step,
-/// their mean (rounded down to a whole sum); but at least what the score says for a training
-/// sequence of this typical distance. The least value of a row and the next one of another place
-/// are successive order statistics, whose distance is spread exponentially (Weissman 1978): the
-/// mean is what the largest of e times as many false margins exceeds that of these by. Margins
-/// above mean (ln n + 4) are none of n such ones, but of a place that is shown twice, and do not
-/// decide.
+/// The automatic margin X, in score per frame: the largest false margin (they are sorted) plus
+/// their mean (rounded down) plus 1, at least the score's least_margin for this typical distance.
+/// The smallest value of a row and the smallest of another place are successive order statistics
+/// with an exponentially distributed difference (Weissman 1978): the mean is the expected growth of
+/// the largest for e times as many false margins. Margins above mean (ln n + 4) are too large for n
+/// such values. They come from a place that is shown twice and are ignored.
 double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind& score,
                         double typical_distance, size_t window_length);
 
-/// How far below the mean a diagonal must be: the closest of two sequences; and that of a window
-/// and its best match in the same sequence (docs/methods.md).
+/// `depth` of is_same_place: for the closest windows of two sequences, and for a window and its
+/// best match in the same sequence (docs/methods.md).
 inline constexpr double kPairDepth = 1.2;
 inline constexpr double kOwnDepth = 1;
 
-/// Whether a diagonal of window_length frames with this mean distance is too far below what frames
-/// of the two walks differ by on average to be chance: distance < (1 - depth / sqrt(c_l)) * mean. A
-/// window of one frame never is.
-bool is_same_place(double distance_a_frame, double mean_distance, size_t window_length,
-                   double depth);
-
-/// One sentence: which pairs of sequences seem to show the same place at their closest windows,
-/// with what to do; none if there are no such pairs. The first three pairs are named, with frames
-/// by index and name: first and last of each window.
-std::optional<std::string> overlap_warning(const ThresholdTable& table,
-                                           std::span<const TrainSequence> sequences,
-                                           std::span<const DescriptorSpan> spans);
+/// Whether two windows with this distance per frame are too close for different places: distance <
+/// (1 - depth / sqrt(c_l)) * mean, the mean distance of all frames. Never true for one frame.
+bool is_same_place(double frame_distance, double mean_distance, size_t window_length, double depth);
 
 }  // namespace vpr

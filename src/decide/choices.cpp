@@ -8,19 +8,19 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "match/fastable.h"
 #include "match/filter_settings.h"
 #include "match/fusion.h"
 #include "match/lsh.h"
 #include "match/match.h"
-#include "match/past_scores.h"
-#include "match/rates.h"
+#include "match/zscores.h"
 
 namespace vpr {
 namespace {
 
 using Settings = SequenceQuerySettings;
 
-/// What a run has unless a choice excludes it.
+/// Facets of a run: every run has all of them, except those that its choices exclude.
 enum Facet : uint32_t {
   kThreshold = 1 << 0,
   kMargin = 1 << 1,
@@ -50,7 +50,7 @@ enum Facet : uint32_t {
   kDefinition = 1 << 25,
 };
 
-/// By the number of the bit.
+/// By bit number.
 constexpr std::array<std::string_view, 26> kFacetNames = {
     "threshold",
     "margin",
@@ -172,7 +172,7 @@ constexpr std::array kChoices = {
     Choice{.flag = "--fuse",
            .needs = kFabmap | kZScores | kSequences | kFrames,
            .excludes = kRaw | kDefinition,
-           .instead = "Omit --fuse and fuse_beta.",
+           .instead = "Omit --fuse and fusion_weight.",
            .is_implied = is_set<&Settings::fusion_weight>},
     Choice{.flag = "--score zscore",
            .needs = kZScores,
@@ -235,21 +235,21 @@ constexpr std::array kChoices = {
            .is_implied = is_set<&Settings::margin>},
     Choice{.flag = "--margin auto",
            .needs = kTrainingDistances,
-           .instead = "Use a number, as in --margin 20, with --margin-width.",
+           .instead = "Use a number, as in --margin 20, with --exclusion-frames.",
            .is_implied =
                [](const Settings& s, const RunChoices&) {
                  return s.decision == Decision::margin && !s.margin;
                }},
-    Choice{.flag = "--margin-width",
+    Choice{.flag = "--exclusion-frames",
            .needs = kWindows,
-           .instead = "Use filter.near_views in a configuration.",
-           .is_implied = is_set<&Settings::margin_width>},
-    Choice{.flag = "an automatic --margin-width",
+           .instead = "Use filter.near_keyframes in a configuration.",
+           .is_implied = is_set<&Settings::exclusion_frames>},
+    Choice{.flag = "an automatic --exclusion-frames",
            .needs = kTrainingDistances,
-           .instead = "Use a number, as in --margin-width 20.",
+           .instead = "Use a number, as in --exclusion-frames 20.",
            .is_implied =
                [](const Settings& s, const RunChoices&) {
-                 return s.decision == Decision::margin && !s.margin_width;
+                 return s.decision == Decision::margin && !s.exclusion_frames;
                }},
     Choice{.flag = "--same-place",
            .needs = kSequences,
@@ -273,7 +273,7 @@ constexpr std::array kChoices = {
     Choice{.flag = "--query-bow", .excludes = kQueryPath},
     Choice{.flag = "--fps", .needs = kFrames | kSelection, .instead = "Omit it."},
     Choice{.flag = "--recorded-fps", .needs = kFrames, .instead = "Omit it."},
-    Choice{.flag = "--warp", .needs = kSelection | kSpeed, .instead = "Omit it."},
+    Choice{.flag = "--speed", .needs = kSelection | kSpeed, .instead = "Omit it."},
     Choice{.flag = "--query-times",
            .needs = kTimesFile,
            .instead = "Omit it: times are those of the names of images."},
@@ -290,7 +290,7 @@ constexpr std::array kChoices = {
            .needs = kDefinition | kMatrix,
            .instead = "Omit it, or use --method fastable."},
     Choice{.flag = "--save-loops", .needs = kPast, .instead = "Use it with --loop."},
-    Choice{.flag = "--times",
+    Choice{.flag = "--frame-times",
            .needs = kPast | kSeconds,
            .instead = "Use it with --loop and a gap in seconds, as in --loop-gap 30s."},
     Choice{.flag = "a --loop-gap in seconds",
@@ -303,7 +303,7 @@ constexpr std::array kChoices = {
            .is_implied = is_set<&Settings::descriptor>},
     Choice{.flag = "--distance", .needs = kScores, .instead = "Use it with --scores."},
     Choice{.flag = "--similarity", .needs = kScores, .instead = "Use it with --scores."},
-    Choice{.flag = "--references-first", .needs = kScores, .instead = "Use it with --scores."},
+    Choice{.flag = "--train-first", .needs = kScores, .instead = "Use it with --scores."},
     Choice{.flag = "--missing", .needs = kScores, .instead = "Use it with --scores."},
     Choice{.flag = "--train-sequence", .needs = kScores, .instead = "Use it with --scores."},
 };
@@ -320,17 +320,17 @@ void check_threshold(const Settings& settings) {
   require(std::isfinite(threshold), "t_r must be a finite number or auto");
   if (score_kind(settings.score).needs_statistics) {
     require(threshold <= 0,
-            fmt::format("t_r of z-scores is a mean z, where {} accepts places that are "
-                        "farther than usual; give one below 0, as in --t-r -1.5",
+            fmt::format("t_r {} accepts windows that are farther than the average. Use a mean z "
+                        "below 0, as in --t-r -1.5.",
                         threshold));
     return;
   }
   require(threshold >= 0, fmt::format("t_r must not be negative, found {}", threshold));
   require(threshold <= 1 || scale_of(settings) != ThresholdScale::relative,
-          fmt::format("t_r is relative to the largest distance, where {} accepts everything; "
-                      "for a mean frame distance give --t-r {} --t-r-scale bits, else a "
-                      "share, as in --t-r 0.6",
-                      threshold, threshold));
+          fmt::format("t_r {0} accepts everything: it is relative to the largest distance. Use a "
+                      "share, as in --t-r 0.6, or for a mean frame distance --t-r {0} --t-r-scale "
+                      "bits.",
+                      threshold));
 }
 
 void check_margin(const Settings& settings) {
@@ -349,16 +349,16 @@ void check_zscore_window(const Settings& settings) {
   if (settings.loop) check_past_settings(settings.zscore);
   const double weight = settings.fusion_weight.value_or(kFusionWeight);
   require(weight >= 0 && weight <= kMostFusionWeight,
-          fmt::format("fuse_beta must be from 0 to {}, found {}", kMostFusionWeight, weight));
+          fmt::format("fusion_weight must be from 0 to {}, found {}", kMostFusionWeight, weight));
 }
 
 void check_gap(const Settings& settings) {
   const bool has_seconds = settings.loop_gap_s != 0;
   require(settings.loop_gap != 0 || has_seconds,
-          "--loop needs --loop-gap, how long ago a place must have been left before it can be "
-          "closed as a loop: in frames (--loop-gap 300) or in seconds (--loop-gap 30s)");
+          "--loop needs --loop-gap, the minimum time between a frame and its match: in frames "
+          "(--loop-gap 300) or in seconds (--loop-gap 30s)");
   require(settings.loop_gap == 0 || !has_seconds,
-          "loop_gap and loop_gap_s are given: a gap is of frames or of seconds");
+          "the gap of a loop is in frames or in seconds. Set loop_gap or loop_gap_s, not both.");
   require(!has_seconds || (settings.loop_gap_s > 0 && settings.loop_gap_s <= kMostGapSeconds),
           fmt::format("loop_gap_s must be above 0, found {}", settings.loop_gap_s));
 }
@@ -379,8 +379,8 @@ void check_ranges(const Settings& settings) {
 
 void fill_implied(Settings& settings, const RunChoices& run) {
   if (has(run, "--fuse") && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
-  if (settings.loop && !settings.margin_width && settings.loop_gap > 0)
-    settings.margin_width = settings.loop_gap;
+  if (settings.loop && !settings.exclusion_frames && settings.loop_gap > 0)
+    settings.exclusion_frames = settings.loop_gap;
   const bool is_filter = has_paths(settings.method);
   if ((is_filter || settings.fusion_weight) && settings.score == Score::raw)
     settings.score = Score::zscore;

@@ -1,5 +1,5 @@
-// The table of choices: what each setting or flag needs of a run and what it excludes. Settings
-// that passed it are ResolvedSettings.
+// The table of choices: the facets of a run that each setting or flag needs, and those that it
+// excludes. Settings that passed its checks are ResolvedSettings.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,16 @@ inline constexpr std::string_view kDatabaseChoice = "DB";
 /// The commands of vpr-tune, as choices.
 inline constexpr std::string_view kSweepChoice = "vpr-tune fastable";
 inline constexpr std::string_view kCalibrateChoice = "vpr-tune calibrate";
-/// A query against a FAB-MAP database, of which the table covers inputs and outputs.
+/// A query against a FAB-MAP database; the table covers its inputs and outputs only.
 inline constexpr std::string_view kFabmapChoice = "a FAB-MAP database";
 
-/// One row of the table. Two choices cannot be combined if one excludes a facet of the run that the
-/// other needs.
+/// An entry of the table. Two choices cannot be combined if one excludes a facet of the run that
+/// the other needs.
 struct Choice {
-  std::string_view flag;       ///< the flag; of an absent flag, a description
+  std::string_view flag;       ///< a description for an absent flag
   uint32_t needs = 0;          ///< facets, as bits
   uint32_t excludes = 0;       ///< facets, as bits
-  std::string_view instead{};  ///< what to do where a facet is missing: an imperative sentence
+  std::string_view instead{};  ///< of a missing facet: advice, an imperative sentence
   /// Whether settings and other choices imply the choice. Null: only RunChoices contain it.
   bool (*is_implied)(const SequenceQuerySettings& settings, const RunChoices& run) = nullptr;
 };
@@ -44,10 +44,9 @@ std::span<const Choice> choices();
 void check_choices(const SequenceQuerySettings& settings, const RunChoices& run);
 
 /// Settings of a sequence method whose combination and ranges were checked and whose implied values
-/// are filled in. The filter has windows of one frame, z-scores, and a decision by
-/// margin with a default margin. Fused scores are z-scores and have a weight. The exclusion
-/// zone of a loop query has the width of its gap in frames unless a width is set. A decision by
-/// threshold has a scale.
+/// are filled in. The filter has windows of one frame, z-scores, and a decision by margin with a
+/// default margin. Fused scores are z-scores and have a weight. The default exclusion radius of a
+/// loop query is its gap in frames. A decision by threshold has a scale.
 class ResolvedSettings {
  public:
   /// Throws Error(usage) for settings that are out of range or cannot be combined with each other

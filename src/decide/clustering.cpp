@@ -25,7 +25,7 @@ std::vector<Row> find_rows(std::span<const Match> recognitions) {
   return rows;
 }
 
-/// reach[dy]: the largest dx whose distance from the origin at height dy is inside; -1 for none.
+/// reach[dy]: the largest dx for which the point (dx, dy) is inside; -1: none.
 std::vector<int64_t> find_reach(const ClusterSettings& settings) {
   std::vector<int64_t> reach;
   for (int64_t dy = 0; dy <= settings.eps; ++dy) {
@@ -53,7 +53,7 @@ class DisjointSets {
     }
     return i;
   }
-  // The smaller root stays, so that a set's root is its first member.
+  // The smaller root remains: the root of a set is its first member.
   void join(uint32_t a, uint32_t b) {
     a = root(a);
     b = root(b);
@@ -65,8 +65,9 @@ class DisjointSets {
   std::vector<uint32_t> parent_;
 };
 
-// Joins every recognition of `row` with those of `earlier` (or of itself) at most `reach` columns
-// away. Both are sorted, so the first candidate only moves to the right.
+// Joins every recognition of `row` with the recognitions of `earlier`, an earlier or the same row,
+// that are at most `reach` columns away. Rows are sorted, so the first candidate moves to the right
+// only.
 void join_rows(DisjointSets& sets, std::span<const Match> recognitions, const Row& row,
                const Row& earlier, int64_t reach) {
   size_t first = earlier.begin;
@@ -78,11 +79,6 @@ void join_rows(DisjointSets& sets, std::span<const Match> recognitions, const Ro
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
   }
 }
-
-struct Sums {
-  uint64_t query = 0;
-  uint64_t train = 0;
-};
 
 uint32_t rounded_mean(uint64_t sum, uint64_t count) {
   return static_cast<uint32_t>((2 * sum + count) / (2 * count));
@@ -102,15 +98,11 @@ void add_recognition(Cluster& cluster, const Match& recognition) {
   ++cluster.recognitions;
 }
 
-/// A run, and the recognition that it ended with so far.
+/// A run that may continue, and its last recognition.
 struct OpenRun {
   size_t run = 0;
   Match last;
 };
-
-bool are_near(const Match& a, const Match& b, size_t reach_places) {
-  return std::max(a.train, b.train) - std::min(a.train, b.train) <= reach_places;
-}
 
 void add_recognition(PlaceRun& run, const Match& recognition) {
   run.last_frame = recognition.query;
@@ -140,7 +132,11 @@ Clusters cluster_recognitions(std::span<const Match> recognitions, const Cluster
   Clusters clusters;
   auto& [all, of_recognition] = clusters;
   of_recognition.resize(recognitions.size());
-  std::vector<Sums> sums;
+  struct Sums {
+    uint64_t query = 0;
+    uint64_t train = 0;
+  };
+  std::vector<Sums> sums;  // by cluster
   for (size_t i = 0; i < recognitions.size(); ++i) {
     const uint32_t root = sets.root(static_cast<uint32_t>(i));
     if (root == i) {
@@ -160,21 +156,21 @@ Clusters cluster_recognitions(std::span<const Match> recognitions, const Cluster
   return clusters;
 }
 
-Clusters cluster_by_target(std::span<const Match> recognitions, size_t targets,
-                           const ClusterSettings& settings, const Monitor& monitor) {
-  std::vector<std::vector<Match>> by_target(targets);
+Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequences,
+                             const ClusterSettings& settings, const Monitor& monitor) {
+  std::vector<std::vector<Match>> by_sequence(sequences);
   for (const Match& recognition : recognitions)
-    by_target[recognition.target].push_back(recognition);
+    by_sequence[recognition.target].push_back(recognition);
   Clusters all;
   std::vector<std::vector<uint32_t>> of_recognition;  // by target
-  for (std::vector<Match>& own : by_target) {
+  for (std::vector<Match>& own : by_sequence) {
     Clusters found = cluster_recognitions(own, settings, monitor);
     for (uint32_t& cluster : found.of_recognition) cluster += static_cast<uint32_t>(all.all.size());
     all.all.insert(all.all.end(), found.all.begin(), found.all.end());
     of_recognition.push_back(std::move(found.of_recognition));
     std::vector<Match>().swap(own);
   }
-  std::vector<size_t> next(targets, 0);
+  std::vector<size_t> next(sequences, 0);
   all.of_recognition.reserve(recognitions.size());
   for (const Match& recognition : recognitions)
     all.of_recognition.push_back(of_recognition[recognition.target][next[recognition.target]++]);
@@ -183,13 +179,13 @@ Clusters cluster_by_target(std::span<const Match> recognitions, size_t targets,
 
 Clusters cluster_tracks(std::span<const Match> recognitions, std::span<const uint32_t> tracks) {
   Clusters clusters;
-  for (size_t h = 0; h < recognitions.size(); ++h) {
-    const uint32_t track = tracks[recognitions[h].query];
-    const bool goes_on = h > 0 && track != 0 && track == tracks[recognitions[h - 1].query] &&
-                         recognitions[h].target == recognitions[h - 1].target;
-    if (!goes_on) clusters.all.emplace_back();
+  for (size_t r = 0; r < recognitions.size(); ++r) {
+    const uint32_t track = tracks[recognitions[r].query];
+    const bool continues = r > 0 && track != 0 && track == tracks[recognitions[r - 1].query] &&
+                           recognitions[r].target == recognitions[r - 1].target;
+    if (!continues) clusters.all.emplace_back();
     clusters.of_recognition.push_back(static_cast<uint32_t>(clusters.all.size() - 1));
-    add_recognition(clusters.all.back(), recognitions[h]);
+    add_recognition(clusters.all.back(), recognitions[r]);
   }
   size_t first = 0;
   for (Cluster& track : clusters.all) {
@@ -215,7 +211,8 @@ std::vector<PlaceRun> place_runs(std::span<const Match> recognitions, size_t rea
     std::erase_if(open,
                   [&](const OpenRun& one) { return one.last.query + reach < recognition.query; });
     const auto found = std::find_if(open.rbegin(), open.rend(), [&](const OpenRun& one) {
-      return are_near(one.last, recognition, reach_places);
+      const auto [low, high] = std::minmax(one.last.train, recognition.train);
+      return high - low <= reach_places;
     });
     if (found == open.rend()) {
       open.push_back({runs.size(), recognition});

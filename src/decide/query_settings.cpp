@@ -1,6 +1,7 @@
 #include "decide/query_settings.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,9 +9,94 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "match/match.h"
+#include "match/score_kernels.h"
 
 namespace vpr {
 namespace {
+
+// The smallest sum that is not a recognition. The error of `estimate` is at most a rounding.
+template <class IsRecognition>
+uint32_t smallest_refused(double estimate, const IsRecognition& is_recognition) {
+  constexpr uint32_t kMost = std::numeric_limits<uint32_t>::max();
+  if (estimate >= kMost) return kMost;
+  auto limit = static_cast<uint32_t>(std::max(estimate, 0.0));
+  while (limit > 0 && !is_recognition(limit - 1)) --limit;
+  while (limit < kMost && is_recognition(limit)) ++limit;
+  return limit;
+}
+
+int64_t no_offset(size_t) { return 0; }
+
+double distance_per_frame(double sum, size_t window_length) {
+  return sum / static_cast<double>(window_length);
+}
+
+double deviations_per_frame(double sum, size_t window_length) {
+  return sum / (kScoreUnit * static_cast<double>(window_length));
+}
+
+// The deviation of a mean of c_l independent distances, or z, is proportional to 1 / sqrt(c_l).
+// Measured on the corridor against itself and on rendered buildings (docs/methods.md).
+constexpr double kMarginShare = 0.45;
+constexpr double kMarginDeviations = 3;
+
+double least_distance_margin(double typical_distance, size_t window_length) {
+  return kMarginShare * typical_distance / std::sqrt(static_cast<double>(window_length));
+}
+
+double least_score_margin(double, size_t window_length) {
+  return kMarginDeviations / std::sqrt(static_cast<double>(window_length));
+}
+
+constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
+                            .measure = "distance",
+                            .title = "distance (summed over the window)",
+                            .window_symbol = "c_l",
+                            .threshold_symbol = "t_r",
+                            .frame_unit = "mean distance",
+                            .frame_digits = 1,
+                            .number_scale = ThresholdScale::relative,
+                            .frame_scale = ThresholdScale::bits,
+                            .longest_window = kMaxWindowLength,
+                            .missing = -1,
+                            .needs_statistics = false,
+                            .is_offline = false,
+                            .offset = no_offset,
+                            .frame_value = distance_per_frame,
+                            .margin_unit = "bits per frame",
+                            .most_margin = 65535,
+                            .least_margin = least_distance_margin};
+
+constexpr ScoreKind zscore_row(bool is_offline) {
+  return {.order = ScoreOrder::distance,
+          .measure = "z-score",
+          .title = "z-score (1/1024, summed)",
+          .window_symbol = "c_l",
+          .threshold_symbol = "t_r",
+          .frame_unit = "mean z",
+          .frame_digits = 2,
+          .number_scale = ThresholdScale::mean_z,
+          .frame_scale = ThresholdScale::mean_z,
+          .longest_window = kMaxScoredWindow,
+          .missing = std::numeric_limits<int32_t>::min(),
+          .needs_statistics = true,
+          .is_offline = is_offline,
+          .offset = score_offset,
+          .frame_value = deviations_per_frame,
+          .margin_unit = "deviations",
+          .most_margin = 64,
+          .least_margin = least_score_margin};
+}
+
+constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
+                                    .measure = "probability",
+                                    .title = "probability",
+                                    .window_symbol = "c_w",
+                                    .threshold_symbol = "t_p",
+                                    .missing = -1};
+
+constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kScoreKinds = {
+    kRaw, zscore_row(false), zscore_row(true), kProbability};
 
 constexpr std::array<std::string_view, 3> kThresholdSettings = {"t_r", "t_r_scale",
                                                                 "safety_factor"};
@@ -28,56 +114,73 @@ constexpr DecisionKind kMargin = {
     .order = ScoreOrder::similarity,
     .settings = kMarginSettings};
 
-constexpr std::array<DecisionKind, kEnumNames<Decision>.size()> kKinds = {kThreshold, kMargin};
-
-// Those of other decisions, and of margins what is not set.
-void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
-  for (size_t d = 0; d < decision_kinds().size(); ++d)
-    if (d != static_cast<size_t>(settings.decision))
-      for (const std::string_view key : decision_kinds()[d].settings) json.erase(key);
-  if (!settings.margin_width) json.erase("margin_width");
-  if (settings.same_place.empty()) json.erase("same_place");
-}
-
-// Of a walk against its own past, the gap that it has not.
-void leave_out_loop(Json& json, const SequenceQuerySettings& settings) {
-  if (!settings.loop || settings.loop_gap == 0) json.erase("loop_gap");
-  if (!settings.loop || settings.loop_gap != 0) json.erase("loop_gap_s");
-  if (settings.loop) return;
-  json.erase("loop");
-  json.erase("descriptor");
-}
+constexpr std::array<DecisionKind, kEnumNames<Decision>.size()> kDecisionKinds = {kThreshold,
+                                                                                  kMargin};
 
 Json in_force(SequenceQuerySettings settings) {
   settings.threshold_scale = scale_of(settings);
   Json json = value_to_json(settings);
-  leave_out_decisions(json, settings);
-  if (!has_paths(settings.method)) json.erase("filter");
-  const auto own = score_kind(settings.score).settings;
-  for (const std::string_view key : score_settings())
-    if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);
-  if (settings.rates.empty()) json.erase("rates");
-  if (!settings.fusion_weight) json.erase("fuse_beta");
-  leave_out_loop(json, settings);
+  const auto erase_unless = [&](bool is_in_force, std::string_view key) {
+    if (!is_in_force) json.erase(std::string(key));
+  };
+  for (size_t d = 0; d < kDecisionKinds.size(); ++d)
+    for (const std::string_view key : kDecisionKinds[d].settings)
+      erase_unless(d == static_cast<size_t>(settings.decision), key);
+  for (const char* key : {"score", "zscore"})
+    erase_unless(score_kind(settings.score).needs_statistics, key);
+  erase_unless(settings.exclusion_frames.has_value(), "exclusion_frames");
+  erase_unless(!settings.same_place.empty(), "same_place");
+  erase_unless(has_paths(settings.method), "filter");
+  erase_unless(!settings.rates.empty(), "rates");
+  erase_unless(settings.fusion_weight.has_value(), "fusion_weight");
+  erase_unless(settings.loop, "loop");
+  erase_unless(settings.loop && settings.loop_gap != 0, "loop_gap");
+  erase_unless(settings.loop && settings.loop_gap == 0, "loop_gap_s");
+  erase_unless(settings.loop, "descriptor");
   return json;
 }
 
 Json in_force(const FabmapQuerySettings& settings) { return value_to_json(settings); }
 
-const ScoreKind& score_of_one(const SequenceQuerySettings& settings) {
-  return score_kind(settings.score);
-}
-const ScoreKind& score_of_one(const FabmapQuerySettings&) { return probability_kind(); }
-
-size_t length_of_one(const SequenceQuerySettings& settings) { return settings.window_length; }
-size_t length_of_one(const FabmapQuerySettings&) { return 1; }
-
 }  // namespace
 
-std::span<const DecisionKind> decision_kinds() { return kKinds; }
+std::span<const ScoreKind> score_kinds() { return kScoreKinds; }
+
+const ScoreKind& score_kind(Score score) { return kScoreKinds[static_cast<size_t>(score)]; }
+
+const ScoreKind& probability_kind() { return kScoreKinds.back(); }
+
+uint32_t distance_limit(double threshold, double divisor) {
+  assert(std::isfinite(threshold));
+  if (!(threshold > 0)) return 0;
+  if (divisor == 0) return 1;
+  return smallest_refused(std::floor(threshold * divisor), [&](uint32_t distance) {
+    return static_cast<double>(distance) / divisor < threshold;
+  });
+}
+
+uint32_t score_limit(double threshold, size_t window_length) {
+  assert(std::isfinite(threshold));
+  const double estimate = std::floor(threshold * kScoreUnit * static_cast<double>(window_length)) +
+                          static_cast<double>(score_offset(window_length));
+  return smallest_refused(
+      estimate, [&](uint32_t biased_sum) { return mean_z(biased_sum, window_length) < threshold; });
+}
+
+int64_t score_offset(size_t window_length) {
+  assert(window_length <= kMaxScoredWindow);
+  return static_cast<int64_t>(window_length) * kScoreBias;
+}
+
+double mean_z(uint32_t biased_sum, size_t window_length) {
+  return static_cast<double>(biased_sum - score_offset(window_length)) /
+         (kScoreUnit * static_cast<double>(window_length));
+}
+
+std::span<const DecisionKind> decision_kinds() { return kDecisionKinds; }
 
 const DecisionKind& decision_kind(Decision decision) {
-  return kKinds[static_cast<size_t>(decision)];
+  return kDecisionKinds[static_cast<size_t>(decision)];
 }
 
 void check_window_length(uint64_t window_length) {
@@ -106,12 +209,13 @@ const std::string& method_of(const QuerySettings& settings) {
 }
 
 const ScoreKind& score_of(const QuerySettings& settings) {
-  return std::visit([](const auto& one) -> const ScoreKind& { return score_of_one(one); },
-                    settings);
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  return sequences == nullptr ? probability_kind() : score_kind(sequences->score);
 }
 
 size_t window_length_of(const QuerySettings& settings) {
-  return std::visit([](const auto& one) { return length_of_one(one); }, settings);
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  return sequences == nullptr ? 1 : sequences->window_length;
 }
 
 }  // namespace vpr

@@ -2,13 +2,11 @@
 
 #include <limits>
 
-#include "match/rates.h"
-
 namespace vpr {
 
 ResultPath::ResultPath(size_t frames)
-    : nowhere(frames, std::numeric_limits<double>::quiet_NaN()),
-      rates(nowhere),
+    : off_map(frames, std::numeric_limits<double>::quiet_NaN()),
+      rates(off_map),
       tracks(frames, 0) {}
 
 std::optional<double> frame_margin(const Result& result, size_t query_window) {
@@ -19,14 +17,14 @@ std::optional<double> frame_margin(const Result& result, size_t query_window) {
 void cluster(Result& result, const Monitor& monitor) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   result.clusters = result.path ? cluster_tracks(result.recognitions, result.path->tracks)
-                                : cluster_by_target(result.recognitions, result.targets.size(),
-                                                    settings.clustering, monitor);
+                                : cluster_by_sequence(result.recognitions, result.targets.size(),
+                                                      settings.clustering, monitor);
 }
 
 size_t recognized_windows(const Result& result) {
   size_t windows = 0;
-  for (size_t h = 0; h < result.recognitions.size(); ++h)
-    if (h == 0 || result.recognitions[h].query != result.recognitions[h - 1].query) ++windows;
+  for (size_t r = 0; r < result.recognitions.size(); ++r)
+    if (r == 0 || result.recognitions[r].query != result.recognitions[r - 1].query) ++windows;
   return windows;
 }
 

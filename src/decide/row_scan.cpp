@@ -1,7 +1,6 @@
 #include "decide/row_scan.h"
 
 #include <algorithm>
-#include <atomic>
 #include <tuple>
 #include <utility>
 
@@ -32,36 +31,12 @@ bool is_closer(const Cell& a, const Cell& b) {
          std::tie(b.score, b.sequence, b.train_window);
 }
 
-void refuse_recognitions(size_t max_recognitions) {
-  throw Error(
-      ErrorKind::usage,
-      fmt::format(
-          "more than {} recognitions, which is what --max-memory has room for; give a stricter "
-          "--t-r, or more memory",
-          max_recognitions));
-}
-
-struct MaximumScan::Threads {
-  oneapi::tbb::enumerable_thread_specific<std::vector<uint32_t>> maxima;
-};
-
-MaximumScan::MaximumScan(size_t sequences, const RowKernels& kernels)
-    : sequences_(sequences),
-      kernels_(kernels),
-      threads_(new Threads{decltype(Threads::maxima)(std::vector<uint32_t>(sequences, 0))}) {}
-
-MaximumScan::~MaximumScan() = default;
-
 void MaximumScan::operator()(const ScoreRow& row) {
-  uint32_t& most = threads_->maxima.local()[row.sequence];
-  most = std::max(most, kernels_.maximum(row.scores.data(), row.scores.size()));
-}
-
-std::vector<uint32_t> MaximumScan::result() const {
-  std::vector<uint32_t> all(sequences_, 0);
-  for (const auto& part : threads_->maxima)
-    for (size_t s = 0; s < all.size(); ++s) all[s] = std::max(all[s], part[s]);
-  return all;
+  const uint32_t found = kernels_.maximum(row.scores.data(), row.scores.size());
+  std::atomic<uint32_t>& most = maxima_[row.sequence];
+  uint32_t known = most;
+  while (known < found && !most.compare_exchange_weak(known, found)) {
+  }
 }
 
 struct RecognitionScan::Threads {
@@ -79,10 +54,6 @@ RecognitionScan::RecognitionScan(RecognitionScanSettings settings)
 RecognitionScan::~RecognitionScan() = default;
 
 void RecognitionScan::operator()(const ScoreRow& row) {
-  take(row, settings_.kernels.minimum(row.scores.data(), row.scores.size()));
-}
-
-void RecognitionScan::take(const ScoreRow& row, uint32_t least) {
   Threads::Local& local = threads_->locals.local();
   if (local.best.empty()) {
     Cell none;
@@ -92,6 +63,7 @@ void RecognitionScan::take(const ScoreRow& row, uint32_t least) {
   const uint32_t* scores = row.scores.data();
   const size_t count = row.scores.size();
   const RowKernels& kernels = settings_.kernels;
+  const uint32_t least = kernels.minimum(scores, count);
   Cell& best = local.best[row.query_window];
   if (least <= best.score) {
     const Cell candidate = cell_at(row, kernels.find_below(scores, 0, count, least + 1));
@@ -103,10 +75,12 @@ void RecognitionScan::take(const ScoreRow& row, uint32_t least) {
   for (size_t x = kernels.find_below(scores, 0, count, limit); x < count;
        x = kernels.find_below(scores, x + 1, count, limit))
     local.recognitions.push_back(cell_at(row, x));
-  if (threads_->recognition_count.fetch_add(local.recognitions.size() - before) +
-          local.recognitions.size() - before >
-      settings_.max_recognitions)
-    refuse_recognitions(settings_.max_recognitions);
+  const size_t added = local.recognitions.size() - before;
+  if (threads_->recognition_count.fetch_add(added) + added > settings_.max_recognitions)
+    throw Error(ErrorKind::usage,
+                fmt::format("more than {} recognitions do not fit --max-memory. Use a stricter "
+                            "--t-r, or more memory.",
+                            settings_.max_recognitions));
 }
 
 RecognitionScanResult RecognitionScan::result() {

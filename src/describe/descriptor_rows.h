@@ -2,15 +2,21 @@
 // frame.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "describe/ldb.h"
-
 namespace vpr {
+
+/// Bits per code of LDB: 3 for every pair of cells of the grids 2x2 to 5x5.
+inline constexpr size_t kLdbBits = 1386;
+
+/// A code of LDB: bit b is in byte b / 8, least significant first; the last 22 bits are 0.
+inline constexpr size_t kLdbBytes = 176;
+using LdbCode = std::array<uint8_t, kLdbBytes>;
 
 /// The visual words of a frame or view: word ids, increasing, without duplicates.
 using WordSet = std::vector<uint32_t>;
@@ -24,10 +30,10 @@ enum class ElementType { bits, int8, int16, points16, gray_levels, frame_numbers
 /// The longest descriptors that can be compared: distances of bits must fit 16 bits, scalar
 /// products of integers 32 bits.
 inline constexpr size_t kMaxBits = 65472;
-inline constexpr size_t kMaxNumbers = 131071;
+inline constexpr size_t kMaxIntegers = 131071;
 
-constexpr size_t most_elements(ElementType element) {
-  return element == ElementType::bits ? kMaxBits : kMaxNumbers;
+constexpr size_t max_elements(ElementType element) {
+  return element == ElementType::bits ? kMaxBits : kMaxIntegers;
 }
 
 /// The element type and the number of elements of a descriptor.
@@ -41,30 +47,21 @@ struct DescriptorShape {
   /// with zeros to multiples of 64 bits. Integers of 8 bits and gray levels take one byte, integers
   /// and coordinates of 16 bits two, frame numbers four, in little-endian order.
   constexpr size_t row_bytes() const {
-    switch (element) {
-      case ElementType::bits:
-        return (length + 63) / 64 * 8;
-      case ElementType::int8:
-      case ElementType::gray_levels:
-        return length;
-      case ElementType::frame_numbers:
-        return 4 * length;
-      case ElementType::int16:
-      case ElementType::points16:
-        break;
-    }
-    return 2 * length;
+    if (element == ElementType::bits) return (length + 63) / 64 * 8;
+    if (element == ElementType::frame_numbers) return 4 * length;
+    return element == ElementType::int8 || element == ElementType::gray_levels ? length
+                                                                               : 2 * length;
   }
 };
 
 /// The name of the elements in messages: "bits", "numbers", "pixels".
-constexpr std::string_view element_words(const DescriptorShape& shape) {
+constexpr std::string_view element_noun(const DescriptorShape& shape) {
   if (shape.element == ElementType::bits) return "bits";
   return shape.element == ElementType::gray_levels ? "pixels" : "numbers";
 }
 
 inline constexpr DescriptorShape kLdbShape = {ElementType::bits, kLdbBits};
-static_assert(kLdbShape.row_bytes() == kLdbBytes && sizeof(LdbCode) == kLdbBytes);
+static_assert(kLdbShape.row_bytes() == sizeof(LdbCode));
 
 /// The descriptor of one frame: row_bytes() bytes.
 using DescriptorRow = std::span<const uint8_t>;
@@ -92,15 +89,15 @@ struct DescriptorRows {
   DescriptorRows first(size_t count) const { return subspan(0, count); }
 };
 
-class GivenDistances;
+class PrecomputedDistances;
 
 /// The frames of one sequence as input of matchers: their descriptors and the unreadable frames.
 /// Owns nothing.
-struct DescriptorSpan {
+struct DescribedFrames {
   DescriptorRows rows;
-  std::span<const size_t> unreadable;     ///< increasing
-  const GivenDistances* given = nullptr;  ///< set for a query whose distances are precomputed
-  std::span<const WordSet> words = {};    ///< of each frame; only for fusion with FAB-MAP
+  std::span<const size_t> unreadable;           ///< increasing
+  const PrecomputedDistances* given = nullptr;  ///< set for a query whose distances are precomputed
+  std::span<const WordSet> words = {};          ///< of each frame; only for fusion with FAB-MAP
 };
 
 }  // namespace vpr

@@ -50,6 +50,11 @@ DescriptorSet import_kind(const DescriptorKind& kind, const SequenceSource& sequ
   return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
 }
 
+constexpr DescriptorKind imported(std::string_view name, std::string_view summary,
+                                  ElementType element) {
+  return {name, summary, {element, 0}, import_kind, true};
+}
+
 constexpr std::array<DescriptorKind, 10> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
@@ -68,27 +73,13 @@ constexpr std::array<DescriptorKind, 10> kKinds = {{
      "OpenCV's ORB at the center of the frame, without rotation, of 256 bits",
      {ElementType::bits, kCenterBits},
      describe_by<describe_orb>},
-    {kVectorKind,
-     "vectors from files, as 16-bit integers",
-     {ElementType::int16, 0},
-     import_kind,
-     true},
-    {kNarrowVectorKind,
-     "vectors from files, as 8-bit integers",
-     {ElementType::int8, 0},
-     import_kind,
-     true},
-    {kPointKind,
-     "vectors from files with their lengths, as 16-bit integers",
-     {ElementType::points16, 0},
-     import_kind,
-     true},
-    {kDirectionKind,
-     "vectors from files scaled to length 1, as 16-bit integers",
-     {ElementType::points16, 0},
-     import_kind,
-     true},
-    {kBitKind, "bits from files", {ElementType::bits, 0}, import_kind, true},
+    imported(kVectorKind, "vectors from files, as 16-bit integers", ElementType::int16),
+    imported(kNarrowVectorKind, "vectors from files, as 8-bit integers", ElementType::int8),
+    imported(kPointKind, "vectors from files with their lengths, as 16-bit integers",
+             ElementType::points16),
+    imported(kDirectionKind, "vectors from files scaled to length 1, as 16-bit integers",
+             ElementType::points16),
+    imported(kBitKind, "bits from files", ElementType::bits),
 }};
 
 }  // namespace
@@ -116,7 +107,7 @@ const DescriptorKind& descriptor_kind(std::string_view name) {
                                             fmt::join(names, ", ")));
 }
 
-const DescriptorKind& given_kind() {
+const DescriptorKind& precomputed_kind() {
   static constexpr DescriptorKind kGiven = {"scores",
                                             "frames with precomputed scores only",
                                             {ElementType::frame_numbers, 1},

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/npy.h"
 #include "describe/descriptor_rows.h"
@@ -19,11 +20,7 @@ struct DescriptorSettings {
   bool illumination_invariant = false;  ///< decode in color and remove the color of the light first
   double unit = 0;  ///< of coordinates; set by the database (DescriptorStore), not by the user
 };
-
-template <class Visitor>
-void visit_fields(DescriptorSettings& settings, Visitor&& visit) {
-  visit("illumination_invariant", settings.illumination_invariant);
-}
+VPR_FIELDS(DescriptorSettings, illumination_invariant)
 
 struct DescriptorSet;
 
@@ -60,9 +57,9 @@ const DescriptorKind* find_descriptor_kind(std::string_view name);
 /// describe frames.
 const DescriptorKind& descriptor_kind(std::string_view name);
 
-/// A placeholder for frames with precomputed distances (match/given_distances.h): the descriptor is
-/// the number of the frame. It is never stored and cannot be selected by a flag.
-const DescriptorKind& given_kind();
+/// A placeholder for frames with precomputed distances (match/precomputed_distances.h): the
+/// descriptor is the number of the frame. It is never stored and cannot be selected by a flag.
+const DescriptorKind& precomputed_kind();
 
 /// Descriptors of one kind: in memory, or memory-mapped from a stored database.
 struct DescriptorStore {
@@ -81,11 +78,12 @@ struct DescriptorStore {
 struct DescriptorSet {
   DescriptorStore descriptors;
   Sequence sequence;
-  const GivenDistances* given = nullptr;  ///< set if the distances of these frames are precomputed
-  std::vector<WordSet> words = {};        ///< of each frame; only for fusion with FAB-MAP
+  const PrecomputedDistances* given =
+      nullptr;                      ///< set if the distances of these frames are precomputed
+  std::vector<WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescriptorSpan span() const { return {rows(), sequence.unreadable, given, words}; }
+  DescribedFrames span() const { return {rows(), sequence.unreadable, given, words}; }
 };
 
 /// The set with the selected frames: repeats or omits rows without describing frames again.

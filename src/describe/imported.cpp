@@ -44,15 +44,6 @@ size_t length_of_one(const NpyArray& array, const std::string& path) {
   return shape.back();
 }
 
-size_t rows_in_range(const SequenceArgument& argument, size_t all) {
-  const uint64_t last = argument.range.last.value_or(all);
-  if (argument.range.first >= all || last > all)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
-                            counted(all, "row"), range_text(argument.range)));
-  return frame_count({argument.range.first, last, argument.range.step}).value();
-}
-
 constexpr size_t kBlockNumbers = 1 << 16;  // values read at once: half a megabyte
 
 double largest_size(std::span<const double> vector) {
@@ -69,10 +60,10 @@ void store_numbers(std::span<const double> row, std::span<uint8_t> out) {
 }
 
 // Values of 8 bits, least significant first, or of 1 bit.
-void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uint8_t> out) {
+void store_bits(std::span<const double> row, size_t bits_per_value, std::span<uint8_t> out) {
   std::fill(out.begin(), out.end(), uint8_t{0});
   for (size_t i = 0; i < row.size(); ++i) {
-    if (bits_a_number == 8)
+    if (bits_per_value == 8)
       out[i] = static_cast<uint8_t>(row[i]);
     else if (row[i] != 0)
       out[i / 8] = static_cast<uint8_t>(out[i / 8] | 1U << i % 8);
@@ -119,36 +110,11 @@ void check_point(std::span<const double> row, double unit, const std::string& wh
 
 /// The conversion of numbers to rows of one kind.
 struct RowImport {
-  size_t elements_a_number = 1;
-  bool is_vector = true;
+  size_t elements_per_value = 1;
   std::function<void(std::span<const double> row, std::span<uint8_t> out)> store;
+  /// only of vectors, which are missing if all values are NaN
   std::function<void(std::span<const double> row, const std::string& where)> check = {};
 };
-
-RowImport bit_import(const std::string& type) {
-  if (type == "|u1")
-    return {8, false,
-            [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 8, out); }};
-  return {1, false,
-          [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 1, out); }};
-}
-
-RowImport point_import(double unit) {
-  return {
-      1, true,
-      [unit](std::span<const double> row, std::span<uint8_t> out) { store_point(row, unit, out); },
-      [unit](std::span<const double> row, const std::string& where) {
-        check_point(row, unit, where);
-      }};
-}
-
-RowImport direction_import(double unit) {
-  return {1, true,
-          [unit](std::span<const double> row, std::span<uint8_t> out) {
-            store_direction(row, unit, out);
-          },
-          check_vector};
-}
 
 RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
   const bool is_bits = kind == kBitKind;
@@ -158,61 +124,31 @@ RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
                             is_bits ? "bits are uint8 (8 bits per value) or bool"
                                     : "vectors are float16, float32 or float64, and uint8 or bool "
                                       "are bits: train with --bits"));
-  if (is_bits) return bit_import(rows.type());
-  if (kind == kPointKind) return point_import(unit);
-  if (kind == kDirectionKind) return direction_import(unit);
-  return kind == kNarrowVectorKind ? RowImport{1, true, store_numbers<int8_t>, check_vector}
-                                   : RowImport{1, true, store_numbers<int16_t>, check_vector};
-}
-
-void check_length(const ArrayRows& rows, ElementType element, size_t elements_a_number) {
-  const size_t most = most_elements(element) / elements_a_number;
+  const size_t bits = rows.type() == "|u1" ? 8 : 1;  // per value
+  const size_t most = is_bits ? kMaxBits / bits : kMaxIntegers;
   if (rows.length() > most)
     throw Error(ErrorKind::data, fmt::format("{}: has {} values; the maximum is {}", rows.where(0),
                                              rows.length(), most));
-}
-
-// Imports rows [first, first + count) to `out`. Returns the missing rows, whose descriptors stay
-// zero.
-std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
-                                Unreadable unreadable, size_t first, size_t count,
-                                std::span<uint8_t> out) {
-  std::vector<double> numbers(count * rows.length());
-  rows.read(first, count, numbers);
-  const size_t row_bytes = out.size() / count;
-  std::vector<size_t> missing;
-  for (size_t i = 0; i < count; ++i) {
-    const std::span<const double> row(numbers.data() + i * rows.length(), rows.length());
-    if (import.is_vector && is_missing_vector(row)) {
-      if (unreadable == Unreadable::fail)
-        throw Error(ErrorKind::data,
-                    fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore it",
-                                rows.where(first + i)));
-      missing.push_back(first + i);
-      continue;
-    }
-    if (import.is_vector) import.check(row, rows.where(first + i));
-    import.store(row, out.subspan(i * row_bytes, row_bytes));
-  }
-  return missing;
-}
-
-/// The result of a block of rows: the missing rows, or the error.
-struct BlockRows {
-  std::vector<size_t> missing;
-  std::optional<Error> error;
-};
-
-// Reports the first invalid row, for any order of threads.
-void keep_unreadable(Sequence& sequence, const std::vector<BlockRows>& blocks) {
-  for (const BlockRows& block : blocks) {
-    if (block.error) throw Error(*block.error);
-    sequence.unreadable.insert(sequence.unreadable.end(), block.missing.begin(),
-                               block.missing.end());
-  }
+  if (is_bits) return {bits, [bits](auto row, auto out) { store_bits(row, bits, out); }};
+  if (kind == kPointKind)
+    return {1, [unit](auto row, auto out) { store_point(row, unit, out); },
+            [unit](auto row, const std::string& where) { check_point(row, unit, where); }};
+  if (kind == kDirectionKind)
+    return {1, [unit](auto row, auto out) { store_direction(row, unit, out); }, check_vector};
+  if (kind == kNarrowVectorKind) return {1, store_numbers<int8_t>, check_vector};
+  return {1, store_numbers<int16_t>, check_vector};
 }
 
 }  // namespace
+
+size_t rows_in_range(const SequenceArgument& argument, size_t all) {
+  const uint64_t last = argument.range.last.value_or(all);
+  if (argument.range.first >= all || last > all)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
+                            counted(all, "row"), range_text(argument.range)));
+  return frame_count({argument.range.first, last, argument.range.step}).value();
+}
 
 ArrayRows::ArrayRows(const SequenceSource& sequence) : sequence_(sequence) {
   assert(sequence.kind == SequenceKind::descriptors);
@@ -322,7 +258,6 @@ double coordinate_unit(std::string_view kind, std::span<const SequenceSource> se
   for (const SequenceSource& sequence : sequences) {
     const ArrayRows rows(sequence);
     import_of(kind, rows, 0);
-    check_length(rows, ElementType::points16, 1);
     std::vector<double> lengths(rows.count(), 0);
     parallel_for(rows.count(), monitor, [&](size_t i) {
       std::vector<double> row(rows.length());
@@ -346,8 +281,7 @@ DescriptorSet import_descriptors(const SequenceSource& source, std::string_view 
   const RowImport import = import_of(kind, rows, unit);
   const DescriptorKind* described = find_descriptor_kind(kind);
   const ElementType element = described->shape.element;
-  check_length(rows, element, import.elements_a_number);
-  const DescriptorShape shape{element, rows.length() * import.elements_a_number};
+  const DescriptorShape shape{element, rows.length() * import.elements_per_value};
   DescriptorSet set;
   set.descriptors.kind = described;
   set.descriptors.length = shape.length;
@@ -355,24 +289,39 @@ DescriptorSet import_descriptors(const SequenceSource& source, std::string_view 
   set.descriptors.owned.resize(rows.count() * shape.row_bytes());
   const size_t block = std::max<size_t>(kBlockNumbers / rows.length(), 1);
   const size_t blocks = (rows.count() + block - 1) / block;
-  std::vector<BlockRows> found(blocks);
+  std::vector<std::optional<Error>> errors(blocks);
+  std::vector<uint8_t> is_missing(rows.count(), 0);  // the descriptors of missing rows stay zero
   StepCounter counter(monitor, "import", rows.count());
+  const auto import_row = [&](size_t i, std::span<const double> row) {
+    is_missing[i] = import.check && is_missing_vector(row) ? 1 : 0;
+    if (is_missing[i] != 0 && unreadable == Unreadable::fail)
+      throw Error(ErrorKind::data,
+                  fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore it",
+                              rows.where(i)));
+    if (is_missing[i] != 0) return;
+    if (import.check) import.check(row, rows.where(i));
+    import.store(
+        row, std::span(set.descriptors.owned).subspan(i * shape.row_bytes(), shape.row_bytes()));
+  };
   parallel_for(blocks, monitor, [&](size_t b) {
     const size_t first = b * block;
     const size_t count = std::min(block, rows.count() - first);
-    const std::span<uint8_t> out(set.descriptors.owned);
+    std::vector<double> numbers(count * rows.length());
     try {
-      found[b].missing =
-          store_block(rows, import, unreadable, first, count,
-                      out.subspan(first * shape.row_bytes(), count * shape.row_bytes()));
+      rows.read(first, count, numbers);
+      for (size_t i = 0; i < count; ++i)
+        import_row(first + i, std::span(numbers).subspan(i * rows.length(), rows.length()));
     } catch (const Error& error) {
-      found[b].error = error;
+      errors[b] = error;
     }
     counter.add(count);
   });
+  for (const auto& error : errors)  // the first error, for any order of threads
+    if (error) throw Error(*error);
   set.sequence = source.argument.sequence;
   set.sequence.frames = rows.count();
-  keep_unreadable(set.sequence, found);
+  for (size_t i = 0; i < rows.count(); ++i)
+    if (is_missing[i] != 0) set.sequence.unreadable.push_back(i);
   for (size_t row = 0; row < rows.count(); ++row)
     set.sequence.frame_names.push_back(rows.name(row));
   if (set.sequence.unreadable.size() == rows.count())

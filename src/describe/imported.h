@@ -50,6 +50,10 @@ class ArrayRows {
   std::string type_;
 };
 
+/// The number of rows that the argument's range selects from `all` rows of its file. Throws
+/// Error(usage) if the range exceeds them.
+size_t rows_in_range(const SequenceArgument& argument, size_t all);
+
 struct DescriptorSet;
 
 /// The distance between vectors: 1 - cos; Euclidean; or Euclidean after scaling to length 1, which

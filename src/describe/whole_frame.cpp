@@ -19,6 +19,10 @@
 namespace vpr {
 namespace {
 
+constexpr int kLdbSide = 64;
+constexpr int kLdbBorder = 3;
+constexpr int kLdbWindow = 60;
+
 /// A pixel of the longer line, and its overlap with a pixel of the shorter line.
 struct Share {
   int from = 0;
@@ -42,43 +46,26 @@ std::vector<std::vector<Share>> shares(int64_t longer, int64_t shorter) {
 constexpr double kDeviation = 32;  // gray levels
 
 void normalize_square(const cv::Mat& small, int left, int top, Thumbnail64& out) {
+  const cv::Mat_<uint8_t> square = small(cv::Rect(left, top, kThumbnailPatch, kThumbnailPatch));
   constexpr int kPixels = kThumbnailPatch * kThumbnailPatch;
   int sum = 0;
   int squares = 0;
-  for (int y = top; y < top + kThumbnailPatch; ++y) {
-    const uint8_t* row = small.ptr<uint8_t>(y);
-    for (int x = left; x < left + kThumbnailPatch; ++x) {
-      sum += row[x];
-      squares += row[x] * row[x];
-    }
+  for (const int level : square) {
+    sum += level;
+    squares += level * level;
   }
   // 64 times the deviation of 64 p - sum: the root of 64 squares - sum^2.
   const double deviation = std::sqrt(static_cast<double>(kPixels * squares - sum * sum));
-  for (int y = top; y < top + kThumbnailPatch; ++y) {
-    const uint8_t* row = small.ptr<uint8_t>(y);
-    for (int x = left; x < left + kThumbnailPatch; ++x) {
+  for (int y = 0; y < kThumbnailPatch; ++y)
+    for (int x = 0; x < kThumbnailPatch; ++x) {
       const double level =
-          deviation > 0 ? 128 + kDeviation * (kPixels * row[x] - sum) / deviation : 128;
-      out[static_cast<size_t>(y * kThumbnailWidth + x)] =
+          deviation > 0 ? 128 + kDeviation * (kPixels * square(y, x) - sum) / deviation : 128;
+      out[static_cast<size_t>((top + y) * kThumbnailWidth + left + x)] =
           static_cast<uint8_t>(std::clamp(std::nearbyint(level), 0.0, 255.0));
     }
-  }
 }
 
 constexpr double kAlpha = 0.47;
-
-std::array<double, 256> log_table() {
-  std::array<double, 256> table{};
-  for (size_t value = 1; value < table.size(); ++value)
-    table[value] = std::log(static_cast<double>(value) / 255);
-  return table;
-}
-
-uint8_t invariant_value(const cv::Vec3b& bgr, const std::array<double, 256>& ln) {
-  double value = 0.5 + ln[bgr[1]] - kAlpha * ln[bgr[0]] - (1 - kAlpha) * ln[bgr[2]];
-  if (value < 0) value = 1;
-  return cv::saturate_cast<uint8_t>(std::nearbyint(value * 255));
-}
 
 constexpr int kBriefSide = 64;
 constexpr int kBriefPatch = 48;
@@ -99,16 +86,55 @@ int normal_offset(RandomEngine& engine) {
   return static_cast<int>(std::clamp(offset, -kBriefPatch / 2.0, kBriefPatch / 2.0 - 1));
 }
 
-std::array<BriefPair, kCenterBits> draw_pairs() {
-  RandomEngine engine = named_engine(1, "brief");
-  std::array<BriefPair, kCenterBits> pairs;
-  for (BriefPair& pair : pairs)
-    for (int* offset : {&pair.first_x, &pair.first_y, &pair.second_x, &pair.second_y})
-      *offset = normal_offset(engine);
-  return pairs;
+}  // namespace
+
+std::array<std::array<int32_t, 25>, 3> ldb_cell_values(const cv::Mat& integral, int g) {
+  const int side = kLdbWindow / g;
+  const int half = (side - 1) / 2;
+  const auto sum = [&](int top, int left, int bottom, int right) {
+    const int* above = integral.ptr<int>(top);
+    const int* below = integral.ptr<int>(bottom);
+    return below[right] - below[left] - above[right] + above[left];
+  };
+  std::array<std::array<int32_t, 25>, 3> values{};
+  for (int r = 0; r < g; ++r) {
+    for (int c = 0; c < g; ++c) {
+      const int top = r * side + 1;
+      const int left = c * side + 1;
+      const int bottom = (r + 1) * side;
+      const int right = (c + 1) * side;
+      const int all = sum(top, left, bottom, right);
+      const auto cell = static_cast<size_t>(r) * static_cast<size_t>(g) + static_cast<size_t>(c);
+      values[0][cell] = all;
+      values[1][cell] = all - 2 * sum(top, left, bottom, left + half);
+      values[2][cell] = all - 2 * sum(top, left, top + half, right);
+    }
+  }
+  return values;
 }
 
-}  // namespace
+LdbCode describe_ldb(const cv::Mat& gray) {
+  cv::Mat blurred;
+  cv::GaussianBlur(resized(gray, kLdbSide), blurred, {7, 7}, 2, 2, cv::BORDER_REFLECT_101);
+  cv::Mat integral;
+  cv::integral(blurred(cv::Rect(kLdbBorder, kLdbBorder, kLdbWindow, kLdbWindow)), integral, CV_32S);
+  LdbCode code{};
+  size_t bit = 0;
+  for (int g = 2; g <= 5; ++g) {
+    const auto values = ldb_cell_values(integral, g);
+    const size_t cells = static_cast<size_t>(g) * static_cast<size_t>(g);
+    for (size_t i = 0; i < cells; ++i) {
+      for (size_t j = i + 1; j < cells; ++j) {
+        for (size_t k = 0; k < 3; ++k, ++bit) {
+          const int set = values[k][i] > values[k][j] ? 1 : 0;
+          code[bit / 8] = static_cast<uint8_t>(code[bit / 8] | set << (bit % 8));
+        }
+      }
+    }
+  }
+  assert(bit == kLdbBits);
+  return code;
+}
 
 cv::Mat shrink(const cv::Mat& gray, int width, int height) {
   const auto columns = shares(gray.cols, width);
@@ -148,10 +174,8 @@ std::vector<int8_t> describe_hog(const cv::Mat& gray) {
   constexpr int kDirections = 8;
   const cv::HOGDescriptor hog({kSide, kSide}, {2 * kCell, 2 * kCell}, {kCell, kCell},
                               {kCell, kCell}, kDirections);
-  cv::Mat square;
-  cv::resize(gray, square, {kSide, kSide}, 0, 0, cv::INTER_LINEAR_EXACT);
   std::vector<float> values;
-  hog.compute(square, values);
+  hog.compute(resized(gray, kSide), values);
   std::vector<int8_t> numbers(kHogLength, 0);
   const std::vector<double> vector(values.begin(), values.end());
   if (std::any_of(vector.begin(), vector.end(), [](double value) { return value != 0; }))
@@ -161,16 +185,32 @@ std::vector<int8_t> describe_hog(const cv::Mat& gray) {
 
 cv::Mat illumination_invariant(const cv::Mat& bgr) {
   assert(bgr.type() == CV_8UC3);
-  static const std::array<double, 256> kLn = log_table();
+  static const auto kLn = [] {  // of channels in [0, 1]
+    std::array<double, 256> table{};
+    for (size_t value = 1; value < table.size(); ++value)
+      table[value] = std::log(static_cast<double>(value) / 255);
+    return table;
+  }();
   cv::Mat gray(bgr.size(), CV_8UC1);
   for (int y = 0; y < bgr.rows; ++y)
-    for (int x = 0; x < bgr.cols; ++x)
-      gray.at<uint8_t>(y, x) = invariant_value(bgr.at<cv::Vec3b>(y, x), kLn);
+    for (int x = 0; x < bgr.cols; ++x) {
+      const auto& pixel = bgr.at<cv::Vec3b>(y, x);
+      double value = 0.5 + kLn[pixel[1]] - kAlpha * kLn[pixel[0]] - (1 - kAlpha) * kLn[pixel[2]];
+      if (value < 0) value = 1;
+      gray.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(std::nearbyint(value * 255));
+    }
   return gray;
 }
 
 const std::array<BriefPair, kCenterBits>& brief_pairs() {
-  static const std::array<BriefPair, kCenterBits> kPairs = draw_pairs();
+  static const auto kPairs = [] {
+    RandomEngine engine = named_engine(1, "brief");
+    std::array<BriefPair, kCenterBits> pairs;
+    for (BriefPair& pair : pairs)
+      for (int* offset : {&pair.first_x, &pair.first_y, &pair.second_x, &pair.second_y})
+        *offset = normal_offset(engine);
+    return pairs;
+  }();
   return kPairs;
 }
 

@@ -1,5 +1,5 @@
-// Built-in descriptors of whole frames other than LDB: thumbnail, HOG, and BRIEF and ORB of the
-// center; and image preprocessing.
+// Built-in descriptors of whole frames: LDB, thumbnail, HOG, and BRIEF and ORB of the center; and
+// image preprocessing.
 #pragma once
 
 #include <array>
@@ -7,11 +7,24 @@
 #include <cstdint>
 #include <vector>
 
+#include "describe/descriptor_rows.h"
+
 namespace cv {
 class Mat;
 }
 
 namespace vpr {
+
+/// LDB as in ABLE-M: one binary code for the whole frame (Yang & Cheng, LDB; Arroyo et al.,
+/// ABLE-M). `gray`: 8 bits, one channel, at least 1x1. Resized to 64x64, blurred, and cropped to
+/// 60x60; then all pairs of cells of each grid, 2x2 to 5x5, are compared by mean intensity and by
+/// horizontal and vertical gradient. Integer arithmetic only: the same on every machine.
+LdbCode describe_ldb(const cv::Mat& gray);
+
+/// Sums over the cells of a g x g grid of `window` (60x60, 8 bits), row-major: intensity, gradient
+/// along columns and gradient along rows. `integral` is cv::integral of the window (61x61, 32
+/// bits). Returns 3 * g * g values: all intensities, then all of each gradient.
+std::array<std::array<int32_t, 25>, 3> ldb_cell_values(const cv::Mat& integral, int g);
 
 /// `gray`: 8 bits, one channel, at least 1x1. Every output pixel is the mean of the area that it
 /// covers, with partly covered pixels weighted by their overlap, rounded to nearest, ties up.

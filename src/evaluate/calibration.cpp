@@ -8,9 +8,9 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMostFolds = 200;  // more cost time, and say the same
+constexpr size_t kMaxFolds = 200;  // limits the time
 
-/// Windows [first, end) of a walk are not looked at.
+/// Windows [first, end) are excluded.
 struct Gap {
   size_t first = 0;
   size_t end = 0;
@@ -18,93 +18,70 @@ struct Gap {
   bool holds(size_t window) const { return first <= window && window < end; }
 };
 
-/// Windows that are recognized at some strength.
-struct Recognized {
-  int64_t right = 0;
-  int64_t wrong = 0;
+struct WindowCounts {
+  int64_t correct = 0;
+  int64_t incorrect = 0;
 };
 
 bool is_wrong(const CalibrationWindow& window, int64_t strength) {
-  return window.wrong && *window.wrong >= strength;
+  return window.incorrect && *window.incorrect >= strength;
 }
 
 bool is_right(const CalibrationWindow& window, int64_t strength) {
-  return !is_wrong(window, strength) && window.right && *window.right >= strength;
+  return !is_wrong(window, strength) && window.correct && *window.correct >= strength;
 }
 
-// Just above whatever is wrong.
-int64_t above_all(std::span<const CalibrationWindow> windows, const Gap& gap, int64_t least) {
-  int64_t strength = least;
-  for (size_t w = 0; w < windows.size(); ++w) {
-    if (gap.holds(w)) continue;
-    for (const auto& reached : {windows[w].wrong, windows[w].untrained})
-      if (reached && *reached >= strength) strength = *reached + 1;
-  }
-  return strength;
-}
-
-// From the strictest on: how many windows become right and wrong at which strength.
-using Changes = std::map<int64_t, Recognized, std::greater<>>;
-
-Changes changes_of(std::span<const CalibrationWindow> windows, const Gap& gap) {
-  Changes changes;
+std::optional<int64_t> choose(std::span<const CalibrationWindow> windows, const Gap& gap,
+                              const CalibrationSettings& settings) {
+  int64_t above_all = settings.least;
+  std::map<int64_t, WindowCounts, std::greater<>> changes;  // from the largest strength on
   for (size_t w = 0; w < windows.size(); ++w) {
     if (gap.holds(w)) continue;
     const CalibrationWindow& window = windows[w];
-    const bool comes_right = window.right && (!window.wrong || *window.right > *window.wrong);
-    if (comes_right) ++changes[*window.right].right;
-    if (!window.wrong) continue;
-    ++changes[*window.wrong].wrong;
-    if (comes_right) --changes[*window.wrong].right;
+    for (const auto& strength : {window.incorrect, window.unknown_place})
+      if (strength) above_all = std::max(above_all, *strength + 1);
+    if (settings.precision == 1) continue;
+    const bool becomes_right =
+        window.correct && (!window.incorrect || *window.correct > *window.incorrect);
+    if (becomes_right) ++changes[*window.correct].correct;
+    if (!window.incorrect) continue;
+    ++changes[*window.incorrect].incorrect;
+    if (becomes_right) --changes[*window.incorrect].correct;
   }
-  return changes;
-}
-
-std::optional<int64_t> reaching(std::span<const CalibrationWindow> windows, const Gap& gap,
-                                double precision, int64_t least) {
+  if (settings.precision == 1) return above_all;
   std::optional<int64_t> chosen;
-  Recognized sum;
-  for (const auto& [strength, change] : changes_of(windows, gap)) {
-    if (strength < least) break;
-    sum.right += change.right;
-    sum.wrong += change.wrong;
-    if (sum.right > 0 &&
-        static_cast<double>(sum.right) >= precision * static_cast<double>(sum.right + sum.wrong))
+  WindowCounts sum;
+  for (const auto& [strength, change] : changes) {
+    if (strength < settings.least) break;
+    sum.correct += change.correct;
+    sum.incorrect += change.incorrect;
+    if (sum.correct > 0 &&
+        static_cast<double>(sum.correct) >=
+            settings.precision * static_cast<double>(sum.correct + sum.incorrect))
       chosen = strength;
   }
   return chosen;
 }
 
-std::optional<int64_t> choose(std::span<const CalibrationWindow> windows, const Gap& gap,
-                              const CalibrationSettings& settings) {
-  if (settings.precision == 1) return above_all(windows, gap, settings.least);
-  return reaching(windows, gap, settings.precision, settings.least);
-}
-
-// Which windows are wrong by the threshold that all but their fold, and a block around it, lead to.
-std::vector<uint8_t> wrong_elsewhere(std::span<const CalibrationWindow> windows,
-                                     const CalibrationSettings& settings) {
-  std::vector<uint8_t> wrong(windows.size(), 0);
-  const size_t size = std::max(settings.block, (windows.size() + kMostFolds - 1) / kMostFolds);
-  for (size_t first = 0; first < windows.size(); first += size) {
-    const Gap fold = {first, std::min(first + size, windows.size())};
-    const Gap near = {first - std::min(first, settings.block), fold.end + settings.block};
-    const std::optional<int64_t> strength = choose(windows, near, settings);
-    for (size_t w = fold.first; strength && w < fold.end; ++w)
-      wrong[w] = is_wrong(windows[w], *strength) ? 1 : 0;
-  }
-  return wrong;
-}
-
+// Cross-validation: the strength for each fold is chosen without the fold and a block around it.
 FalseRecognitions expect(std::span<const CalibrationWindow> windows,
                          const CalibrationSettings& settings) {
-  const std::vector<uint8_t> wrong = wrong_elsewhere(windows, settings);
-  std::vector<double> begins(wrong.size(), 0);
+  std::vector<double> begins(windows.size(), 0);  // 1 where a run of incorrect windows begins
   FalseRecognitions expected;
-  for (size_t w = 0; w < wrong.size(); ++w) {
-    if (wrong[w] == 0 || (w > 0 && wrong[w - 1] != 0)) continue;
-    begins[w] = 1;
-    ++expected.seen;
+  bool was_wrong = false;
+  const size_t size = std::max(settings.block, (windows.size() + kMaxFolds - 1) / kMaxFolds);
+  for (size_t first = 0; first < windows.size(); first += size) {
+    const size_t end = std::min(first + size, windows.size());
+    const Gap gap = {first - std::min(first, settings.block), end + settings.block};
+    const std::optional<int64_t> strength = choose(windows, gap, settings);
+    for (size_t w = first; w < end; ++w) {
+      const bool is_wrong_now = strength && is_wrong(windows[w], *strength);
+      if (is_wrong_now && !was_wrong) {
+        begins[w] = 1;
+        ++expected.seen;
+      }
+      was_wrong = is_wrong_now;
+    }
   }
   const Interval drawn = bootstrap_sum(begins, settings.block, settings.seed);
   const Interval counted = poisson_interval(expected.seen);
@@ -112,33 +89,56 @@ FalseRecognitions expect(std::span<const CalibrationWindow> windows,
   return expected;
 }
 
-CalibrationAdvice missing_advice(std::span<const CalibrationWindow> windows,
-                                 const CalibrationSettings& settings) {
-  const bool any = std::any_of(windows.begin(), windows.end(), [&](const CalibrationWindow& w) {
-    return w.right && *w.right >= settings.least;
-  });
-  return any ? CalibrationAdvice::none_is_safe : CalibrationAdvice::no_right_recognition;
-}
-
 }  // namespace
+
+UnknownPlaceScan::UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere,
+                                   size_t window_length, size_t query_windows,
+                                   const RowKernels& kernels)
+    : truth_(truth),
+      widths_(elsewhere.widths),
+      window_length_(window_length),
+      untrained_(std::move(elsewhere), query_windows, kernels) {}
+
+void UnknownPlaceScan::operator()(std::span<const ScoreRow> row) {
+  const size_t anchor = window_length_ - 1;
+  std::vector<ScoreRow> unknown_place;
+  for (const ScoreRow& piece : row) {
+    const size_t width = widths_[piece.sequence];
+    const size_t first = piece.train_window + anchor;  // frames of the piece: [first, end)
+    const size_t end = first + piece.scores.size();
+    size_t next = first;
+    for (const LabelRun& run :
+         label_runs(truth_, piece.query_window + anchor, piece.sequence, end + width)) {
+      const size_t begin = run.first - std::min(run.first, width);
+      if (begin > next) unknown_place.push_back(part_of_row(piece, next - first, begin - next));
+      next = std::max(next, run.last + width + 1);
+    }
+    if (next < end) unknown_place.push_back(part_of_row(piece, next - first, end - next));
+  }
+  if (!unknown_place.empty()) untrained_(unknown_place);
+}
 
 Calibration calibrate(std::span<const CalibrationWindow> windows,
                       const CalibrationSettings& settings) {
   assert(settings.precision > 0 && settings.precision <= 1 && settings.block > 0);
   Calibration found;
-  const std::optional<int64_t> strength = choose(windows, {}, settings);
-  for (const CalibrationWindow& window : windows) {
-    if (!strength) break;
-    found.right += is_right(window, *strength) ? 1 : 0;
-    found.wrong += is_wrong(window, *strength) ? 1 : 0;
+  if (const std::optional<int64_t> strength = choose(windows, {}, settings)) {
+    for (const CalibrationWindow& window : windows) {
+      found.correct += is_right(window, *strength) ? 1 : 0;
+      found.incorrect += is_wrong(window, *strength) ? 1 : 0;
+    }
+    found.strength = strength;
   }
-  if (found.right == 0) {
-    found.advice = missing_advice(windows, settings);
+  if (found.correct > 0) {
+    found.advice = CalibrationAdvice::calibrated;
+    found.expected = expect(windows, settings);
     return found;
   }
-  found.advice = CalibrationAdvice::calibrated;
-  found.strength = strength;
-  found.expected = expect(windows, settings);
+  found.strength.reset();
+  if (std::ranges::any_of(windows, [&](const CalibrationWindow& window) {
+        return window.correct && *window.correct >= settings.least;
+      }))
+    found.advice = CalibrationAdvice::none_is_safe;
   return found;
 }
 

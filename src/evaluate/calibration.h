@@ -1,4 +1,4 @@
-// From a walk of which the truth is known to a threshold for walks of which it is not.
+// A threshold for queries without ground truth, chosen on a query with ground truth.
 #pragma once
 
 #include <array>
@@ -10,56 +10,72 @@
 
 #include "base/enum_names.h"
 #include "base/statistics.h"
+#include "decide/exclusion_zones.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
 
-/// What a query window tells of every threshold there is. Strengths are margins,
-/// summed over the window.
-struct CalibrationWindow {
-  std::optional<int64_t> right;  ///< it has a right recognition where no more than this is asked
-  std::optional<int64_t> wrong;  ///< the same of a wrong recognition
-  /// What the window would reach, were its place not trained: it is wrong for sure.
-  std::optional<int64_t> untrained;
+/// The margins of query windows if neither their place nor its surroundings were trained. The
+/// matches that they belong to are all incorrect. Takes rows as MarginScan does. Windows are judged
+/// at their anchors; the surroundings are the frames within the exclusion radius of a frame labeled
+/// same or ignore.
+class UnknownPlaceScan {
+ public:
+  /// `truth` must outlive the scan.
+  UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere, size_t window_length,
+                   size_t query_windows, const RowKernels& kernels);
+  void operator()(std::span<const ScoreRow> row);
+  /// One per query window; unset without a runner-up.
+  std::vector<std::optional<uint32_t>> result() const { return untrained_.result().margins; }
+
+ private:
+  const GroundTruth& truth_;
+  std::vector<uint32_t> widths_;
+  size_t window_length_;
+  MarginScan untrained_;
 };
 
-/// What a walk allows to say.
+/// The strengths of one query window: margins, summed over the window.
+struct CalibrationWindow {
+  std::optional<int64_t> correct;        ///< it has a correct recognition up to this strength
+  std::optional<int64_t> incorrect;      ///< it has an incorrect recognition up to this strength
+  std::optional<int64_t> unknown_place;  ///< the result of UnknownPlaceScan
+};
+
 enum class CalibrationAdvice {
   calibrated,
-  no_right_recognition,  ///< there is none at the least strength either
-  none_is_safe           ///< where a right recognition is left, the precision is not reached
+  no_right_recognition,  ///< not even at the minimum strength
+  none_is_safe           ///< no strength with a correct recognition reaches the precision
 };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<CalibrationAdvice> = {
     "calibrated", "no_right_recognition", "none_is_safe"};
 
 struct CalibrationSettings {
-  /// Of the recognized windows, the share that is right: above 0, at most 1.
-  double precision = 1;
-  int64_t least = 1;  ///< no smaller strength is chosen
-  size_t block = 1;   ///< windows in a row that share frames: at least 1
-  uint64_t seed = 1;  ///< of the bootstrap
+  double precision = 1;  ///< share of correct windows among recognized ones: above 0, at most 1
+  int64_t least = 1;     ///< minimum strength
+  size_t block = 1;      ///< consecutive windows that share frames: at least 1
+  uint64_t seed = 1;     ///< of the bootstrap
 };
 
-/// False recognitions, each a run of windows in a row that are recognized wrongly, in a walk as
-/// long as the one of calibration.
+/// Expected runs of consecutive incorrect windows in a query as long as the one of the calibration.
 struct FalseRecognitions {
-  uint64_t seen = 0;  ///< by thresholds that were chosen without the stretches in which they are
+  uint64_t seen = 0;  ///< at strengths chosen without the part of the query that contains them
   Interval interval;  ///< 95 %
 };
 
 struct Calibration {
   CalibrationAdvice advice = CalibrationAdvice::no_right_recognition;
-  std::optional<int64_t> strength;  ///< of the advice `calibrated`
-  uint64_t right = 0;  ///< windows recognized at this strength, without a wrong recognition
-  uint64_t wrong = 0;  ///< windows with a wrong recognition
+  std::optional<int64_t> strength;  ///< if the advice is `calibrated`
+  uint64_t correct = 0;             ///< windows with a correct and without an incorrect recognition
+  uint64_t incorrect = 0;           ///< windows with an incorrect recognition
   FalseRecognitions expected;
 };
 
-/// The least strength at which the precision is reached and some window is recognized rightly. A
-/// window counts as wrong where it has a wrong recognition, whatever else it has. For precision 1
-/// it is just above all that windows reach wrongly, or would if their place were not trained; for
-/// less, only what they do reach counts. Windows must be in the order of the query; none are no
-/// window.
+/// The smallest strength that reaches the precision and has a correct window. A window with an
+/// incorrect recognition is incorrect. For precision 1, the strength is just above all `wrong` and
+/// `unknown_place` strengths; for a lower precision, `unknown_place` is ignored. Windows must be in
+/// the order of the query.
 Calibration calibrate(std::span<const CalibrationWindow> windows,
                       const CalibrationSettings& settings);
 

@@ -1,23 +1,23 @@
 #include "evaluate/judgment.h"
 
 #include <algorithm>
-#include <cassert>
 
 #include "base/error.h"
-#include "evaluate/matrix_scan.h"
-#include "evaluate/metrics.h"
 
 namespace vpr {
-
 namespace {
 
-void take_matrix(Judgment& judgment, const ScoreMatrix& matrix, const GroundTruth& truth,
-                 const Monitor& monitor) {
-  MatrixScan scan = scan_matrix(matrix, truth, judgment.layout, monitor);
-  judgment.all_pairs =
-      PairJudgment{pair_curve(matrix, truth, judgment.layout, scan, monitor), scan.ignored_pairs,
-                   scan.same_without_score, scan.worst_correct};
+void set_pairs(Judgment& judgment, MatrixScan scan) {
   judgment.outcomes = std::move(scan.outcomes);
+  judgment.all_pairs = std::move(scan.pairs);
+}
+
+void set_verdicts(Judgment& judgment, std::vector<FrameVerdict> verdicts, const GroundTruth& truth,
+                  std::span<const double> traveled_m) {
+  judgment.localization = localize(verdicts, traveled_m);
+  judgment.verdicts = std::move(verdicts);
+  for (size_t frame = 0; frame < truth.pairs.size(); ++frame)
+    judgment.localization.frames_with_match += truth.has_match(frame);
 }
 
 size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
@@ -25,45 +25,32 @@ size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
   return columns == nullptr ? 0 : columns->first + window;
 }
 
-size_t count_with_match(const GroundTruth& truth) {
-  size_t count = 0;
-  for (size_t frame = 0; frame < truth.pairs.size(); ++frame) count += truth.has_match(frame);
-  return count;
-}
-
-Fix fix_of(Verdict verdict) {
+FrameVerdict frame_verdict_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::correct:
-      return Fix::right;
+      return FrameVerdict::correct;
     case Verdict::incorrect:
-      return Fix::wrong;
+      return FrameVerdict::incorrect;
     case Verdict::ignored:
-      return Fix::unjudged;
+      return FrameVerdict::unjudged;
     case Verdict::unreadable:
-      return Fix::none;
+      return FrameVerdict::none;
   }
-  return Fix::none;
-}
-
-Fix fix_of(PlaceLabel label) {
-  return label == PlaceLabel::same        ? Fix::right
-         : label == PlaceLabel::different ? Fix::wrong
-                                          : Fix::unjudged;
+  return FrameVerdict::none;
 }
 
 }  // namespace
 
 bool is_recognized(const Judgment& judgment, const QueryOutcome& query) {
   return query.verdict != Verdict::unreadable &&
-         judgment.fixes[query.frame] == fix_of(query.verdict);
+         judgment.verdicts[query.frame] == frame_verdict_of(query.verdict);
 }
 
-void order_by(Judgment& judgment, Confidence confidence) {
+void set_confidence(Judgment& judgment, Confidence confidence) {
   Outcomes& outcomes = judgment.outcomes;
   if (confidence == Confidence::margin && !outcomes.has_margins)
-    throw Error(
-        ErrorKind::usage,
-        "there are no margins: FAB-MAP, lsh and score matrices have none. Omit --confidence");
+    throw Error(ErrorKind::usage,
+                "FAB-MAP, lsh and score matrices have no margins. Omit --confidence");
   judgment.other_best.reset();
   if (outcomes.has_margins) {
     outcomes.confidence = confidence == Confidence::score ? Confidence::margin : Confidence::score;
@@ -78,15 +65,13 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
   Judgment judgment;
   judgment.layout = layout_of(result);
   judgment.outcomes = outcomes_of(result, truth);
-  order_by(judgment, judgment.outcomes.confidence);
+  set_confidence(judgment, judgment.outcomes.confidence);
   for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
     judgment.recognized.push_back(
         {recognition.query, column_of(judgment.layout, recognition.target, recognition.train)});
   }
-  judgment.fixes = fixes_of(result, truth);
-  judgment.localization = localize(judgment.fixes, traveled_m);
-  judgment.localization.frames_with_match = count_with_match(truth);
+  set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m);
   return judgment;
 }
 
@@ -95,8 +80,8 @@ Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Groun
                const Monitor& monitor) {
   Judgment judgment;
   judgment.layout = layout;
-  take_matrix(judgment, matrix, truth, monitor);
-  order_by(judgment, Confidence::score);
+  set_pairs(judgment, scan_matrix(matrix, truth, judgment.layout, monitor));
+  set_confidence(judgment, Confidence::score);
   judgment.is_oracle = !threshold;
   judgment.threshold =
       threshold ? threshold : recall_at_full_precision(judgment.single_best).threshold;
@@ -109,9 +94,7 @@ Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Groun
           {window, column_of(layout, query.best->sequence,
                              query.best->reference + 1 - layout.window_length)});
   }
-  judgment.fixes = fixes_of(judgment.outcomes, accepted);
-  judgment.localization = localize(judgment.fixes, traveled_m);
-  judgment.localization.frames_with_match = count_with_match(truth);
+  set_verdicts(judgment, fixes_of(judgment.outcomes, accepted), truth, traveled_m);
   return judgment;
 }
 
@@ -120,13 +103,13 @@ Judgment judge(const Result& result, const ScoreMatrix& matrix, const GroundTrut
   Judgment judgment = judge(result, truth, traveled_m, monitor);
   require_fit(matrix, judgment.layout);
   if (!truth.is_known) return judgment;
-  take_matrix(judgment, matrix, truth, monitor);
+  set_pairs(judgment, scan_matrix(matrix, truth, judgment.layout, monitor));
   add_margins(judgment.outcomes, result);
-  order_by(judgment, judgment.outcomes.confidence);
+  set_confidence(judgment, judgment.outcomes.confidence);
   return judgment;
 }
 
-std::vector<const Match*> fixing_recognitions(const Result& result) {
+std::vector<const Match*> recognitions_by_frame(const Result& result) {
   const ScoreOrder order = result.score().order;
   std::vector<const Match*> recognitions(result.query.frames, nullptr);
   for (const Match& recognition : result.recognitions) {
@@ -136,21 +119,23 @@ std::vector<const Match*> fixing_recognitions(const Result& result) {
   return recognitions;
 }
 
-std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth) {
-  const std::vector<const Match*> recognitions = fixing_recognitions(result);
-  std::vector<Fix> fixes(recognitions.size(), Fix::none);
+std::vector<FrameVerdict> fixes_of(const Result& result, const GroundTruth& truth) {
+  const std::vector<const Match*> recognitions = recognitions_by_frame(result);
+  std::vector<FrameVerdict> verdicts(recognitions.size(), FrameVerdict::none);
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
     if (recognitions[frame] != nullptr)
-      fixes[frame] = fix_of(label_of(truth, *recognitions[frame], result.window_length()));
-  return fixes;
+      verdicts[frame] = frame_verdict_of(
+          verdict_of(label_of(truth, *recognitions[frame], result.window_length())));
+  return verdicts;
 }
 
-std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
-  std::vector<Fix> fixes(outcomes.query_frames, Fix::none);
-  if (!accepted) return fixes;
+std::vector<FrameVerdict> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
+  std::vector<FrameVerdict> verdicts(outcomes.query_frames, FrameVerdict::none);
+  if (!accepted) return verdicts;
   for (const QueryOutcome& query : outcomes.queries)
-    if (query.best && query.key <= *accepted) fixes[query.frame] = fix_of(query.verdict);
-  return fixes;
+    if (query.best && query.key <= *accepted)
+      verdicts[query.frame] = frame_verdict_of(query.verdict);
+  return verdicts;
 }
 
 }  // namespace vpr

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <map>
 #include <set>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,15 +19,6 @@ namespace vpr {
 
 namespace {
 
-/// The columns of a list.
-struct LoopColumns {
-  size_t query = 0;
-  size_t match = 1;
-  std::optional<size_t> score;
-  size_t count = 0;
-};
-
-/// The fields of one line.
 struct LoopLine {
   std::string_view query;
   std::string_view match;
@@ -37,46 +26,34 @@ struct LoopLine {
   size_t number = 0;
 };
 
-LoopColumns read_header(const FileLocation& location, const std::vector<std::string_view>& names) {
-  const auto column = [&](std::string_view name) -> std::optional<size_t> {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) return std::nullopt;
-    return static_cast<size_t>(found - names.begin());
-  };
-  const auto query = column("query");
-  const auto match = column("match");
-  if (!query || !match) location.fail("expected the header query,match[,score], or numbers");
-  return {*query, *match, column("score"), names.size()};
-}
-
-LoopColumns columns_of(const FileLocation& location, size_t cells) {
-  if (cells != 2 && cells != 3)
-    location.fail(
-        fmt::format("expected query, match and optionally a score; found {} columns", cells));
-  LoopColumns columns{0, 1, {}, cells};
-  if (cells == 3) columns.score = 2;
-  return columns;
-}
-
 std::vector<LoopLine> read_lines(FileLocation& location, std::string_view text) {
   std::vector<LoopLine> lines;
-  std::optional<LoopColumns> columns;
+  std::vector<std::string_view> names;  // of columns
+  const auto column = [&](std::string_view name) {
+    return static_cast<size_t>(std::ranges::find(names, name) - names.begin());
+  };
   size_t number = 0;
   for (const std::string_view line : split_lines(without_byte_order_mark(text))) {
     ++number;
     const auto cells = cells_of(line);
     if (cells.empty() || cells[0].starts_with('#')) continue;
     location.at("line", number);
-    if (!columns) {
+    if (names.empty()) {
       const bool is_header = !parse_real(cells[0]);
-      columns = is_header ? read_header(location, cells) : columns_of(location, cells.size());
+      names = is_header ? cells : std::vector<std::string_view>{"query", "match", "score"};
+      if (is_header && std::max(column("query"), column("match")) == names.size())
+        location.fail("expected the header query,match[,score], or numbers");
       if (is_header) continue;
+      if (cells.size() != 2 && cells.size() != 3)
+        location.fail(fmt::format("expected query, match and optionally a score; found {} columns",
+                                  cells.size()));
+      names.resize(cells.size());
     }
-    if (cells.size() != columns->count)
-      location.fail(fmt::format("expected {} columns, found {}", columns->count, cells.size()));
-    LoopLine& found = lines.emplace_back();
-    found = {cells[columns->query], cells[columns->match], {}, number};
-    if (columns->score) found.score = cells[*columns->score];
+    if (cells.size() != names.size())
+      location.fail(fmt::format("expected {} columns, found {}", names.size(), cells.size()));
+    LoopLine& loop = lines.emplace_back();
+    loop = {cells[column("query")], cells[column("match")], {}, number};
+    if (column("score") < cells.size()) loop.score = cells[column("score")];
   }
   return lines;
 }
@@ -115,89 +92,9 @@ size_t frame_of_time(const FileLocation& location, std::string_view text, TimeUn
   return frame;
 }
 
-void require_order(const FileLocation& location, const ListedLoop& loop) {
-  if (loop.match < loop.query) return;
-  location.fail(
-      loop.match == loop.query
-          ? fmt::format("frame {} cannot close a loop with itself", loop.query)
-          : fmt::format(
-                "frame {} closes a loop with the later frame {}; list the later frame as query",
-                loop.query, loop.match));
-}
+constexpr double kMaxGap = 1e9;
 
-std::optional<double> read_score(const FileLocation& location, const LoopLine& line) {
-  if (!line.score) return std::nullopt;
-  const auto score = parse_real(*line.score);
-  if (!score) location.fail(fmt::format("the score \"{}\" is not a number", *line.score));
-  return score;
-}
-
-constexpr double kMostGap = 1e9;
-
-using Cube = std::array<double, 3>;  // whole numbers
-
-struct CubeHash {
-  size_t operator()(const Cube& cube) const {
-    uint64_t hash = 0;
-    for (const double side : cube) {
-      hash = (hash ^ std::bit_cast<uint64_t>(side == 0 ? 0.0 : side)) * 0x9e3779b97f4a7c15U;
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
-
-/// Frames by the cube that they lie in.
-using Cubes = std::unordered_map<Cube, std::vector<size_t>, CubeHash>;
-
-Cube cube_of(const Pose& pose, double side) {
-  return {std::floor(pose.position[0] / side), std::floor(pose.position[1] / side),
-          std::floor(pose.position[2] / side)};
-}
-
-bool is_any_near(const Trajectory& trajectory, const Cubes& cubes, const Cube& cube, size_t query,
-                 double radius_m) {
-  const auto found = cubes.find(cube);
-  if (found == cubes.end()) return false;
-  return std::any_of(found->second.begin(), found->second.end(), [&](size_t frame) {
-    return distance_between(trajectory, query, frame) <= radius_m;
-  });
-}
-
-// In the cube itself first, where most are.
-bool has_near(const Trajectory& trajectory, const Cubes& cubes, double side, size_t query,
-              double radius_m) {
-  const Cube own = cube_of(*trajectory.poses[query], side);
-  if (is_any_near(trajectory, cubes, own, query, radius_m)) return true;
-  for (int neighbor = 0; neighbor < 27; ++neighbor) {
-    const Cube cube = {own[0] + neighbor % 3 - 1, own[1] + neighbor / 3 % 3 - 1,
-                       own[2] + neighbor / 9 - 1};
-    if (neighbor != 13 && is_any_near(trajectory, cubes, cube, query, radius_m)) return true;
-  }
-  return false;
-}
-
-void check_rules(const LoopRules& rules, const Trajectory& trajectory) {
-  if (!(rules.radius_m >= 0 && std::isfinite(rules.radius_m)))
-    throw Error(ErrorKind::usage, "the radius of loops must be a number of meters, 0 or more");
-  if (rules.gap.nanoseconds && trajectory.times_ns.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has no times for a gap in seconds; give them with --times, or the "
-                            "gap in frames, as in --gap 300",
-                            trajectory.name));
-}
-
-std::vector<Revisit> find_revisits(const LoopJudgment& judgment) {
-  std::vector<Revisit> revisits;
-  for (size_t frame = 0; frame < judgment.has_loop.size(); ++frame) {
-    if (!judgment.has_loop[frame]) continue;
-    if (revisits.empty() || revisits.back().last + 1 != frame) revisits.push_back({frame, frame});
-    revisits.back().last = frame;
-    if (judgment.is_found[frame]) revisits.back().is_found = true;
-  }
-  return revisits;
-}
-
+// The best loop of each query.
 Curve curve_of_best(const LoopJudgment& judgment, ScoreOrder order) {
   std::map<size_t, ScoredItem> best;
   for (const JudgedLoop& judged : judgment.loops) {
@@ -212,7 +109,7 @@ Curve curve_of_best(const LoopJudgment& judgment, ScoreOrder order) {
   return curve_of(items, judgment.frames_with_loop(), order);
 }
 
-constexpr size_t kFirstLine = 2;  // behind the header
+constexpr size_t kFirstLine = 2;  // after the header
 
 bool is_recognition(const Result& result, const Match& match) {
   const auto found =
@@ -230,7 +127,7 @@ bool is_decided(const Result& result) {
          (settings->decision == Decision::margin || settings->distance_threshold);
 }
 
-// FAB-MAP's places are the query's own frames, behind those of a database, if it has any.
+// The places of FAB-MAP are those of the database, if any, then the frames of the query.
 size_t first_own_place(const Result& result) {
   return result.places ? result.targets.front().sequence.frames - result.query.frames : 0;
 }
@@ -248,7 +145,7 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
   if (list.is_by_time && trajectory.times_ns.empty())
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: names frames by time stamps, but {} has none; pass them with --times",
+        fmt::format("{}: names frames by time stamps, but {} has none; pass them with --pose-times",
                     path.string(), trajectory.name));
   std::optional<TimeUnit> unit;
   for (const LoopLine& line : lines) {
@@ -259,12 +156,20 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
       if (!unit) location.fail(fmt::format("\"{}\" is not a valid time", text));
       return frame_of_time(location, text, *unit, trajectory, rules.max_difference_ns);
     };
-    const ListedLoop loop{frame(line.query), frame(line.match), read_score(location, line),
-                          line.number};
+    ListedLoop loop{frame(line.query), frame(line.match), {}, line.number};
+    if (line.score) {
+      loop.score = parse_real(*line.score);
+      if (!loop.score) location.fail(fmt::format("the score \"{}\" is not a number", *line.score));
+    }
     for (const size_t end : {loop.query, loop.match})
       if (!trajectory.poses[end])
         location.fail(fmt::format("{} has no pose for frame {}", trajectory.name, end));
-    require_order(location, loop);
+    if (loop.match == loop.query)
+      location.fail(fmt::format("frame {} cannot close a loop with itself", loop.query));
+    if (loop.match > loop.query)
+      location.fail(fmt::format(
+          "frame {} closes a loop with the later frame {}; list the later frame as query",
+          loop.query, loop.match));
     list.has_scores = loop.score.has_value();
     list.loops.push_back(loop);
   }
@@ -275,7 +180,7 @@ LoopGap parse_loop_gap(const std::string& text, const std::string& flag) {
   const bool is_time = text.ends_with('s');
   const auto value = parse_real(is_time ? text.substr(0, text.size() - 1) : text);
   const bool is_whole = value && *value == std::floor(*value);
-  if (!value || !(*value > 0 && *value <= kMostGap) || (!is_time && !is_whole))
+  if (!value || !(*value > 0 && *value <= kMaxGap) || (!is_time && !is_whole))
     throw Error(ErrorKind::usage,
                 fmt::format("{} is the minimum separation of the two frames of a loop, in seconds "
                             "or in frames, such as {} 30s or {} 300; found \"{}\"",
@@ -339,23 +244,45 @@ double distance_between(const Trajectory& trajectory, size_t a, size_t b) {
 }
 
 std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
-  // A little more, for what is just within the radius after rounding.
+  // Frames are sorted into cubes, whose side is larger than the radius by more than rounding.
+  using Cube = std::array<double, 3>;  // integers
   const double side = rules.radius_m > 0 ? rules.radius_m * 1.000001 : 1;
-  Cubes cubes;
-  size_t past = 0;
+  const auto cube_of = [&](size_t frame) {
+    const auto& position = trajectory.poses[frame]->position;
+    return Cube{std::floor(position[0] / side), std::floor(position[1] / side),
+                std::floor(position[2] / side)};
+  };
+  std::map<Cube, std::vector<size_t>> cubes;
+  const auto is_near = [&](size_t query, const Cube& cube) {
+    const auto frames = cubes.find(cube);
+    return frames != cubes.end() && std::ranges::any_of(frames->second, [&](size_t frame) {
+             return distance_between(trajectory, query, frame) <= rules.radius_m;
+           });
+  };
   std::vector<bool> has_loop(trajectory.poses.size());
+  size_t past = 0;
   for (size_t query = 0; query < has_loop.size(); ++query) {
     for (; past < query && is_past(rules.gap, trajectory.times_ns, query, past); ++past)
-      if (trajectory.poses[past]) cubes[cube_of(*trajectory.poses[past], side)].push_back(past);
-    has_loop[query] =
-        trajectory.poses[query] && has_near(trajectory, cubes, side, query, rules.radius_m);
+      if (trajectory.poses[past]) cubes[cube_of(past)].push_back(past);
+    if (!trajectory.poses[query]) continue;
+    const Cube own = cube_of(query);
+    for (int neighbor = 0; neighbor < 27 && !has_loop[query]; ++neighbor)
+      has_loop[query] = is_near(query, {own[0] + neighbor % 3 - 1, own[1] + neighbor / 3 % 3 - 1,
+                                        own[2] + neighbor / 9 - 1});
   }
   return has_loop;
 }
 
 LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules) {
-  check_rules(rules, trajectory);
+  if (!(rules.radius_m >= 0 && std::isfinite(rules.radius_m)))
+    throw Error(ErrorKind::usage, "the radius of loops must be a number of meters, 0 or more");
+  if (rules.gap.nanoseconds && trajectory.times_ns.empty())
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: there are no times for a gap in seconds. Add them with --pose-times, or "
+                    "set the gap in frames, as in --gap 300",
+                    trajectory.name));
   LoopJudgment judgment;
   judgment.has_loop = frames_with_loop(trajectory, rules);
   judgment.is_found.resize(judgment.has_loop.size());
@@ -373,7 +300,13 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
     if (judged.label == PlaceLabel::same) judgment.is_found[loop.query] = true;
     judgment.loops.push_back(judged);
   }
-  judgment.revisits = find_revisits(judgment);
+  for (size_t frame = 0; frame < judgment.has_loop.size(); ++frame) {
+    if (!judgment.has_loop[frame]) continue;
+    auto& revisits = judgment.revisits;
+    if (revisits.empty() || revisits.back().last + 1 != frame) revisits.push_back({frame, frame});
+    revisits.back().last = frame;
+    if (judgment.is_found[frame]) revisits.back().is_found = true;
+  }
   if (list.has_scores) judgment.curve = curve_of_best(judgment, rules.order);
   return judgment;
 }
@@ -397,20 +330,19 @@ std::vector<ListedLoop> loops_of(const Result& result) {
 LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory) {
   if (!std::visit([](const auto& settings) { return settings.loop; }, result.settings))
     throw Error(ErrorKind::data,
-                fmt::format("{}: is not of a walk against its own past, and has no loops; make one "
-                            "with vpr-query --loop --query FOLDER",
+                fmt::format("{}: the result has no loops. Create one with vpr-query --loop --query "
+                            "FOLDER",
                             name));
   if (result.query.frames != trajectory.poses.size())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is of {}, and {} has {}; give the poses of these frames", name,
-                            counted(result.query.frames, "frame"), trajectory.name,
-                            counted(trajectory.poses.size(), "pose")));
+    throw Error(ErrorKind::data, fmt::format("{}: the query has {}, but {} has {}", name,
+                                             counted(result.query.frames, "frame"), trajectory.name,
+                                             counted(trajectory.poses.size(), "pose")));
   LoopList list{name, loops_of(result), false, true};
   for (const ListedLoop& loop : list.loops)
     for (const size_t frame : {loop.query, loop.match})
       if (!trajectory.poses[frame])
-        throw Error(ErrorKind::data, fmt::format("{}: has a loop of frame {}, of which {} has no "
-                                                 "pose",
+        throw Error(ErrorKind::data, fmt::format("{}: there is a loop at frame {}, but {} has no "
+                                                 "pose for it",
                                                  name, frame, trajectory.name));
   return list;
 }

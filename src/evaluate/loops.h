@@ -1,4 +1,4 @@
-// Loop closures: lists of any SLAM system, and how right they are against one trajectory.
+// Loop closures: lists of any SLAM system, judged by a trajectory.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 #include "base/enum_names.h"
 #include "decide/result.h"
-#include "evaluate/outcomes.h"
+#include "evaluate/metrics.h"
 #include "truth/ground_truth.h"
 #include "truth/trajectory.h"
 
@@ -74,14 +74,13 @@ bool is_past(const LoopGap& gap, std::span<const int64_t> times_ns, size_t query
 std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> times_ns,
                                   size_t frames);
 
-/// What is a loop.
 struct LoopRules {
-  double radius_m = 0;  ///< meters between the two positions at most, bounds included
+  double radius_m = 0;  ///< maximum distance of the two positions, inclusive
   LoopGap gap;
   ScoreOrder order = ScoreOrder::similarity;  ///< of the list's scores
 };
 
-/// A loop of the list as judged: same, different, or to be ignored since the gap is too short.
+/// A listed loop; its label is ignore if the gap is too short.
 struct JudgedLoop {
   ListedLoop loop;
   double distance_m = 0;
@@ -92,54 +91,52 @@ struct JudgedLoop {
 struct Revisit {
   size_t first = 0;
   size_t last = 0;
-  bool is_found = false;  ///< a loop of the list that is right begins at one of them
+  bool is_found = false;  ///< a correct loop of the list begins at one of them
 
   bool operator==(const Revisit&) const = default;
 };
 
-/// A list against its trajectory.
+/// A list judged by its trajectory.
 struct LoopJudgment {
-  std::vector<JudgedLoop> loops;  ///< in the file's order; pairs that are repeated are left out
+  std::vector<JudgedLoop> loops;  ///< in the order of the file, without repetitions
   size_t repeated = 0;
   std::vector<bool> has_loop;     ///< by frame: it is near an earlier one
-  std::vector<bool> is_found;     ///< by frame: a loop of the list that begins there is right
+  std::vector<bool> is_found;     ///< by frame: a correct loop of the list begins there
   std::vector<Revisit> revisits;  ///< in the order of frames
-  /// Where the list has scores: every query's best loop (of equals the first of the file), those
-  /// to be ignored left out, against the frames that have one.
+  /// If the list has scores: the best loop of each query, ties to the first of the file, without
+  /// those to ignore. Recall is over the frames near an earlier one.
   std::optional<Curve> curve;
 
   uint64_t count(PlaceLabel label) const;
   uint64_t frames_with_loop() const;
   uint64_t frames_found() const;
   uint64_t revisits_found() const;
-  /// The longest stretch of consecutive frames with a loop of which none is found, of equals the
-  /// first; nothing where all are.
+  /// The longest run of consecutive frames with a loop but without a found one, ties to the first.
   std::optional<Revisit> longest_missed() const;
 };
 
-/// Meters between the positions of two frames that have poses.
+/// Meters between the positions of two frames with poses.
 double distance_between(const Trajectory& trajectory, size_t a, size_t b);
 
-/// By frame, whether a frame at least the gap before is within the radius. Positions are sorted
-/// into cubes of the radius, so that only those near a frame are compared. Frames without a pose
-/// have none. Times, where the gap is one, must rise.
+/// By frame, whether an earlier frame, by at least the gap, is within the radius. False for frames
+/// without a pose. Times must increase for a gap in time.
 std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules);
 
-/// Throws Error(usage) for a radius that is none, and for a gap in seconds where the trajectory has
-/// no times.
+/// Throws Error(usage) for an invalid radius, and for a gap in seconds if the trajectory has no
+/// times.
 LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules);
 
-/// The best match of each query window, as last frames of both and the score a frame; where a
-/// threshold or a margin was set, those that are recognitions. Of FAB-MAP all, by probability.
-/// Lines are those of loops_csv. The result must be one of --loop.
+/// The best match of each query window of a result of --loop: the anchors of both windows and the
+/// score per frame. With a threshold or a margin, only recognitions; of FAB-MAP all, with
+/// probabilities. Line numbers are those of loops_csv.
 std::vector<ListedLoop> loops_of(const Result& result);
 
-/// The same as a list under a name, for a trajectory. Throws Error(data) for a result that has no
-/// loops, or has not as many frames as the trajectory poses, and for a loop of a frame without one.
+/// The same as a list with a name. Throws Error(data) for a result of another query than the
+/// trajectory's, and for a loop of a frame without a pose.
 LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory);
 
-/// As `vpr-eval --loops` reads it: the header query,match,score, and a line a loop.
+/// The input format of `vpr-eval --loops`: the header query,match,score and one line per loop.
 std::string loops_csv(const std::vector<ListedLoop>& loops);
 
 }  // namespace vpr

@@ -2,50 +2,41 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 #include <utility>
 
 #include "base/parallel.h"
 
 namespace vpr {
-
 namespace {
 
-/// The best of some columns, ties to the first.
-struct BestColumn {
+struct ScoredColumn {
   uint64_t key = kNoScore;
   size_t column = 0;
 };
 
-/// One worker's share.
+/// The part of one worker.
 struct ScanPart {
-  std::vector<PlaceLabel> labels;
-  std::vector<BestColumn> heap;
-  MatrixScan scan;
+  std::vector<PlaceLabel> labels;  ///< of the current row
+  std::vector<ScoredColumn> heap;
+  PairJudgment pairs;               ///< without the curve
+  std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
 };
 
-/// Better scores first, ties to the first.
-bool is_ahead(const BestColumn& a, const BestColumn& b) {
+/// Better scores first, ties to the first column.
+bool is_ahead(const ScoredColumn& a, const ScoredColumn& b) {
   return a.key < b.key || (a.key == b.key && a.column < b.column);
 }
 
-size_t rank_of(const BestColumn& correct, std::span<const uint64_t> keys,
-               const std::vector<PlaceLabel>& labels) {
-  size_t ahead = 0;
-  for (size_t c = 0; c < keys.size(); ++c)
-    ahead += is_ahead({keys[c], c}, correct) && labels[c] != PlaceLabel::ignore ? 1 : 0;
-  return ahead + 1;
-}
-
-// Which of the kMostRanked best references are right. The heap's front is the worst that is kept.
-void rank_right_ones(QueryOutcome& query, std::vector<BestColumn>& heap,
+// Finds the correct ones among the kMaxRank best references. The front of the heap is the worst
+// of them.
+void rank_right_ones(QueryOutcome& query, std::vector<ScoredColumn>& heap,
                      std::span<const uint64_t> keys, const std::vector<PlaceLabel>& labels) {
   heap.clear();
   for (size_t c = 0; c < keys.size(); ++c) {
-    query.right_count += labels[c] == PlaceLabel::same ? 1 : 0;
+    query.correct_count += labels[c] == PlaceLabel::same ? 1 : 0;
     if (keys[c] == kNoScore || labels[c] == PlaceLabel::ignore) continue;
-    if (heap.size() == kMostRanked) {
-      if (keys[c] >= heap.front().key) continue;  // a tie comes behind
+    if (heap.size() == kMaxRank) {
+      if (keys[c] >= heap.front().key) continue;  // of equal scores, the earlier column stays
       std::pop_heap(heap.begin(), heap.end(), is_ahead);
       heap.pop_back();
     }
@@ -55,68 +46,56 @@ void rank_right_ones(QueryOutcome& query, std::vector<BestColumn>& heap,
   std::sort_heap(heap.begin(), heap.end(), is_ahead);
   for (size_t rank = 1; rank <= heap.size(); ++rank)
     if (labels[heap[rank - 1].column] == PlaceLabel::same)
-      query.right_ranks.push_back(static_cast<uint8_t>(rank));
+      query.correct_ranks.push_back(static_cast<uint8_t>(rank));
 }
 
-void count_pairs(ScanPart& share, std::span<const uint64_t> keys) {
-  MatrixScan& scan = share.scan;
-  for (size_t c = 0; c < keys.size(); ++c) {
-    if (share.labels[c] == PlaceLabel::different) continue;
-    if (share.labels[c] == PlaceLabel::ignore) {
-      ++scan.ignored_pairs;
-      continue;
-    }
-    ++scan.same_pairs;
-    if (keys[c] == kNoScore)
-      ++scan.same_without_score;
-    else
-      scan.same_keys.push_back(keys[c]);
-  }
-}
-
-void judge(QueryOutcome& query, ScanPart& share, std::span<const uint64_t> keys,
-           const ScoreLayout& layout) {
+void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> keys,
+               const ScoreLayout& layout) {
+  const auto& labels = part.labels;
   if (std::ranges::all_of(keys, [](uint64_t key) { return key == kNoScore; })) {
     query.verdict = Verdict::unreadable;
     return;
   }
-  count_pairs(share, keys);
-  BestColumn best;
-  BestColumn correct;
+  ScoredColumn best;
+  ScoredColumn correct;
   std::optional<size_t> worst;
   for (size_t c = 0; c < keys.size(); ++c) {
-    if (share.labels[c] == PlaceLabel::ignore) continue;
-    if (keys[c] != kNoScore && (!worst || keys[c] > keys[*worst])) worst = c;
-    query.is_tied =
-        (query.is_tied && keys[c] >= best.key) || (keys[c] == best.key && keys[c] != kNoScore);
+    if (labels[c] == PlaceLabel::ignore) {
+      ++part.pairs.ignored;
+      continue;
+    }
+    const bool has_score = keys[c] != kNoScore;
+    if (has_score && (!worst || keys[c] > keys[*worst])) worst = c;
+    query.is_tied = (query.is_tied && keys[c] >= best.key) || (keys[c] == best.key && has_score);
     if (keys[c] < best.key) best = {keys[c], c};
-    if (share.labels[c] == PlaceLabel::same && keys[c] < correct.key) correct = {keys[c], c};
+    if (labels[c] != PlaceLabel::same) continue;
+    ++part.pairs.curve.to_find;
+    if (!has_score)
+      ++part.pairs.same_without_score;
+    else
+      part.same_keys.push_back(keys[c]);
+    if (keys[c] < correct.key) correct = {keys[c], c};
   }
-  if (correct.key != kNoScore) query.rank = rank_of(correct, keys, share.labels);
+  if (correct.key != kNoScore) {
+    query.rank = 1;
+    for (size_t c = 0; c < keys.size(); ++c)
+      *query.rank += is_ahead({keys[c], c}, correct) && labels[c] != PlaceLabel::ignore ? 1 : 0;
+  }
   query.key = best.key;
-  rank_right_ones(query, share.heap, keys, share.labels);
+  rank_right_ones(query, part.heap, keys, labels);
   if (best.key == kNoScore) return;
-  share.scan.worst_correct += share.labels[*worst] == PlaceLabel::same ? 1 : 0;
+  part.pairs.worst_correct += labels[*worst] == PlaceLabel::same ? 1 : 0;
   query.best = match_of_column(layout, best.column);
-  if (share.labels[best.column] == PlaceLabel::same) query.verdict = Verdict::correct;
-}
-
-void merge(MatrixScan& scan, MatrixScan&& share) {
-  scan.same_pairs += share.same_pairs;
-  scan.ignored_pairs += share.ignored_pairs;
-  scan.same_without_score += share.same_without_score;
-  scan.worst_correct += share.worst_correct;
-  scan.same_keys.insert(scan.same_keys.end(), share.same_keys.begin(), share.same_keys.end());
-  share.same_keys = {};
+  if (labels[best.column] == PlaceLabel::same) query.verdict = Verdict::correct;
 }
 
 constexpr size_t kBucketBits = 20;
-constexpr size_t kMostCounterBytes = size_t{128} << 20;  // of all workers
+constexpr size_t kMaxCounterBytes = size_t{128} << 20;  // of all workers
 
-/// The distinct keys of correct pairs, and where a key stands among them.
+/// The distinct scores of pairs of the same place, found by their upper bits.
 class KeyIndex {
  public:
-  /// Keeps of `sorted` one of each, in its memory.
+  /// Reuses the memory of `sorted`.
   explicit KeyIndex(std::vector<uint64_t> sorted) : keys_(std::move(sorted)) {
     size_t distinct = 0;
     for (size_t i = 0; i < keys_.size(); ++i) {
@@ -142,7 +121,7 @@ class KeyIndex {
   size_t size() const { return keys_.size(); }
   uint64_t key(size_t i) const { return keys_[i]; }
   uint64_t count(size_t i) const { return counts_[i]; }
-  /// The first key that is not smaller; size() where all are.
+  /// The index of the first key that is not smaller; size() if all are.
   size_t lower_bound(uint64_t key) const {
     if (keys_.empty() || key > keys_.back()) return keys_.size();
     if (key <= keys_.front()) return 0;
@@ -155,19 +134,19 @@ class KeyIndex {
  private:
   std::vector<uint64_t> keys_;
   std::vector<uint32_t> counts_;
-  std::vector<size_t> starts_;  // per bucket, its first key; one more at the end
+  std::vector<size_t> starts_;  // per bucket, the index of its first key; one more at the end
   size_t shift_ = 0;
 };
 
-/// A key of incorrect pairs and how many have it.
+/// A score of incorrect pairs and their number.
 struct KeyCount {
   uint64_t key = 0;
   uint64_t count = 0;
 };
 
-/// Incorrect pairs: how many lie in front of each key (behind the one before), and on it.
+/// Numbers of incorrect pairs by score, relative to the keys of the index.
 struct Counters {
-  std::vector<uint64_t> before;  // one more than keys: behind the last
+  std::vector<uint64_t> before;  // between the previous key and this one; one more after the last
   std::vector<uint64_t> equal;
   KeyCount best{kNoScore, 0};
   KeyCount worst{0, 0};
@@ -176,10 +155,7 @@ struct Counters {
   void add(uint64_t key, const KeyIndex& index) {
     if (key == kNoScore) return;
     const size_t at = index.lower_bound(key);
-    if (at < index.size() && index.key(at) == key)
-      ++equal[at];
-    else
-      ++before[at];
+    ++(at < index.size() && index.key(at) == key ? equal : before)[at];
     if (key < best.key) best = {key, 0};
     if (key == best.key) ++best.count;
     if (key > worst.key) worst = {key, 0};
@@ -200,7 +176,7 @@ struct Counters {
 Counters count_incorrect(const ScoreMatrix& matrix, const GroundTruth& truth,
                          const ScoreLayout& layout, const KeyIndex& index, const Monitor& monitor) {
   const size_t bytes = 16 * (index.size() + 1);
-  const size_t workers = std::clamp<size_t>(kMostCounterBytes / bytes, 1, thread_count());
+  const size_t workers = std::clamp<size_t>(kMaxCounterBytes / bytes, 1, thread_count());
   std::vector<Counters> counters(workers);
   for (Counters& each : counters) {
     each.before.resize(index.size() + 1);
@@ -217,52 +193,12 @@ Counters count_incorrect(const ScoreMatrix& matrix, const GroundTruth& truth,
   return std::move(counters.front());
 }
 
-// Whether frames are labeled same or ignore, or at most `width` before or behind one that is.
-std::vector<uint8_t> near_place(const std::vector<PlaceLabel>& labels, size_t width) {
-  std::vector<uint8_t> near(labels.size(), 0);
-  size_t marked = 0;  // frames in front of it are done
-  for (size_t frame = 0; frame < labels.size(); ++frame) {
-    if (labels[frame] == PlaceLabel::different) continue;
-    const size_t first = std::max(marked, frame - std::min(frame, width));
-    const size_t end = std::min(labels.size(), frame + width + 1);
-    for (size_t f = first; f < end; ++f) near[f] = 1;
-    marked = end;
-  }
-  return near;
-}
-
-}  // namespace
-
-MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
-                       const ScoreLayout& layout, const Monitor& monitor) {
-  MatrixScan scan;
-  Outcomes& outcomes = scan.outcomes;
-  outcomes = {matrix.kind(), layout.scope.query.frames, layout.window_length, true, {}};
-  outcomes.queries.resize(matrix.queries());
-  std::vector<ScanPart> shares(thread_count());
-  matrix.for_each_row(shares.size(), monitor, "reading scores",
-                      [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
-                        ScanPart& share = shares[worker];
-                        QueryOutcome& query = outcomes.queries[row];
-                        query.frame = layout.anchor(row);
-                        look_up_match(query, truth, layout);
-                        label_row(truth, layout, row, share.labels);
-                        judge(query, share, keys, layout);
-                      });
-  size_t pairs = 0;
-  for (const ScanPart& share : shares) pairs += share.scan.same_keys.size();
-  scan.same_keys.reserve(pairs);
-  for (ScanPart& share : shares) merge(scan, std::move(share.scan));
-  std::sort(scan.same_keys.begin(), scan.same_keys.end());
-  return scan;
-}
-
+// `same_keys` are sorted; `to_find` pairs are of the same place.
 Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const ScoreLayout& layout,
-                 MatrixScan& scan, const Monitor& monitor) {
-  const KeyIndex index(std::move(scan.same_keys));
-  scan.same_keys = {};
+                 std::vector<uint64_t> same_keys, uint64_t to_find, const Monitor& monitor) {
+  const KeyIndex index(std::move(same_keys));
   const Counters counters = count_incorrect(matrix, truth, layout, index, monitor);
-  Curve curve{matrix.kind(), scan.same_pairs, {}};
+  Curve curve{matrix.kind(), to_find, {}};
   const bool has_incorrect = counters.best.count > 0;
   if (has_incorrect && (index.size() == 0 || counters.best.key < index.key(0)))
     curve.points.push_back({counters.best.key, 0, 0, counters.best.count});
@@ -273,75 +209,47 @@ Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const Scor
     last = {index.key(k), last.correct + index.count(k), before, before + counters.equal[k]};
     curve.points.push_back(last);
   }
-  const uint64_t behind = counters.before.back();
-  if (behind > 0 && (curve.points.empty() || curve.points.back().key < counters.worst.key)) {
-    const uint64_t all = last.incorrect + behind;
+  const uint64_t after = counters.before.back();
+  if (after > 0 && (curve.points.empty() || curve.points.back().key < counters.worst.key)) {
+    const uint64_t all = last.incorrect + after;
     curve.points.push_back({counters.worst.key, last.correct, all - counters.worst.count, all});
   }
   return curve;
 }
 
-LabeledScan::LabeledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
-                         size_t query_windows, const RowKernels& kernels)
-    : truth_(truth),
-      widths_(elsewhere.widths),
-      window_length_(window_length),
-      untrained_(std::move(elsewhere), query_windows, kernels) {}
+}  // namespace
 
-void LabeledScan::operator()(std::span<const ScoreRow> row) {
-  const size_t anchor = window_length_ - 1;
-  std::vector<ScoreRow> untrained;
-  for (const ScoreRow& piece : row) {
-    const size_t count = piece.scores.size();
-    const size_t width = widths_[piece.sequence];
-    const size_t first = piece.train_window + anchor;
-    std::vector<PlaceLabel> labels(first + count + width);
-    truth_.label_row(piece.query_window + anchor, piece.sequence, labels);
-    const std::vector<uint8_t> near = near_place(labels, width);
-    for (size_t begin = 0; begin < count; ++begin) {
-      if (near[first + begin] != 0) continue;
-      size_t end = begin;
-      while (end < count && near[first + end] == 0) ++end;
-      untrained.push_back(part_of_row(piece, begin, end - begin));
-      begin = end;
-    }
+MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
+                       const ScoreLayout& layout, const Monitor& monitor) {
+  MatrixScan scan;
+  auto& [outcomes, pairs] = scan;
+  outcomes = {matrix.kind(), layout.scope.query.frames, layout.window_length, true, {}};
+  outcomes.queries.resize(matrix.queries());
+  std::vector<ScanPart> parts(thread_count());
+  matrix.for_each_row(parts.size(), monitor, "reading scores",
+                      [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
+                        QueryOutcome& query = scan.outcomes.queries[row];
+                        query.frame = layout.anchor(row);
+                        look_up_match(query, truth, layout);
+                        label_row(truth, layout, row, parts[worker].labels);
+                        judge_row(query, parts[worker], keys, layout);
+                      });
+  size_t count = 0;
+  for (const ScanPart& part : parts) count += part.same_keys.size();
+  std::vector<uint64_t> same_keys;
+  same_keys.reserve(count);
+  for (ScanPart& part : parts) {
+    pairs.curve.to_find += part.pairs.curve.to_find;
+    pairs.ignored += part.pairs.ignored;
+    pairs.same_without_score += part.pairs.same_without_score;
+    pairs.worst_correct += part.pairs.worst_correct;
+    same_keys.insert(same_keys.end(), part.same_keys.begin(), part.same_keys.end());
+    part.same_keys = {};
   }
-  if (!untrained.empty()) untrained_(untrained);
-}
-
-std::vector<std::optional<uint32_t>> LabeledScan::result() const {
-  return untrained_.result().margins;
-}
-
-std::vector<BestPair> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout, size_t most,
-                                 const Monitor& monitor) {
-  std::vector<std::vector<uint32_t>> columns(matrix.queries());
-  matrix.for_each_row(
-      thread_count(), monitor, "pairs", [&](size_t, size_t query, std::span<const uint64_t> keys) {
-        std::vector<uint32_t> order(keys.size());
-        std::iota(order.begin(), order.end(), uint32_t{0});
-        const auto end = order.begin() + static_cast<ptrdiff_t>(std::min(most, order.size()));
-        std::partial_sort(order.begin(), end, order.end(), [&](uint32_t a, uint32_t b) {
-          return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-        });
-        for (auto column = order.begin(); column != end && keys[*column] != kNoScore; ++column)
-          columns[query].push_back(*column);
-      });
-  std::vector<BestPair> pairs;
-  for (size_t query = 0; query < columns.size(); ++query)
-    for (const uint32_t column : columns[query])
-      pairs.push_back({layout.anchor(query), match_of_column(layout, column)});
-  return pairs;
-}
-
-std::vector<BestPair> best_pairs(const Result& result) {
-  std::vector<BestPair> pairs;
-  const size_t length = result.window_length();
-  for (const auto& best : result.best)
-    if (best)
-      pairs.push_back(
-          {anchor_of(best->query, length), {best->target, anchor_of(best->train, length)}});
-  return pairs;
+  std::ranges::sort(same_keys);
+  pairs.curve =
+      pair_curve(matrix, truth, layout, std::move(same_keys), pairs.curve.to_find, monitor);
+  return scan;
 }
 
 }  // namespace vpr

@@ -4,30 +4,11 @@
 #include <cassert>
 
 namespace vpr {
-
 namespace {
-
-/// Adds the risks of `correct` and `incorrect` ones that enter together behind those accepted.
-struct RiskSum {
-  double sum = 0;
-  uint64_t accepted = 0;
-  uint64_t mistakes = 0;
-
-  void add(uint64_t correct, uint64_t incorrect) {
-    const uint64_t entering = correct + incorrect;
-    if (entering == 0) return;
-    const double share = static_cast<double>(incorrect) / static_cast<double>(entering);
-    for (uint64_t step = 1; step <= entering; ++step)
-      sum += (static_cast<double>(mistakes) + share * static_cast<double>(step)) /
-             static_cast<double>(accepted + step);
-    accepted += entering;
-    mistakes += incorrect;
-  }
-};
 
 template <class Value>
 std::optional<double> mean_of_judged(const Outcomes& outcomes, size_t k, const Value& value) {
-  if (!outcomes.has_ranks || k > kMostRanked) return std::nullopt;
+  if (!outcomes.has_ranks || k > kMaxRank) return std::nullopt;
   double sum = 0;
   size_t judged = 0;
   for (const QueryOutcome& query : outcomes.queries) {
@@ -37,12 +18,6 @@ std::optional<double> mean_of_judged(const Outcomes& outcomes, size_t k, const V
   }
   if (judged == 0) return std::nullopt;
   return sum / static_cast<double>(judged);
-}
-
-/// A number of frames as a value of a metric.
-std::optional<double> number(std::optional<size_t> count) {
-  if (!count) return std::nullopt;
-  return static_cast<double>(*count);
 }
 
 constexpr Metric of_curve(std::string_view key, std::string_view symbol, std::string_view meaning,
@@ -79,37 +54,73 @@ constexpr std::array<Metric, 17> kMetrics = {
     of_curve("extended_precision", "EP", "mean of the best score's precision and R@100P",
              extended_precision),
     of_curve("roc_auc", "ROC AUC",
-             "probability that a correct one scores better than an incorrect one", roc_auc),
+             "probability that a correct match scores better than an incorrect one", roc_auc),
     of_curve("risk_coverage_area", "AURC",
-             "mean share of mistakes over all numbers of accepted ones, small is good",
+             "mean share of mistakes over all numbers of accepted matches; lower is better",
              risk_coverage_area, true),
-    of_ranks("recall_at", "R@", "share of queries with a right reference among the K best",
+    of_ranks("recall_at", "R@", "share of queries with a correct reference among the K best",
              recall_at),
-    of_ranks("precision_at", "P@", "share of right references among the K best", precision_at),
-    of_ranks("map_at", "mAP@", "mean precision at the right references among the K best",
+    of_ranks("precision_at", "P@", "share of correct references among the K best", precision_at),
+    of_ranks("map_at", "mAP@", "mean precision at the correct references among the K best",
              mean_average_precision_at),
     {.key = "recall_achievement",
      .symbol = "RAR ",
-     .meaning = "share of stretches of the path whose R@1 is r or more",
+     .meaning = "share of stretches of the path with R@1 of r or more",
      .of_stretches = recall_achievement},
-    of_path("right", "right", "frames of the path with a right fix", false, 0,
-            [](const Localization& path) { return number(path.right); }),
-    of_path("wrong", "wrong", "frames of the path with a wrong fix", true, 0,
-            [](const Localization& path) { return number(path.wrong); }),
-    of_path("share", "share", "share of the path with a right fix", false, 4,
+    of_path("correct", "correct", "frames of the path with a correct recognition", false, 0,
+            [](const Localization& path) { return std::optional<double>(path.correct); }),
+    of_path("incorrect", "incorrect", "frames of the path with an incorrect recognition", true, 0,
+            [](const Localization& path) { return std::optional<double>(path.incorrect); }),
+    of_path("share", "share", "share of the path with a correct recognition", false, 4,
             [](const Localization& path) { return path.share(); }),
-    of_path("longest_gap_frames", "longest gap", "most consecutive frames without a right fix",
-            true, 0, [](const Localization& path) { return number(path.longest_gap_frames); }),
-    of_path("first_fix_frames", "first fix", "frames before the first right fix", true, 0,
-            [](const Localization& path) { return number(path.first_fix_frames); }),
-    of_path("longest_gap_m", "longest gap m", "longest way without a right fix, in meters", true, 2,
+    of_path(
+        "longest_gap_frames", "longest gap",
+        "most consecutive frames without a correct recognition", true, 0,
+        [](const Localization& path) { return std::optional<double>(path.longest_gap_frames); }),
+    of_path("first_recognition_frames", "first recognition",
+            "frames before the first correct recognition", true, 0,
+            [](const Localization& path) {
+              return std::optional<double>(path.first_recognition_frames);
+            }),
+    of_path("longest_gap_m", "longest gap m",
+            "longest distance without a correct recognition, in meters", true, 2,
             [](const Localization& path) { return path.longest_gap_m; }),
-    of_path("first_fix_m", "first fix m", "way before the first right fix, in meters", true, 2,
-            [](const Localization& path) { return path.first_fix_m; })};
+    of_path("first_recognition_m", "first recognition m",
+            "distance before the first correct recognition, in meters", true, 2,
+            [](const Localization& path) { return path.first_recognition_m; })};
 constexpr size_t kCurveMetrics = 6;
 constexpr size_t kPathMetrics = 7;
 
 }  // namespace
+
+void sort_items(std::vector<ScoredItem>& items) { std::ranges::sort(items, {}, &ScoredItem::key); }
+
+Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind) {
+  Curve curve{kind, to_find, {}};
+  CurvePoint last;
+  bool is_kept = true;
+  for (size_t i = 0; i < items.size() && items[i].key != kNoScore;) {
+    CurvePoint point{items[i].key, last.correct, last.incorrect, last.incorrect};
+    for (; i < items.size() && items[i].key == point.key; ++i)
+      (items[i].is_correct ? point.correct : point.incorrect) += items[i].weight;
+    if (point.correct == last.correct && point.incorrect == last.incorrect) continue;
+    is_kept = curve.points.empty() || point.correct > last.correct;
+    if (is_kept) curve.points.push_back(point);
+    last = point;
+  }
+  if (!is_kept) curve.points.push_back(last);
+  return curve;
+}
+
+Curve single_best_curve(const Outcomes& outcomes) {
+  std::vector<ScoredItem> items;
+  for (const QueryOutcome& query : outcomes.queries)
+    if (is_judged(query))
+      items.push_back(
+          {confidence_key(query, outcomes.confidence), query.verdict == Verdict::correct});
+  sort_items(items);
+  return curve_of(items, judged_queries(outcomes), confidence_order(outcomes));
+}
 
 MetricValue average_precision(const Curve& curve) {
   if (curve.to_find == 0) return {};
@@ -161,8 +172,8 @@ MetricValue roc_auc(const Curve& curve) {
   for (const CurvePoint& point : curve.points) {
     const auto entering = static_cast<double>(point.correct - before);
     const auto tied = static_cast<double>(point.incorrect - point.incorrect_before);
-    const double behind = incorrect - static_cast<double>(point.incorrect);
-    better += entering * (behind + tied / 2);
+    const double worse = incorrect - static_cast<double>(point.incorrect);
+    better += entering * (worse + tied / 2);
     before = point.correct;
   }
   return {better / (correct * incorrect), {}};
@@ -170,15 +181,28 @@ MetricValue roc_auc(const Curve& curve) {
 
 MetricValue risk_coverage_area(const Curve& curve) {
   if (curve.to_find == 0) return {};
-  RiskSum risks;
+  double sum = 0;
+  uint64_t accepted = 0;
+  uint64_t mistakes = 0;
   uint64_t correct = 0;
+  // Accepts items, `incorrect` ones among them, in random order.
+  const auto accept = [&](uint64_t items, uint64_t incorrect) {
+    const double share = static_cast<double>(incorrect) / static_cast<double>(items);
+    for (uint64_t step = 1; step <= items; ++step)
+      sum += (static_cast<double>(mistakes) + share * static_cast<double>(step)) /
+             static_cast<double>(accepted + step);
+    accepted += items;
+    mistakes += incorrect;
+  };
   for (const CurvePoint& point : curve.points) {
-    risks.add(0, point.incorrect_before - risks.mistakes);  // mistakes alone, in any order
-    risks.add(point.correct - correct, point.incorrect - point.incorrect_before);
+    const uint64_t before = point.incorrect_before - mistakes;
+    accept(before, before);
+    const uint64_t tied = point.incorrect - point.incorrect_before;
+    accept(point.correct - correct + tied, tied);
     correct = point.correct;
   }
-  if (risks.accepted == 0) return {};
-  return {risks.sum / static_cast<double>(risks.accepted), {}};
+  if (accepted == 0) return {};
+  return {sum / static_cast<double>(accepted), {}};
 }
 
 std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) {
@@ -202,7 +226,7 @@ std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {
 
 std::optional<double> precision_at(const Outcomes& outcomes, size_t k) {
   return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
-    const auto right = std::ranges::count_if(query.right_ranks, [&](auto r) { return r <= k; });
+    const auto right = std::ranges::count_if(query.correct_ranks, [&](auto r) { return r <= k; });
     return static_cast<double>(right) / static_cast<double>(k);
   });
 }
@@ -210,10 +234,10 @@ std::optional<double> precision_at(const Outcomes& outcomes, size_t k) {
 std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k) {
   return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
     double sum = 0;
-    size_t right = 0;
-    for (const uint8_t rank : query.right_ranks)
-      if (rank <= k) sum += static_cast<double>(++right) / static_cast<double>(rank);
-    return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.right_count)));
+    size_t correct = 0;
+    for (const uint8_t rank : query.correct_ranks)
+      if (rank <= k) sum += static_cast<double>(++correct) / static_cast<double>(rank);
+    return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.correct_count)));
   });
 }
 
@@ -250,35 +274,36 @@ std::optional<double> recall_achievement(const std::vector<std::optional<double>
 
 std::optional<double> Localization::share() const {
   if (frames == 0) return std::nullopt;
-  return static_cast<double>(right) / static_cast<double>(frames);
+  return static_cast<double>(correct) / static_cast<double>(frames);
 }
 
-Localization localize(std::span<const Fix> fixes, std::span<const double> traveled_m) {
-  assert(traveled_m.empty() || traveled_m.size() == fixes.size());
+Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m) {
+  assert(traveled_m.empty() || traveled_m.size() == verdicts.size());
   Localization found;
-  found.frames = fixes.size();
-  found.wrong = static_cast<size_t>(std::count(fixes.begin(), fixes.end(), Fix::wrong));
+  found.frames = verdicts.size();
+  found.incorrect =
+      static_cast<size_t>(std::count(verdicts.begin(), verdicts.end(), FrameVerdict::incorrect));
   const bool has_meters = !traveled_m.empty();
   double gap_m = 0;
-  size_t gap_begin = 0;  // first frame after the last right fix
+  size_t gap_begin = 0;  // first frame after the last correct recognition
   double last_fix_m = has_meters ? traveled_m.front() : 0;
   const auto end_gap = [&](size_t end, double here_m) {
     found.longest_gap_frames = std::max(found.longest_gap_frames, end - gap_begin);
     if (has_meters) gap_m = std::max(gap_m, here_m - last_fix_m);
   };
-  for (size_t frame = 0; frame < fixes.size(); ++frame) {
-    if (fixes[frame] != Fix::right) continue;
+  for (size_t frame = 0; frame < verdicts.size(); ++frame) {
+    if (verdicts[frame] != FrameVerdict::correct) continue;
     const double here_m = has_meters ? traveled_m[frame] : 0;
-    if (found.right == 0) {
-      found.first_fix_frames = frame;
-      if (has_meters) found.first_fix_m = here_m - traveled_m.front();
+    if (found.correct == 0) {
+      found.first_recognition_frames = frame;
+      if (has_meters) found.first_recognition_m = here_m - traveled_m.front();
     }
-    ++found.right;
+    ++found.correct;
     end_gap(frame, here_m);
     gap_begin = frame + 1;
     last_fix_m = here_m;
   }
-  end_gap(fixes.size(), has_meters ? traveled_m.back() : 0);
+  end_gap(verdicts.size(), has_meters ? traveled_m.back() : 0);
   if (has_meters) found.longest_gap_m = gap_m;
   return found;
 }

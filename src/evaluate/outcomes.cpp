@@ -1,71 +1,67 @@
 #include "evaluate/outcomes.h"
 
 #include <algorithm>
+#include <cassert>
+#include <map>
+#include <set>
+#include <tuple>
 
 namespace vpr {
-
 namespace {
 
-Verdict verdict_of(PlaceLabel label) {
-  switch (label) {
-    case PlaceLabel::same:
-      return Verdict::correct;
-    case PlaceLabel::different:
-      return Verdict::incorrect;
-    case PlaceLabel::ignore:
-      return Verdict::ignored;
-  }
-  return Verdict::incorrect;
+void count(KeyframeCounts& counts, const LabelCounts& labels) {
+  if (labels.correct + labels.incorrect == 0)
+    ++counts.ignored;
+  else if (labels.incorrect == 0)
+    ++counts.correct;
+  else if (labels.correct == 0)
+    ++counts.incorrect;
+  else
+    ++counts.mixed;
+}
+
+// The keyframe of a frame; the first one is frame 0.
+size_t keyframe_of(const std::vector<uint32_t>& keyframes, size_t frame) {
+  return static_cast<size_t>(std::ranges::upper_bound(keyframes, frame) - keyframes.begin()) - 1;
 }
 
 }  // namespace
 
-void sort_items(std::vector<ScoredItem>& items) {
-  std::sort(items.begin(), items.end(),
-            [](const ScoredItem& a, const ScoredItem& b) { return a.key < b.key; });
-}
-
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind) {
-  Curve curve{kind, to_find, {}};
-  CurvePoint last;  // what has been accepted so far
-  bool is_kept = true;
-  for (size_t i = 0; i < items.size() && items[i].key != kNoScore;) {
-    CurvePoint point{items[i].key, last.correct, last.incorrect, last.incorrect};
-    for (; i < items.size() && items[i].key == point.key; ++i)
-      (items[i].is_correct ? point.correct : point.incorrect) += items[i].weight;
-    if (point.correct == last.correct && point.incorrect == last.incorrect) continue;
-    is_kept = curve.points.empty() || point.correct > last.correct;
-    if (is_kept) curve.points.push_back(point);
-    last = point;
-  }
-  if (!is_kept) curve.points.push_back(last);
-  return curve;
-}
-
-bool is_judged(const QueryOutcome& query) {
-  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
+Verdict verdict_of(PlaceLabel label) {
+  return label == PlaceLabel::same        ? Verdict::correct
+         : label == PlaceLabel::different ? Verdict::incorrect
+                                          : Verdict::ignored;
 }
 
 void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout) {
-  query.has_match = has_column_of(truth, layout, query.frame);
+  const auto first = static_cast<int64_t>(layout.window_length - 1);  // the first anchor
+  query.has_match =
+      std::ranges::any_of(truth.pairs[query.frame], [&](const GroundTruth::Pair& pair) {
+        if (pair.label != PlaceLabel::same) return false;
+        const ScoreLayout::Columns* columns = layout.columns_of(pair.sequence);
+        return columns != nullptr &&
+               pair.first - truth.tolerance_frames < first + static_cast<int64_t>(columns->count) &&
+               pair.last() + truth.tolerance_frames >= first;
+      });
   query.is_unreachable = !query.has_match && truth.has_match(query.frame);
 }
 
 Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
   const ScoreLayout layout = layout_of(result);
   const size_t length = result.window_length();
+  const auto& unreadable = result.query.unreadable;
   Outcomes outcomes{result.score().order, result.query.frames, length, false, {}};
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = outcomes.queries.emplace_back();
     query.frame = anchor_of(window, length);
     look_up_match(query, truth, layout);
-    const auto& best = result.best[window];
-    if (best) {
+    if (const auto& best = result.best[window]) {
       query.best = FrameMatch{best->target, anchor_of(best->train, length)};
       query.key = score_key(best->score, outcomes.kind);
       query.verdict = verdict_of(label_of(truth, *best, length));
-    } else if (shows_unreadable(result, window)) {
-      query.verdict = Verdict::unreadable;
+    } else {
+      const auto frame = std::ranges::lower_bound(unreadable, window);
+      if (frame != unreadable.end() && *frame <= query.frame) query.verdict = Verdict::unreadable;
     }
   }
   add_margins(outcomes, result);
@@ -80,21 +76,16 @@ void add_margins(Outcomes& outcomes, const Result& result) {
   for (size_t window = 0; window < result.margins.size(); ++window) {
     QueryOutcome& query = outcomes.queries[window];
     const auto& best = result.best[window];
-    if (best && query.best && query.best->sequence == best->target &&
-        query.best->reference == anchor_of(best->train, result.window_length())) {
-      query.margin = frame_margin(result, window);
-      query.asked_margin = result.targets[best->target].margin;
-    }
+    if (!best ||
+        query.best != FrameMatch{best->target, anchor_of(best->train, result.window_length())})
+      continue;
+    query.margin = frame_margin(result, window);
+    query.required_margin = result.targets[best->target].margin;
   }
 }
 
-uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
-  if (by == Confidence::score) return query.key;
-  return query.margin ? score_key(*query.margin, ScoreOrder::similarity) : kNoScore;
-}
-
-ScoreOrder confidence_order(const Outcomes& outcomes) {
-  return outcomes.confidence == Confidence::score ? outcomes.kind : ScoreOrder::similarity;
+bool is_judged(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
 }
 
 uint64_t judged_queries(const Outcomes& outcomes) {
@@ -106,15 +97,35 @@ uint64_t tied_queries(const Outcomes& outcomes) {
   return static_cast<uint64_t>(std::ranges::count(outcomes.queries, true, &QueryOutcome::is_tied));
 }
 
+uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
+  if (by == Confidence::score) return query.key;
+  return query.margin ? score_key(*query.margin, ScoreOrder::similarity) : kNoScore;
+}
+
+ScoreOrder confidence_order(const Outcomes& outcomes) {
+  return outcomes.confidence == Confidence::score ? outcomes.kind : ScoreOrder::similarity;
+}
+
+bool is_found_at(const QueryOutcome& query, size_t k) {
+  if (!query.has_match) return false;
+  return query.verdict == Verdict::correct ||
+         (query.verdict == Verdict::incorrect && query.rank && *query.rank <= k);
+}
+
+std::optional<double> BestMatchCounts::rate() const {
+  if (queries == ignored) return std::nullopt;
+  return static_cast<double>(correct) / static_cast<double>(queries - ignored);
+}
+
 BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   BestMatchCounts counts;
   for (const QueryOutcome& query : outcomes.queries) {
     if (query.verdict == Verdict::unreadable) {
       ++counts.unreadable;
     } else if (query.is_unreachable) {
-      ++counts.unreachable;
+      ++counts.no_valid_window;
     } else if (!query.has_match) {
-      ++counts.without_match;
+      ++counts.no_ground_truth;
     } else {
       ++counts.queries;
       if (query.verdict == Verdict::correct) ++counts.correct;
@@ -124,20 +135,105 @@ BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   return counts;
 }
 
-Curve single_best_curve(const Outcomes& outcomes) {
-  std::vector<ScoredItem> items;
-  for (const QueryOutcome& query : outcomes.queries)
-    if (is_judged(query))
-      items.push_back(
-          {confidence_key(query, outcomes.confidence), query.verdict == Verdict::correct});
-  sort_items(items);
-  return curve_of(items, judged_queries(outcomes), confidence_order(outcomes));
+void LabelCounts::add(PlaceLabel label) {
+  ++(label == PlaceLabel::same ? correct : label == PlaceLabel::different ? incorrect : ignored);
 }
 
-bool is_found_at(const QueryOutcome& query, size_t k) {
-  if (!query.has_match) return false;
-  return query.verdict == Verdict::correct ||
-         (query.verdict == Verdict::incorrect && query.rank && *query.rank <= k);
+PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length) {
+  return truth.label(anchor_of(match.query, window_length), match.target,
+                     anchor_of(match.train, window_length));
+}
+
+PlaceLabel label_of(const GroundTruth& truth, const Cluster& cluster, size_t window_length) {
+  return truth.label(anchor_of(cluster.query_window, window_length), cluster.target,
+                     anchor_of(cluster.train_window, window_length));
+}
+
+Clusters clusters_of(const Result& result) {
+  if (result.clusters) return *result.clusters;
+  Clusters single;
+  for (const Match& recognition : result.recognitions) {
+    single.of_recognition.push_back(static_cast<uint32_t>(single.all.size()));
+    single.all.push_back({recognition.target, recognition.query, recognition.query,
+                          recognition.query, recognition.train, recognition.train,
+                          recognition.train, 1, recognition.score});
+  }
+  return single;
+}
+
+std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& clusters,
+                                          const GroundTruth& truth, const Monitor& monitor) {
+  assert(clusters.of_recognition.size() == result.recognitions.size());
+  const size_t length = result.window_length();
+  std::vector<JudgedCluster> judged;
+  for (const Cluster& cluster : clusters.all)
+    judged.push_back({label_of(truth, cluster, length), {}});
+  for (size_t r = 0; r < result.recognitions.size(); ++r) {
+    check_stop(monitor);
+    judged[clusters.of_recognition[r]].recognitions.add(
+        label_of(truth, result.recognitions[r], length));
+  }
+  return judged;
+}
+
+Counts count_recognitions(const Result& result, const GroundTruth& truth, const Monitor& monitor) {
+  Counts counts;
+  std::set<std::pair<uint32_t, uint32_t>> places;  // recognized correctly: target and window
+  for (const Match& recognition : result.recognitions) {
+    check_stop(monitor);
+    const PlaceLabel label = label_of(truth, recognition, result.window_length());
+    counts.recognitions.add(label);
+    if (!result.clusters && label == PlaceLabel::same)
+      places.insert({recognition.target, recognition.train});
+  }
+  counts.distinct = places.size();
+  if (result.clusters) {
+    LabelCounts& clusters = counts.clusters.emplace();
+    for (const JudgedCluster& cluster : judge_clusters(result, *result.clusters, truth, monitor)) {
+      clusters.add(cluster.label);
+      counts.mixed_clusters += cluster.is_mixed();
+    }
+    counts.distinct = clusters.correct;
+  }
+  counts.best_match = best_match_counts(outcomes_of(result, truth));
+  return counts;
+}
+
+std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
+                                                  const Monitor& monitor) {
+  if (!result.views) return std::nullopt;
+  const auto& [query_keyframes, train_keyframes] = *result.views;
+  const size_t length = result.window_length();
+  CountsByKeyframe counts;
+  counts.query_keyframes = query_keyframes.size();
+  for (size_t s = 0; s < result.targets.size(); ++s)
+    if (result.targets[s].searched) counts.train_keyframes += train_keyframes[s].size();
+  std::map<std::tuple<size_t, uint32_t, size_t>, LabelCounts> pairs;
+  for (const Match& recognition : result.recognitions) {
+    check_stop(monitor);
+    const uint32_t target = recognition.target;
+    const size_t query = keyframe_of(query_keyframes, anchor_of(recognition.query, length));
+    const size_t train = keyframe_of(train_keyframes[target], anchor_of(recognition.train, length));
+    pairs[{query, target, train}].add(label_of(truth, recognition, length));
+  }
+  for (const auto& [pair, labels] : pairs) count(counts.recognitions, labels);
+  std::map<size_t, LabelCounts> queries;
+  for (const QueryOutcome& query : outcomes_of(result, truth).queries) {
+    if (!query.has_match || query.verdict == Verdict::unreadable) continue;
+    LabelCounts& labels = queries[keyframe_of(query_keyframes, query.frame)];
+    if (query.verdict == Verdict::correct) ++labels.correct;
+    if (query.verdict == Verdict::incorrect) ++labels.incorrect;
+  }
+  double sum = 0;
+  for (const auto& [query, labels] : queries) {
+    count(counts.best_match, labels);
+    const uint64_t judged = labels.correct + labels.incorrect;
+    if (judged > 0) sum += static_cast<double>(labels.correct) / static_cast<double>(judged);
+  }
+  const KeyframeCounts& best = counts.best_match;
+  if (const uint64_t judged = best.correct + best.incorrect + best.mixed; judged > 0)
+    counts.best_match_rate = sum / static_cast<double>(judged);
+  return counts;
 }
 
 }  // namespace vpr

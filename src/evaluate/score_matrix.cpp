@@ -1,22 +1,90 @@
 #include "evaluate/score_matrix.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <cmath>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "evaluate/counts.h"
+#include "describe/frame_descriptors.h"
+#include "match/frame_distances.h"
 
 namespace vpr {
-
 namespace {
 
-constexpr size_t kBlockValues = size_t{1} << 21;  // keys of one block, 16 MiB
+constexpr size_t kBlockValues = size_t{1} << 21;  // keys per block, 16 MiB
+constexpr size_t kQueryValues = 1 << 20;          // values of query vectors per block
+constexpr size_t kReferenceValues = 1 << 15;      // likewise of references: the second-level cache
+constexpr size_t kLanes = 8;                      // partial sums, so that compilers can vectorize
+
+// Vectors [first, first + count), scaled to length 1 if `is_unit`; NaN for a missing one.
+std::vector<double> read_vectors(const ArrayRows& rows, size_t first, size_t count, bool is_unit) {
+  std::vector<double> vectors(count * rows.length());
+  rows.read(first, count, vectors);
+  for (size_t i = 0; i < count; ++i) {
+    const std::span<double> vector(vectors.data() + i * rows.length(), rows.length());
+    if (is_missing_vector(vector)) continue;
+    if (!is_unit) {
+      check_numbers(vector, rows.where(first + i));
+      continue;
+    }
+    check_vector(vector, rows.where(first + i));
+    double largest = 0;
+    for (const double value : vector) largest = std::max(largest, std::abs(value));
+    double squares = 0;
+    for (double& value : vector) {
+      value /= largest;
+      squares += value * value;
+    }
+    const double norm = std::sqrt(squares);
+    for (double& value : vector) value /= norm;
+  }
+  return vectors;
+}
+
+// The scalar product or the squared Euclidean distance. The order of the sum is fixed.
+template <bool kIsProduct>
+double sum_of_pairs(const double* a, const double* b, size_t length) {
+  const auto term = [](double x, double y) { return kIsProduct ? x * y : (x - y) * (x - y); };
+  std::array<double, kLanes> sums = {};
+  size_t i = 0;
+  for (; i + kLanes <= length; i += kLanes)
+    for (size_t lane = 0; lane < kLanes; ++lane) sums[lane] += term(a[i + lane], b[i + lane]);
+  for (size_t lane = 0; i < length; ++i, ++lane) sums[lane] += term(a[i], b[i]);
+  double sum = 0;
+  for (const double part : sums) sum += part;
+  return sum;
+}
+
+// Writes a row of distances to all references for each of the queries [first, first + count).
+void compute_distances(DescriptorMetric metric, const ArrayRows& query, const ArrayRows& reference,
+                       size_t first, size_t count, std::span<double> distances) {
+  const size_t length = query.length();
+  const bool is_unit = metric != DescriptorMetric::l2;
+  const std::vector<double> queries = read_vectors(query, first, count, is_unit);
+  const size_t block = std::max<size_t>(kReferenceValues / length, 1);
+  for (size_t r = 0; r < reference.count(); r += block) {
+    const size_t together = std::min(block, reference.count() - r);
+    const std::vector<double> references = read_vectors(reference, r, together, is_unit);
+    for (size_t q = 0; q < count; ++q)
+      for (size_t i = 0; i < together; ++i) {
+        const double* a = queries.data() + q * length;
+        const double* b = references.data() + i * length;
+        distances[q * reference.count() + r + i] =
+            metric == DescriptorMetric::cosine ? 1 - sum_of_pairs<true>(a, b, length)
+                                               : std::sqrt(sum_of_pairs<false>(a, b, length));
+      }
+  }
+}
+
+bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
+
 }  // namespace
 
 ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format) {
@@ -64,9 +132,78 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
   });
 }
 
+ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
+                              DescriptorMetric metric) {
+  for (const SequenceSource* sequence : {&query, &reference})
+    if (sequence->kind != SequenceKind::descriptors)
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: is not a .npy file of descriptors or a folder of them",
+                              sequence->argument.path.string()));
+  const auto queries = std::make_shared<const ArrayRows>(query);
+  const auto references = std::make_shared<const ArrayRows>(reference);
+  if (has_bits(*queries) != has_bits(*references))
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: the values have type {}, but in {} they have type {}", queries->where(0),
+                    queries->type(), references->where(0), references->type()));
+  if (queries->length() != references->length()) {
+    const bool is_transposed = queries->count() == references->length() ||
+                               queries->length() == references->count() ||
+                               queries->count() == references->count();
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and "
+                    "descriptors must have the same length{}",
+                    query.argument.path.string(), queries->count(), queries->length(),
+                    reference.argument.path.string(), references->count(), references->length(),
+                    is_transposed ? "; is an array transposed?" : ""));
+  }
+  ComputedScores scores;
+  scores.queries = queries->count();
+  scores.references = references->count();
+  scores.block = kQueryValues;
+  if (has_bits(*queries)) {
+    const auto import = [](const SequenceSource& sequence) {
+      return std::make_shared<const DescriptorSet>(
+          import_descriptors(sequence, kBitKind, Unreadable::fail, {}));
+    };
+    scores.compute = [q = import(query), r = import(reference)](size_t first, size_t count,
+                                                                std::span<double> distances) {
+      size_t next = 0;
+      for (size_t i = 0; i < count; ++i)
+        for (size_t k = 0; k < r->rows().size(); ++k)
+          distances[next++] = hamming_distance(q->rows()[first + i], r->rows()[k]);
+    };
+  } else {
+    scores.block = std::max<size_t>(kQueryValues / queries->length(), 1);
+    scores.compute = [queries, references, metric](size_t first, size_t count,
+                                                   std::span<double> distances) {
+      compute_distances(metric, *queries, *references, first, count, distances);
+    };
+  }
+  scores.fingerprint = [query, reference](const Monitor& monitor) {
+    std::string sums;
+    for (const SequenceSource* sequence : {&query, &reference})
+      for (const auto& file : sequence->files) {
+        check_stop(monitor);
+        sums += checksum(NpyArray(file).file_bytes());
+      }
+    return checksum(std::as_bytes(std::span(sums)));
+  };
+  return ScoreMatrix(std::move(scores));
+}
+
 const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
   const auto found = std::ranges::lower_bound(columns, sequence, {}, &Columns::sequence);
   return found != columns.end() && found->sequence == sequence ? &*found : nullptr;
+}
+
+GroundTruthScope scope_of(const Result& result) {
+  GroundTruthScope scope;
+  scope.query = result.query;
+  for (const Target& target : result.targets)
+    scope.sequences.push_back({target.sequence, target.searched});
+  return scope;
 }
 
 size_t row_count(const ScoreLayout& layout) {
@@ -105,15 +242,15 @@ void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout) {
   if (matrix.queries() == row_count(layout) && matrix.references() == column_count(layout)) return;
   throw Error(
       ErrorKind::data,
-      fmt::format("the scores are {} x {}, and the result has {} query windows and {} "
-                  "training windows; give the matrix that was saved with it",
+      fmt::format("the scores are {} x {}, but the result has {} query windows and {} "
+                  "training windows. Pass the matrix that was saved with it",
                   matrix.queries(), matrix.references(), row_count(layout), column_count(layout)));
 }
 
 void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
                std::vector<PlaceLabel>& labels) {
   labels.assign(column_count(layout), PlaceLabel::different);
-  const size_t back = layout.window_length - 1;  // from a window's anchor to its first frame
+  const size_t back = layout.window_length - 1;  // from the anchor to the first frame
   std::vector<PlaceLabel> frames;
   for (const ScoreLayout::Columns& columns : layout.columns) {
     frames.resize(columns.count + back);
@@ -123,23 +260,11 @@ void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
   }
 }
 
-bool has_column_of(const GroundTruth& truth, const ScoreLayout& layout, size_t anchor) {
-  const auto& pairs = truth.pairs[anchor];
-  const auto first = static_cast<int64_t>(layout.window_length - 1);
-  return std::any_of(pairs.begin(), pairs.end(), [&](const GroundTruth::Pair& pair) {
-    if (pair.label != PlaceLabel::same) return false;
-    const ScoreLayout::Columns* columns = layout.columns_of(pair.sequence);
-    return columns != nullptr &&
-           pair.first - truth.tolerance_frames < first + static_cast<int64_t>(columns->count) &&
-           pair.last() + truth.tolerance_frames >= first;
-  });
-}
-
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column) {
   assert(column < column_count(layout));
-  const auto behind =
+  const auto after =
       std::ranges::upper_bound(layout.columns, column, {}, &ScoreLayout::Columns::first);
-  const ScoreLayout::Columns& columns = *std::prev(behind);
+  const ScoreLayout::Columns& columns = *std::prev(after);
   return {columns.sequence, layout.anchor(column - columns.first)};
 }
 

@@ -1,6 +1,8 @@
-#include "fabmap/chow_liu.h"
-
+// Compiled once per SIMD target: see Highway's foreach_target.h.
+#include "base/highway.h"
+// The settings above must come first.
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -9,9 +11,77 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "fabmap/cooccurrence.h"
+#include "fabmap/chow_liu.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fabmap/chow_liu.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#ifndef VPR_CHOW_LIU_ONCE
+#define VPR_CHOW_LIU_ONCE
+namespace vpr {
+namespace {
+
+/// Words per block of WordColumns.
+constexpr size_t kColumnLanes = 16;
+
+/// Consecutive blocks of 16 words, so that all words are counted in one pass.
+struct WordColumns {
+  size_t chunks = 0;        ///< number of chunks of 64 frames
+  size_t padded_words = 0;  ///< a multiple of 16; no frame shows the padding
+  std::vector<uint64_t> bits;
+
+  /// Bit f % 64 of bits[at(f / 64, q)] is set if frame f shows word q.
+  size_t at(size_t chunk, size_t word) const {
+    return (word / kColumnLanes * chunks + chunk) * kColumnLanes + word % kColumnLanes;
+  }
+};
+
+}  // namespace
+}  // namespace vpr
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace vpr {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// out[v] is the number of frames that show both `word` and v, for every v below padded_words.
+void CountBothWithAll(const WordColumns& columns, size_t word, uint32_t* out) {
+  const hn::CappedTag<uint64_t, kColumnLanes / 2> d;
+  const hn::Rebind<uint32_t, decltype(d)> d32;
+  const size_t lanes = hn::Lanes(d);
+  std::vector<uint64_t> own(columns.chunks);
+  for (size_t chunk = 0; chunk < own.size(); ++chunk)
+    own[chunk] = columns.bits[columns.at(chunk, word)];
+  for (size_t v = 0; v < columns.padded_words; v += 2 * lanes) {
+    auto first = hn::Zero(d);
+    auto second = hn::Zero(d);
+    const uint64_t* bits = columns.bits.data() + columns.at(0, v);
+    for (size_t chunk = 0; chunk < own.size(); ++chunk, bits += kColumnLanes) {
+      const auto mine = hn::Set(d, own[chunk]);
+      first = hn::Add(first, hn::PopulationCount(hn::And(mine, hn::LoadU(d, bits))));
+      second = hn::Add(second, hn::PopulationCount(hn::And(mine, hn::LoadU(d, bits + lanes))));
+    }
+    hn::StoreU(hn::TruncateTo(d32, first), d32, out + v);
+    hn::StoreU(hn::TruncateTo(d32, second), d32, out + v + lanes);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace vpr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 
 namespace vpr {
+
+HWY_EXPORT(CountBothWithAll);
+
 namespace {
 
 constexpr double kScale = 0.98;
@@ -28,13 +98,29 @@ bool better(const Edge& x, const Edge& y) {
   return std::tuple(-x.information, x.a, x.b) < std::tuple(-y.information, y.a, y.b);
 }
 
-Edge make_edge(double information, size_t u, size_t v) {
-  const auto [a, b] = std::minmax(u, v);
-  return {information, static_cast<uint32_t>(a), static_cast<uint32_t>(b)};
-}
-
 double smoothed(size_t n, size_t of) {
   return kScale * (of == 0 ? 0 : static_cast<double>(n) / static_cast<double>(of)) + kFloor;
+}
+
+// The columns of frames, each with increasing word ids below `words`.
+WordColumns make_word_columns(std::span<const WordSet> frames, size_t words) {
+  WordColumns columns;
+  columns.chunks = (frames.size() + 63) / 64;
+  columns.padded_words = (words + kColumnLanes - 1) / kColumnLanes * kColumnLanes;
+  columns.bits.assign(columns.chunks * columns.padded_words, 0);
+  for (size_t f = 0; f < frames.size(); ++f)
+    for (const uint32_t word : frames[f])
+      columns.bits[columns.at(f / 64, word)] |= uint64_t{1} << f % 64;
+  return columns;
+}
+
+// The number of frames that show both words.
+size_t count_both(const WordColumns& columns, size_t a, size_t b) {
+  size_t both = 0;
+  for (size_t chunk = 0; chunk < columns.chunks; ++chunk)
+    both += static_cast<size_t>(
+        std::popcount(columns.bits[columns.at(chunk, a)] & columns.bits[columns.at(chunk, b)]));
+  return both;
 }
 
 // Orients the edges away from the root, the smaller word of the best edge.
@@ -69,13 +155,6 @@ ChowLiuTree orient(const std::vector<Edge>& edges, const std::vector<uint32_t>& 
                                            : smoothed(counts[q] - both, frames - counts[parent]));
   }
   return tree;
-}
-
-std::vector<uint32_t> count_words(std::span<const WordSet> frames, size_t words) {
-  std::vector<uint32_t> counts(words, 0);
-  for (const WordSet& frame : frames)
-    for (const uint32_t word : frame) ++counts[word];
-  return counts;
 }
 
 constexpr double kLeastProbability = 1e-300;
@@ -121,7 +200,9 @@ double MutualInformation::operator()(size_t n_a, size_t n_b, size_t n_ab) const 
 // Prim's algorithm: each word outside the tree keeps its best edge into the tree.
 ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor) {
   assert(words > 0 && !frames.empty());
-  const std::vector<uint32_t> counts = count_words(frames, words);
+  std::vector<uint32_t> counts(words, 0);
+  for (const WordSet& frame : frames)
+    for (const uint32_t word : frame) ++counts[word];
   const WordColumns columns = make_word_columns(frames, words);
   const MutualInformation information(frames.size());
   std::vector<Edge> best(words, {-1e300, 0, 0});
@@ -132,13 +213,14 @@ ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const 
   StepCounter counter(monitor, "tree", words);
   size_t added = 0;
   while (!outside.empty()) {
-    count_both_with_all(columns, added, both.data());
+    HWY_DYNAMIC_DISPATCH(CountBothWithAll)(columns, added, both.data());
     size_t next = 0;
     for (size_t i = 0; i < outside.size(); ++i) {
       const uint32_t v = outside[i];
       const double shared = information(counts[added], counts[v], both[v]);
       if (shared >= best[v].information) {
-        const Edge edge = make_edge(shared, added, v);
+        const auto [a, b] = std::minmax({static_cast<uint32_t>(added), v});
+        const Edge edge{shared, a, b};
         if (better(edge, best[v])) best[v] = edge;
       }
       if (best[v].information >= best[outside[next]].information &&
@@ -187,3 +269,5 @@ ChowLiuTree tree_of_rows(std::span<const double> rows, const std::string& name) 
 }
 
 }  // namespace vpr
+
+#endif  // HWY_ONCE

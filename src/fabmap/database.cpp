@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -34,25 +35,21 @@ void for_each_view(const std::vector<ViewGroup>& groups, Visit&& visit) {
 }
 
 template <class T>
-std::span<const T> mat_values(const cv::Mat& mat) {
-  return {mat.ptr<T>(), mat.total()};
+void add_list(ArchiveWriter& writer, const std::string& name, const std::vector<T>& values) {
+  writer.add_array<T>(name, values, {values.size()});
 }
 
-void add_words(ArchiveWriter& writer, const std::string& name, const ViewWords& words) {
-  writer.add_array<uint32_t>(name + ".npy", words.words, {words.words.size()});
-  const std::string singular = name.back() == 's' ? name.substr(0, name.size() - 1) : name;
-  writer.add_array<uint64_t>(singular + "_offsets.npy", words.offsets, {words.offsets.size()});
+template <class T>
+std::vector<T> read_list(const Archive& archive, const std::string& name) {
+  const NpyArray array = archive.array(name);
+  const auto values = array.values<T>(1);
+  return {values.begin(), values.end()};
 }
 
-ViewWords read_words(const Archive& archive, const std::string& name, size_t words) {
-  const std::string singular = name.back() == 's' ? name.substr(0, name.size() - 1) : name;
-  const NpyArray values = archive.array(name + ".npy");
-  const NpyArray offsets = archive.array(singular + "_offsets.npy");
-  ViewWords read;
-  const auto value_span = values.values<uint32_t>(1);
-  const auto offset_span = offsets.values<uint64_t>(1);
-  read.words.assign(value_span.begin(), value_span.end());
-  read.offsets.assign(offset_span.begin(), offset_span.end());
+ViewWords read_words(const Archive& archive, const std::string& name,
+                     const std::string& offsets_name, size_t words) {
+  const ViewWords read{read_list<uint64_t>(archive, offsets_name),
+                       read_list<uint32_t>(archive, name)};
   bool fits = !read.offsets.empty() && read.offsets.front() == 0 &&
               read.offsets.back() == read.words.size() &&
               std::is_sorted(read.offsets.begin(), read.offsets.end());
@@ -61,29 +58,16 @@ ViewWords read_words(const Archive& archive, const std::string& name, size_t wor
     fits = (view.empty() || view.back() < words) &&
            std::adjacent_find(view.begin(), view.end(), std::greater_equal<>()) == view.end();
   }
-  if (!fits) archive.fail(name + ".npy and its offsets do not match");
+  if (!fits) archive.fail(name + " and its offsets do not match");
   return read;
 }
 
 WordIndex read_index(const Archive& archive, const ViewWords& views, size_t words) {
-  const NpyArray lists = archive.array("index.npy");
-  const NpyArray offsets = archive.array("index_offsets.npy");
-  const auto list_span = lists.values<uint16_t>(1);
-  const auto offset_span = offsets.values<uint64_t>(1);
-  const WordIndex index{words,
-                        views.views(),
-                        {offset_span.begin(), offset_span.end()},
-                        {list_span.begin(), list_span.end()}};
-  if (!is_sound(index) || index.lists.size() != views.words.size())
+  const WordIndex index{words, views.views(), read_list<uint64_t>(archive, "index_offsets.npy"),
+                        read_list<uint16_t>(archive, "index.npy")};
+  if (!is_valid_index(index) || index.lists.size() != views.words.size())
     archive.fail("index.npy and its offsets do not match the places");
   return index;
-}
-
-ChowLiuTree read_tree(const Archive& archive, size_t words) {
-  const NpyArray array = archive.array("tree.npy");
-  const auto values = array.values<double>(2);
-  if (array.shape() != std::vector<size_t>{4, words}) archive.fail("tree.npy is not 4 x words");
-  return tree_of_rows(values, archive.name() + "/tree.npy");
 }
 
 cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
@@ -104,7 +88,7 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
 std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
   std::vector<ViewGroup> groups;
   size_t at = 0;
-  for (const Json& json : manifest_list(archive, archive.manifest(), "groups")) {
+  for (const Json& json : archive.fields(archive.manifest()).list("groups")) {
     const Fields fields = archive.fields(json);
     ViewGroup& group = groups.emplace_back();
     group.sequence = read_sequence(fields, names.size());
@@ -159,11 +143,11 @@ std::vector<size_t> featureless_frames(const FabmapDatabase& database) {
   std::vector<size_t> counts;
   size_t view = 0;
   for (const ViewGroup& group : database.groups) {
-    std::vector<uint8_t> is_readable(group.sequence.frames, 1);
-    for (const size_t frame : group.sequence.unreadable) is_readable[frame] = 0;
+    const auto& unreadable = group.sequence.unreadable;
     counts.push_back(0);
-    for (const uint8_t readable : is_readable)
-      if (database.views.view(view++).empty() && readable != 0) ++counts.back();
+    for (size_t frame = 0; frame < group.sequence.frames; ++frame, ++view)
+      if (database.views.view(view).empty() && !std::ranges::binary_search(unreadable, frame))
+        ++counts.back();
   }
   return counts;
 }
@@ -185,13 +169,15 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   stored_settings_from_json(archive.manifest(), database.settings, archive.name());
   const auto provenance = archive.manifest().find("provenance");
   if (provenance == archive.manifest().end()) archive.fail("\"provenance\" is missing");
-  database.seed = manifest_count(archive, *provenance, "seed");
+  database.seed = archive.fields(*provenance).count("seed", std::numeric_limits<size_t>::max());
   database.vocabulary = read_vocabulary(archive, database.settings.features.kind);
   const auto words = static_cast<size_t>(database.vocabulary.rows);
-  database.tree = read_tree(archive, words);
-  database.pretrain = read_words(archive, "pretrain", words);
+  const NpyArray tree = archive.array("tree.npy");
+  if (tree.shape() != std::vector<size_t>{4, words}) archive.fail("tree.npy is not 4 x words");
+  database.tree = tree_of_rows(tree.values<double>(2), archive.name() + "/tree.npy");
+  database.pretrain = read_words(archive, "pretrain.npy", "pretrain_offsets.npy", words);
   if (database.pretrain.views() == 0) archive.fail("there are no pretraining frames");
-  database.views = read_words(archive, "places", words);
+  database.views = read_words(archive, "places.npy", "place_offsets.npy", words);
   database.index = read_index(archive, database.views, words);
   database.groups = read_groups(archive, archive.text("frames.txt"));
   if (database.places().size() != database.views.views())
@@ -202,21 +188,23 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            Outputs& outputs) {
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
-  const std::vector<size_t> shape = {static_cast<size_t>(database.vocabulary.rows),
-                                     static_cast<size_t>(database.vocabulary.cols)};
-  if (database.vocabulary.type() == CV_8U)
-    writer.add_array("vocabulary.npy", mat_values<uint8_t>(database.vocabulary), shape);
+  const cv::Mat& words = database.vocabulary;
+  const std::vector<size_t> shape = {static_cast<size_t>(words.rows),
+                                     static_cast<size_t>(words.cols)};
+  if (words.type() == CV_8U)
+    writer.add_array<uint8_t>("vocabulary.npy", {words.ptr(), words.total()}, shape);
   else
-    writer.add_array("vocabulary.npy", mat_values<float>(database.vocabulary), shape);
+    writer.add_array<float>("vocabulary.npy", {words.ptr<float>(), words.total()}, shape);
   writer.add_array<double>("tree.npy", tree_rows(database.tree), {4, database.tree.words()});
-  add_words(writer, "pretrain", database.pretrain);
-  add_words(writer, "places", database.views);
-  const WordIndex& index = database.index;
-  assert(index.views == database.views.views());
-  writer.add_array<uint16_t>("index.npy", index.lists, {index.lists.size()});
-  writer.add_array<uint64_t>("index_offsets.npy", index.offsets, {index.offsets.size()});
+  add_list(writer, "pretrain.npy", database.pretrain.words);
+  add_list(writer, "pretrain_offsets.npy", database.pretrain.offsets);
+  add_list(writer, "places.npy", database.views.words);
+  add_list(writer, "place_offsets.npy", database.views.offsets);
+  assert(database.index.views == database.views.views());
+  add_list(writer, "index.npy", database.index.lists);
+  add_list(writer, "index_offsets.npy", database.index.offsets);
   std::string names;
-  Json manifest = {{"schema", "vpr.database/1"}, {"method", enum_name(DatabaseFamily::fabmap)}};
+  Json manifest = {{"schema", "vpr.database/3"}, {"method", enum_name(DatabaseFamily::fabmap)}};
   manifest["settings"] = value_to_json(database.settings);
   manifest["groups"] = Json::array();
   for (const ViewGroup& group : database.groups) {

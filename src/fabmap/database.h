@@ -13,7 +13,6 @@
 #include "fabmap/chow_liu.h"
 #include "fabmap/local_features.h"
 #include "fabmap/vocabulary.h"
-#include "fabmap/word_index.h"
 #include "sequence/sequence.h"
 
 namespace vpr {

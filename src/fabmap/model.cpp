@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hwy/cache_control.h>
 
 #include "base/error.h"
+#include "base/exponentials.h"
 #include "base/named_table.h"
 
 namespace vpr {
@@ -37,15 +39,19 @@ size_t entry(bool z, bool parent, bool own) {
   return 4 * size_t{z} + 2 * size_t{parent} + size_t{own};
 }
 
-// Words whose entry differs from that in an empty frame: the words of the query and the children of
-// these words, without duplicates.
-std::vector<uint32_t> touched_words(const FabmapModel& model, std::span<const uint32_t> words,
-                                    const std::vector<uint8_t>& seen) {
-  std::vector<uint32_t> touched(words.begin(), words.end());
-  for (const uint32_t word : words)
-    for (const uint32_t child : model.children[word])
-      if (seen[child] == 0) touched.push_back(child);
-  return touched;
+// For each view, the sum of one entry per word.
+template <class T>
+std::vector<T> sums_over_words(const FabmapQuery& query,
+                               const std::vector<std::array<T, 8>>& table) {
+  const FabmapModel& model = query.model;
+  const std::vector<uint8_t> seen = word_flags(query.words, model.words());
+  std::vector<T> sums(query.known_views, 0);
+  for (size_t v = 0; v < sums.size(); ++v) {
+    const std::vector<uint8_t> own = word_flags(query.views.view(v), model.words());
+    for (size_t q = 0; q < model.words(); ++q)
+      sums[v] += table[q][entry(seen[q] != 0, seen[model.parent[q]] != 0, own[q] != 0)];
+  }
+  return sums;
 }
 
 struct WordTerm {
@@ -54,15 +60,21 @@ struct WordTerm {
 };
 
 struct QueryTerms {
-  std::vector<WordTerm> words;  ///< touched words, without duplicates
-  double to_all = 0;            ///< what every view adds to the index's constant
+  /// The words whose entry differs from their entry in an empty frame: the words of the query and
+  /// their children, without duplicates.
+  std::vector<WordTerm> words;
+  double to_all = 0;  ///< what every view adds to the index's constant
 };
 
 QueryTerms query_terms(const FabmapQuery& query) {
   const FabmapModel& model = query.model;
   const std::vector<uint8_t> seen = word_flags(query.words, model.words());
   QueryTerms terms;
-  for (const uint32_t word : touched_words(model, query.words, seen)) {
+  std::vector<uint32_t> touched(query.words.begin(), query.words.end());
+  for (const uint32_t word : query.words)
+    for (const uint32_t child : model.children[word])
+      if (seen[child] == 0) touched.push_back(child);
+  for (const uint32_t word : touched) {
     const bool z = seen[word] != 0;
     const bool parent = seen[model.parent[word]] != 0;
     const auto& log_p = model.log_p[word];
@@ -75,12 +87,6 @@ QueryTerms query_terms(const FabmapQuery& query) {
   return terms;
 }
 
-// Prefetches the start of a list; the processor prefetches the rest.
-void prefetch(std::span<const uint16_t> list) {
-  hwy::Prefetch(list.data());
-  hwy::Prefetch(list.data() + 32);
-}
-
 // Adds the term of each word to the sums of the views that show it, block by block, so that the
 // sums stay in a cache. Four views at a time: the views of a list are distinct, so their additions
 // are independent.
@@ -89,7 +95,12 @@ void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
                Convert&& convert) {
   for (size_t block = 0; block < index.blocks(); ++block, sums += kIndexBlock) {
     for (size_t t = 0; t < terms.size(); ++t) {
-      if (t + kListsAhead < terms.size()) prefetch(index.list(block, terms[t + kListsAhead].word));
+      if (t + kListsAhead < terms.size()) {
+        // The start of a list; the processor prefetches the rest.
+        const uint16_t* const ahead = index.list(block, terms[t + kListsAhead].word).data();
+        hwy::Prefetch(ahead);
+        hwy::Prefetch(ahead + 32);
+      }
       const std::span<const uint16_t> views = index.list(block, terms[t].word);
       const T step = convert(terms[t].to_its_views);
       size_t i = 0;
@@ -146,15 +157,6 @@ double expectation(const Word& word, WordModel model, bool z, bool parent, doubl
   return p_of(false) * (1 - p_there) + p_of(true) * p_there;
 }
 
-void check_detector(const DetectorModel& detector) {
-  const double recognition = detector.p_seen_if_there;
-  const double miss = detector.p_seen_if_not;
-  if (recognition > 0 && recognition < 1 && miss >= 0 && miss < recognition) return;
-  throw Error(ErrorKind::usage,
-              fmt::format("the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}", miss,
-                          recognition));
-}
-
 const double kLogProbability = std::log(1e-6);
 
 constexpr size_t kStepsBetween = 32;  // words between two checks that drop views
@@ -197,16 +199,6 @@ std::vector<Step> plan_steps(const FabmapQuery& query) {
   return steps;
 }
 
-std::vector<uint32_t> readable_views(const FabmapQuery& query) {
-  std::vector<uint8_t> is_readable(query.known_views, 1);
-  for (const size_t view : query.unreadable)
-    if (view < query.known_views) is_readable[view] = 0;
-  std::vector<uint32_t> views;
-  for (uint32_t v = 0; v < query.known_views; ++v)
-    if (is_readable[v] != 0) views.push_back(v);
-  return views;
-}
-
 double best_of(const std::vector<uint32_t>& views, const std::vector<double>& sums) {
   double best = -std::numeric_limits<double>::infinity();
   for (const uint32_t v : views) best = std::max(best, sums[v]);
@@ -243,33 +235,19 @@ const FabmapVariant& find_fabmap_variant(std::string_view name) {
 }
 
 std::vector<double> fabmap1_log_likelihoods(const FabmapQuery& query) {
-  const FabmapModel& model = query.model;
-  const std::vector<uint8_t> seen = word_flags(query.words, model.words());
-  std::vector<double> sums(query.known_views, 0);
-  for (size_t v = 0; v < sums.size(); ++v) {
-    const std::vector<uint8_t> own = word_flags(query.views.view(v), model.words());
-    for (size_t q = 0; q < model.words(); ++q)
-      sums[v] += model.log_p[q][entry(seen[q] != 0, seen[model.parent[q]] != 0, own[q] != 0)];
-  }
-  return sums;
+  return sums_over_words(query, query.model.log_p);
 }
 
 std::vector<double> lut_log_likelihoods(const FabmapQuery& query) {
-  const FabmapModel& model = query.model;
   const double scale = std::pow(10.0, query.lut_digits);
-  std::vector<std::array<int64_t, 8>> table(model.words());
-  for (size_t q = 0; q < model.words(); ++q)
-    for (size_t e = 0; e < 8; ++e) table[q][e] = std::llround(model.log_p[q][e] * scale);
-  const std::vector<uint8_t> seen = word_flags(query.words, model.words());
-  std::vector<double> sums(query.known_views);
-  for (size_t v = 0; v < sums.size(); ++v) {
-    const std::vector<uint8_t> own = word_flags(query.views.view(v), model.words());
-    int64_t sum = 0;
-    for (size_t q = 0; q < model.words(); ++q)
-      sum += table[q][entry(seen[q] != 0, seen[model.parent[q]] != 0, own[q] != 0)];
-    sums[v] = static_cast<double>(sum) / scale;
-  }
-  return sums;
+  std::vector<std::array<int64_t, 8>> table;
+  for (const auto& log_p : query.model.log_p)
+    std::ranges::transform(log_p, table.emplace_back().begin(),
+                           [&](double value) { return std::llround(value * scale); });
+  std::vector<double> likelihoods;
+  for (const int64_t sum : sums_over_words(query, table))
+    likelihoods.push_back(static_cast<double>(sum) / scale);
+  return likelihoods;
 }
 
 std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query) {
@@ -315,7 +293,12 @@ double log_mean_exp(std::span<const double> log_values) {
 
 FabmapModel make_fabmap_model(const ChowLiuTree& tree, const DetectorModel& detector,
                               WordModel words) {
-  check_detector(detector);
+  const double hit = detector.p_seen_if_there;
+  const double false_alarm = detector.p_seen_if_not;
+  if (!(false_alarm >= 0 && false_alarm < hit && hit < 1))
+    throw Error(ErrorKind::usage,
+                fmt::format("the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}",
+                            false_alarm, hit));
   FabmapModel model;
   const size_t count = tree.words();
   const bool naive = words == WordModel::naive_bayes;
@@ -370,7 +353,9 @@ double bail_out_gap(double variance, double largest) {
 std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   const FabmapIndex& index = query.index;
   std::vector<double> sums(index.lists.views, 0);  // without the part common to all views
-  std::vector<uint32_t> alive = readable_views(query);
+  std::vector<uint32_t> alive(query.known_views);
+  std::iota(alive.begin(), alive.end(), 0U);
+  std::erase_if(alive, [&](uint32_t v) { return std::ranges::binary_search(query.unreadable, v); });
   double to_all = 0;
   for (const Step& step : plan_steps(query)) {
     if (step.gap > 0) {
@@ -402,6 +387,35 @@ std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<cons
       evidence.begin(), evidence.end(),
       [](const WordEvidence& a, const WordEvidence& b) { return a.log_odds > b.log_odds; });
   return evidence;
+}
+
+std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, double new_place,
+                                     std::span<const double> previous,
+                                     const PosteriorSettings& settings) {
+  const size_t views = log_likelihoods.size();
+  std::vector<double> posterior(views + 1);
+  posterior[0] = new_place;
+  std::copy(log_likelihoods.begin(), log_likelihoods.end(), posterior.begin() + 1);
+  if (settings.motion_model && views >= 2 && !previous.empty()) {
+    posterior[0] += std::log(settings.new_place_prior);
+    const std::span<const double> p = previous.subspan(1);
+    for (size_t i = 0; i < views; ++i) {
+      const double before = p[i == 0 ? i : i - 1];
+      const double after = p[i + 1 == views ? i : i + 1];
+      posterior[i + 1] += std::log(
+          (2 * (1 - settings.motion_bias) * before + p[i] + 2 * settings.motion_bias * after) / 3);
+    }
+  }
+  const double share = settings.smoothing / exponentiate(posterior);
+  const double floor = (1 - settings.smoothing) / static_cast<double>(views + 1);
+  for (double& value : posterior) value = share * value + floor;
+  return posterior;
+}
+
+void ViewWindow::add(std::span<const double> posterior, double t_p, size_t views) {
+  run.resize(views, 0);
+  for (size_t i = 0; i < views; ++i)
+    run[i] = !posterior.empty() && posterior[i + 1] > t_p ? run[i] + 1 : 0;
 }
 
 }  // namespace vpr

@@ -1,5 +1,5 @@
-// FAB-MAP: the word model, and the variants that compute the log-likelihoods of all views for one
-// observation.
+// FAB-MAP: the word model, the variants that compute the log-likelihoods of all views for one
+// observation, and the posterior over views and the new place.
 #pragma once
 
 #include <array>
@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 #include "fabmap/chow_liu.h"
-#include "fabmap/word_index.h"
+#include "fabmap/vocabulary.h"
 
 namespace vpr {
 
@@ -146,5 +147,31 @@ struct WordEvidence {
 /// increasing, without duplicates.
 std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
                                         std::span<const uint32_t> view);
+
+/// Settings of the conversion from likelihoods to probabilities.
+struct PosteriorSettings {
+  double smoothing = 0.99;       ///< p becomes smoothing * p + (1 - smoothing) / (views + 1)
+  bool motion_model = false;     ///< neighbors of previously likely views get a higher prior
+  double motion_bias = 0.5;      ///< b: 0 forward only, 1 backward only
+  double new_place_prior = 0.9;  ///< with the motion model
+};
+VPR_FIELDS(PosteriorSettings, smoothing, motion_model, motion_bias, new_place_prior)
+
+/// Posterior of the new place (first) and of each view, from log-likelihoods, normalized by
+/// log-sum-exp. `previous`: the posterior of the previous frame, for the motion model; empty for
+/// the first frame. The prior of view i, for at least two views, is (2 (1 - b) p[i-1] + p[i] + 2 b
+/// p[i+1]) / 3, where the first and last view replace their missing neighbor.
+std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, double new_place,
+                                     std::span<const double> previous,
+                                     const PosteriorSettings& settings);
+
+/// For each view, counts the consecutive frames up to the current one with a posterior above t_p.
+struct ViewWindow {
+  std::vector<uint32_t> run;
+
+  /// Adds the posterior of a frame (new place first). An empty posterior (an unreadable frame, or a
+  /// frame without words) ends every run.
+  void add(std::span<const double> posterior, double t_p, size_t views);
+};
 
 }  // namespace vpr

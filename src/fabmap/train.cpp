@@ -4,13 +4,15 @@
 #include <mutex>
 
 #include <fmt/format.h>
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core.hpp>
 
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/monitor.h"
+#include "base/npy.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "describe/imported.h"
 #include "fabmap/word_clustering.h"
 #include "sequence/frames.h"
 #include "sequence/sequence_source.h"
@@ -19,13 +21,8 @@ namespace vpr {
 namespace {
 
 constexpr size_t kMaxWords = 10'000'000;
+constexpr size_t kMaxReadWords = 100'000'000;
 constexpr size_t kWarnedShare = 10;  // warn from a tenth of the frames without features
-
-Unreadable on_unreadable(bool skip) { return skip ? Unreadable::skip : Unreadable::fail; }
-
-cv::Mat no_descriptors(const FeatureSettings& settings) {
-  return cv::Mat(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
-}
 
 // A sequence with one value per frame, which `make` computes from descriptors.
 template <class T, class Make>
@@ -35,8 +32,9 @@ std::pair<Sequence, std::vector<T>> for_each_descriptors(const SequenceSource& s
                                                          const Monitor& monitor, Make&& make) {
   std::vector<T> values(source.files.size());
   std::mutex mutex;  // the length of a video is unknown before its end
-  Sequence sequence = for_each_frame(source, PixelFormat::gray, on_unreadable(skip_unreadable),
-                                     monitor, [&](size_t index, const cv::Mat& image) {
+  const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  Sequence sequence = for_each_frame(source, PixelFormat::gray, unreadable, monitor,
+                                     [&](size_t index, const cv::Mat& image) {
                                        T value = make(find_features(image, settings).descriptors);
                                        const std::lock_guard lock(mutex);
                                        if (index >= values.size()) values.resize(index + 1);
@@ -75,25 +73,12 @@ std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& p
   return all;
 }
 
-cv::Mat stacked(const std::vector<cv::Mat>& parts, const FeatureSettings& settings) {
-  cv::Mat all = no_descriptors(settings);
-  for (const cv::Mat& part : parts)
-    if (!part.empty()) all.push_back(part);
-  return all;
-}
-
-void check_train_settings(const FabmapTrainSettings& settings) {
-  check_feature_settings(settings.features);
-  if (settings.words < 2 || settings.words > kMaxWords)
-    throw Error(ErrorKind::usage,
-                fmt::format("words must be from 2 to {}, found {}", kMaxWords, settings.words));
-  if (settings.iterations < 1)
-    throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
-}
-
 cv::Mat make_words(const std::vector<cv::Mat>& frames, const FabmapTrainSettings& settings,
                    uint64_t seed, const Monitor& monitor) {
-  const cv::Mat descriptors = stacked(frames, settings.features);
+  cv::Mat descriptors(0, descriptor_length(settings.features.kind),
+                      is_binary(settings.features.kind) ? CV_8U : CV_32F);
+  for (const cv::Mat& frame : frames)
+    if (!frame.empty()) descriptors.push_back(frame);
   if (descriptors.empty() && !frames.empty())
     throw Error(ErrorKind::usage,
                 fmt::format("none of the {} --pretrain frames has a {} feature for the vocabulary; "
@@ -124,6 +109,10 @@ void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descripto
   database.tree = train_chow_liu(frames, words, monitor);
 }
 
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+  throw Error(ErrorKind::data, fmt::format("{}: {}", path.string(), what));
+}
+
 }  // namespace
 
 SequenceWords selected(SequenceWords recorded, const Selection& selection) {
@@ -151,7 +140,12 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor) {
-  check_train_settings(settings);
+  check_feature_settings(settings.features);
+  if (settings.words < 2 || settings.words > kMaxWords)
+    throw Error(ErrorKind::usage,
+                fmt::format("words must be from 2 to {}, found {}", kMaxWords, settings.words));
+  if (settings.iterations < 1)
+    throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
   FabmapDatabase database;
   database.settings = settings;
   database.seed = seed;
@@ -182,8 +176,77 @@ SequenceWords describe_words(const SequenceSource& source, const FabmapDatabase&
   warn_featureless(source.argument.path.string() + range_text(source.argument.range),
                    featureless_frames(words), words.sequence.frames,
                    database.settings.features.kind, monitor);
-  const Selection shown = warped(source.argument.warp, words.sequence.frames, source.argument.seed);
+  const Selection shown =
+      at_speed(source.argument.speed, words.sequence.frames, source.argument.seed);
   return selected(std::move(words), shown);
+}
+
+cv::Mat read_openfabmap_vocabulary(const std::filesystem::path& path) {
+  const NpyArray array(path);
+  const auto values = array.values<float>(2);
+  if (values.empty() || array.shape()[0] > kMaxReadWords) fail(path, "has no words, or too many");
+  const auto rows = static_cast<int>(array.shape()[0]);
+  cv::Mat words(rows, static_cast<int>(array.shape()[1]), CV_32F);
+  std::copy(values.begin(), values.end(), words.begin<float>());
+  if (!cv::checkRange(words)) fail(path, "a word is not finite");
+  return words;
+}
+
+ChowLiuTree read_openfabmap_tree(const std::filesystem::path& path) {
+  const NpyArray array(path);
+  const auto rows = array.values<double>(2);
+  if (array.shape()[0] != 4)
+    fail(path, fmt::format("a tree has 4 rows, found {}", array.shape()[0]));
+  return tree_of_rows(rows, path.string());
+}
+
+std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, size_t words) {
+  const NpyArray array(argument.path);
+  const NumberType* const type = find_number_type(array.type());
+  if (type == nullptr || array.shape().size() != 2 || array.is_column_major())
+    fail(argument.path, "expected frames x words of numbers in C order");
+  if (array.shape()[1] != words)
+    fail(argument.path, fmt::format("has {} words, but the tree has {}", array.shape()[1], words));
+  const size_t rows = rows_in_range(argument, array.shape()[0]);
+  std::vector<WordSet> frames;
+  std::vector<double> shown(words);
+  for (size_t i = 0; i < rows; ++i) {
+    const size_t row = argument.range.first + i * argument.range.step;
+    type->read(array.value_bytes().data() + row * words * type->bytes, type->bytes, words,
+               shown.data(), 1);
+    WordSet& frame = frames.emplace_back();
+    for (size_t word = 0; word < words; ++word)
+      if (shown[word] > 0) frame.push_back(static_cast<uint32_t>(word));
+  }
+  return frames;
+}
+
+FabmapDatabase import_openfabmap(const OpenFabmapFiles& files,
+                                 const FabmapTrainSettings& settings) {
+  check_feature_settings(settings.features);
+  FabmapDatabase database;
+  database.settings = settings;
+  database.vocabulary = read_openfabmap_vocabulary(files.vocabulary);
+  database.tree = read_openfabmap_tree(files.tree);
+  database.settings.words = database.tree.words();
+  if (static_cast<size_t>(database.vocabulary.rows) != database.tree.words())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has {} words, but the tree has {}", files.vocabulary.string(),
+                            database.vocabulary.rows, database.tree.words()));
+  if (is_binary(settings.features.kind) ||
+      database.vocabulary.cols != descriptor_length(settings.features.kind))
+    throw Error(ErrorKind::usage, fmt::format("{}: its words have {} dimensions, which {} does "
+                                              "not; select the matching features with --features",
+                                              files.vocabulary.string(), database.vocabulary.cols,
+                                              enum_name(settings.features.kind)));
+  for (const WordSet& frame : read_openfabmap_frames(files.pretrain, database.tree.words()))
+    database.pretrain.add(frame);
+  const std::vector<WordSet> frames = read_openfabmap_frames(files.train, database.tree.words());
+  Sequence sequence{sequence_names({files.train}).front(), frames.size()};
+  for (size_t f = 0; f < frames.size(); ++f) sequence.frame_names.push_back(fmt::format("#{}", f));
+  add_group(database, {std::move(sequence)}, frames);
+  index_views(database);
+  return database;
 }
 
 }  // namespace vpr

@@ -12,26 +12,30 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/parallel.h"
-#include "fabmap/vocabulary.h"
+#include "base/random.h"
 
 namespace vpr {
 namespace {
-
-// Calls body(begin, end) for chunks of [0, points), in any order, from several threads.
-template <class Body>
-void for_chunks(size_t points, const Monitor& monitor, Body&& body) {
-  constexpr size_t kChunk = 1024;
-  parallel_for((points + kChunk - 1) / kChunk, monitor,
-               [&](size_t c) { body(c * kChunk, std::min(points, (c + 1) * kChunk)); });
-}
 
 // begin, begin + 1, ..., end - 1.
 std::vector<uint32_t> row_range(size_t begin, size_t end) {
   std::vector<uint32_t> rows(end - begin);
   std::iota(rows.begin(), rows.end(), static_cast<uint32_t>(begin));
   return rows;
+}
+
+// Calls update(row, nearest word) for each of these rows of points, from several threads.
+template <class Update>
+void for_nearest(const cv::Mat& words, const cv::Mat& points, std::span<const uint32_t> rows,
+                 const Monitor& monitor, Update&& update) {
+  constexpr size_t kChunk = 1024;
+  const Vocabulary vocabulary = make_vocabulary(words);
+  parallel_for((rows.size() + kChunk - 1) / kChunk, monitor, [&](size_t c) {
+    const auto part = rows.subspan(c * kChunk, std::min(kChunk, rows.size() - c * kChunk));
+    const std::vector<NearestCenter> found = find_nearest_words(vocabulary, points, part);
+    for (size_t i = 0; i < part.size(); ++i) update(part[i], found[i]);
+  });
 }
 
 // Whether a is nearer than b by score; the lower index wins a tie.
@@ -149,9 +153,10 @@ class SeedSampler {
 
   size_t next(RandomEngine& engine) {
     for (;;) {
-      if (fresh_.size() == kFreshSeeds || rejections_ == kRejections || distances_are_guesses_)
-        meet_fresh_seeds();
-      if (!(cumulative_.back() > 0)) return add(first_free());
+      if (new_seeds_.size() == kMaxNewSeeds || rejections_ == kRejections || distances_are_guesses_)
+        update_distances();
+      if (!(cumulative_.back() > 0))
+        return add(static_cast<size_t>(std::ranges::find(is_seed_, 0) - is_seed_.begin()));
       const size_t proposal = propose(engine);
       if (is_seed_[proposal] == 0 && accept(proposal, engine)) return add(proposal);
       ++rejections_;
@@ -159,18 +164,14 @@ class SeedSampler {
   }
 
  private:
-  static constexpr size_t kFreshSeeds = kCenterLanes;
+  static constexpr size_t kMaxNewSeeds = kCenterLanes;
   static constexpr size_t kRejections = 16;
-
-  size_t first_free() const {
-    return static_cast<size_t>(std::find(is_seed_.begin(), is_seed_.end(), 0) - is_seed_.begin());
-  }
 
   size_t add(size_t seed) {
     // The first seed is drawn by weight alone: there are no distances yet.
     distances_are_guesses_ = seeds_++ == 0;
     is_seed_[seed] = 1;
-    fresh_.push_back(seed);
+    new_seeds_.push_back(seed);
     return seed;
   }
 
@@ -182,28 +183,24 @@ class SeedSampler {
 
   bool accept(size_t proposal, RandomEngine& engine) const {
     double distance = distances_[proposal];
-    for (const size_t seed : fresh_)
+    for (const size_t seed : new_seeds_)
       distance = std::min(distance, squared_distance(points_, proposal, points_, seed));
     return uniform_unit(engine) * distances_[proposal] < distance;
   }
 
-  void meet_fresh_seeds() {
+  void update_distances() {
     if (distances_are_guesses_)
       std::fill(distances_.begin(), distances_.end(), std::numeric_limits<double>::max());
     distances_are_guesses_ = false;
-    if (!fresh_.empty()) {
-      const Vocabulary fresh = make_vocabulary(rows_of(points_, fresh_));
-      for_chunks(distances_.size(), monitor_, [&](size_t begin, size_t end) {
-        const std::vector<uint32_t> rows = row_range(begin, end);
-        std::vector<NearestCenter> found(rows.size());
-        find_nearest_words(fresh, points_, rows, found.data());
-        for (size_t i = begin; i < end; ++i)
-          distances_[i] =
-              std::min(distances_[i],
-                       squared_distance(points_, i, points_, fresh_[found[i - begin].center]));
-      });
+    if (!new_seeds_.empty()) {
+      for_nearest(rows_of(points_, new_seeds_), points_, row_range(0, distances_.size()), monitor_,
+                  [&](uint32_t i, const NearestCenter& found) {
+                    distances_[i] =
+                        std::min(distances_[i],
+                                 squared_distance(points_, i, points_, new_seeds_[found.center]));
+                  });
     }
-    fresh_.clear();
+    new_seeds_.clear();
     rejections_ = 0;
     sum_masses();
   }
@@ -217,10 +214,10 @@ class SeedSampler {
   const cv::Mat& points_;
   const std::vector<double>& weights_;
   const Monitor& monitor_;
-  std::vector<double> distances_;  // squared distance to the nearest seed, without the fresh seeds
+  std::vector<double> distances_;  // squared distance to the nearest seed, without the new seeds
   std::vector<double> cumulative_;
   std::vector<char> is_seed_;
-  std::vector<size_t> fresh_;
+  std::vector<size_t> new_seeds_;
   size_t rejections_ = 0;
   size_t seeds_ = 0;
   bool distances_are_guesses_ = false;
@@ -247,34 +244,28 @@ cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& eng
   std::vector<size_t> candidates = {uniform_below(engine, n)};
   std::vector<NearestCenter> nearest(n, {std::numeric_limits<float>::infinity(), 0});
   std::vector<double> distances(n);
-  size_t met = 0;
-  const auto meet_candidates = [&] {
-    const Vocabulary fresh = make_vocabulary(
-        rows_of(points, {candidates.begin() + static_cast<ptrdiff_t>(met), candidates.end()}));
-    for_chunks(n, monitor, [&](size_t begin, size_t end) {
-      const std::vector<uint32_t> rows = row_range(begin, end);
-      std::vector<NearestCenter> found(rows.size());
-      find_nearest_words(fresh, points, rows, found.data());
-      for (size_t i = 0; i < rows.size(); ++i) {
-        found[i].center += static_cast<uint32_t>(met);
-        NearestCenter& own = nearest[begin + i];
-        if (nearer(found[i], own)) own = found[i];
-        distances[begin + i] = squared_distance(points, begin + i, points, candidates[own.center]);
-      }
+  size_t compared = 0;
+  const auto compare_candidates = [&] {
+    const cv::Mat fresh =
+        rows_of(points, {candidates.begin() + static_cast<ptrdiff_t>(compared), candidates.end()});
+    for_nearest(fresh, points, row_range(0, n), monitor, [&](uint32_t i, NearestCenter found) {
+      found.center += static_cast<uint32_t>(compared);
+      if (nearer(found, nearest[i])) nearest[i] = found;
+      distances[i] = squared_distance(points, i, points, candidates[nearest[i].center]);
     });
-    met = candidates.size();
+    compared = candidates.size();
   };
   for (size_t round = 0; round < kOversampleRounds; ++round) {
-    meet_candidates();
+    compare_candidates();
     double total = 0;
     for (const double distance : distances) total += distance;
     if (total <= 0) break;
     const double scale = static_cast<double>(count) / 2 / total;
     for (size_t i = 0; i < n; ++i)
       if (uniform_unit(engine) < scale * distances[i]) candidates.push_back(i);
-    if (candidates.size() == met) break;
+    if (candidates.size() == compared) break;
   }
-  if (candidates.size() > met) meet_candidates();
+  if (candidates.size() > compared) compare_candidates();
   if (candidates.size() < count) return {};
   std::vector<double> weights(candidates.size(), 0);
   for (const NearestCenter& own : nearest) weights[own.center] += 1;
@@ -282,79 +273,33 @@ cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& eng
   return rows_of(rows, plus_plus(rows, weights, count, engine, monitor));
 }
 
-cv::Mat choose_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
-                     const Monitor& monitor) {
-  const auto n = static_cast<size_t>(points.rows);
-  if (n * count >= kOversampleFrom) {
-    cv::Mat seeds = oversampled_seeds(points, count, engine, monitor);
-    if (!seeds.empty()) return seeds;
-  }
-  return rows_of(points, plus_plus(points, std::vector<double>(n, 1), count, engine, monitor));
-}
-
-/// A subset of the centers; results refer to the index among all centers.
-class CenterSubset {
- public:
-  CenterSubset(const cv::Mat& centers, std::vector<size_t> indices) : indices_(std::move(indices)) {
-    if (!indices_.empty()) vocabulary_ = make_vocabulary(rows_of(centers, indices_));
-  }
-  bool empty() const { return indices_.empty(); }
-  void find_nearest(const cv::Mat& points, std::span<const uint32_t> rows,
-                    NearestCenter* nearest) const {
-    find_nearest_words(vocabulary_, points, rows, nearest);
-    for (size_t i = 0; i < rows.size(); ++i)
-      nearest[i].center = static_cast<uint32_t>(indices_[nearest[i].center]);
-  }
-
- private:
-  std::vector<size_t> indices_;  // increasing, so that ties keep their order
-  Vocabulary vocabulary_;
-};
-
-/// The centers that moved since the last assignment of points.
-struct MovedCenters {
-  std::vector<char> has_moved;
-  CenterSubset moved;
-  CenterSubset stayed;
-};
-
-MovedCenters split_centers(const cv::Mat& centers, const std::vector<char>& has_moved) {
-  std::vector<size_t> moved;
-  std::vector<size_t> stayed;
-  for (size_t c = 0; c < has_moved.size(); ++c) (has_moved[c] != 0 ? moved : stayed).push_back(c);
-  return {has_moved, {centers, std::move(moved)}, {centers, std::move(stayed)}};
-}
-
 // Updates `nearest` after centers moved. A center that did not move is no nearer than the point's
 // own center was, so it is compared only with points whose own center moved and for which no moved
 // center is at least as near. Exact, because a score depends only on point and center.
-void reassign(const cv::Mat& points, const MovedCenters& centers,
+void reassign(const cv::Mat& points, const cv::Mat& centers, const std::vector<char>& has_moved,
               std::vector<NearestCenter>& nearest, const Monitor& monitor) {
-  for_chunks(nearest.size(), monitor, [&](size_t begin, size_t end) {
-    const std::vector<uint32_t> rows = row_range(begin, end);
-    std::vector<NearestCenter> found(rows.size());
-    centers.moved.find_nearest(points, rows, found.data());
-    std::vector<uint32_t> open;
-    for (size_t i = 0; i < rows.size(); ++i) {
-      NearestCenter& own = nearest[begin + i];
-      const bool stayed = centers.has_moved[own.center] == 0;
-      if (!stayed && !(found[i].score < own.score)) open.push_back(rows[i]);
-      if (!stayed || nearer(found[i], own)) own = found[i];
-    }
-    if (open.empty() || centers.stayed.empty()) return;
-    found.resize(open.size());
-    centers.stayed.find_nearest(points, open, found.data());
-    for (size_t i = 0; i < open.size(); ++i)
-      if (nearer(found[i], nearest[open[i]])) nearest[open[i]] = found[i];
-  });
+  std::vector<size_t> moved;  // increasing, so that ties keep their order
+  std::vector<size_t> stayed;
+  for (size_t c = 0; c < has_moved.size(); ++c) (has_moved[c] != 0 ? moved : stayed).push_back(c);
+  std::vector<char> is_open(nearest.size(), 0);
+  for_nearest(rows_of(centers, moved), points, row_range(0, nearest.size()), monitor,
+              [&](uint32_t i, NearestCenter found) {
+                found.center = static_cast<uint32_t>(moved[found.center]);
+                const bool own_stayed = has_moved[nearest[i].center] == 0;
+                is_open[i] = !own_stayed && !(found.score < nearest[i].score);
+                if (!own_stayed || nearer(found, nearest[i])) nearest[i] = found;
+              });
+  if (stayed.empty()) return;
+  std::vector<uint32_t> open = row_range(0, nearest.size());
+  std::erase_if(open, [&](uint32_t i) { return is_open[i] == 0; });
+  for_nearest(rows_of(centers, stayed), points, open, monitor,
+              [&](uint32_t i, NearestCenter found) {
+                found.center = static_cast<uint32_t>(stayed[found.center]);
+                if (nearer(found, nearest[i])) nearest[i] = found;
+              });
 }
 
 constexpr size_t kRowsAtOnce = 2048;  // rows that are compared together with the centers so far
-
-// In units of squared_distance.
-double squared_radius(const cv::Mat& points, double radius) {
-  return points.type() == CV_8U ? radius : radius * radius;
-}
 
 // Squared distances of the rows [begin, end) to the centers so far.
 std::vector<double> distances_to(const cv::Mat& points, const std::vector<size_t>& centers,
@@ -364,21 +309,10 @@ std::vector<double> distances_to(const cv::Mat& points, const std::vector<size_t
   const Vocabulary vocabulary = make_vocabulary(rows_of(points, centers));
   parallel_for(distances.size(), monitor, [&](size_t i) {
     const auto row = static_cast<uint32_t>(begin + i);
-    NearestCenter nearest;
-    find_nearest_words(vocabulary, points, {&row, 1}, &nearest);
+    const NearestCenter nearest = find_nearest_words(vocabulary, points, {&row, 1}).front();
     distances[i] = squared_distance(points, row, points, centers[nearest.center]);
   });
   return distances;
-}
-
-cv::Mat center_means(const cv::Mat& points, cv::Mat centers, const Monitor& monitor) {
-  const Vocabulary vocabulary = make_vocabulary(centers.clone());
-  std::vector<NearestCenter> nearest(static_cast<size_t>(points.rows));
-  for_chunks(nearest.size(), monitor, [&](size_t begin, size_t end) {
-    find_nearest_words(vocabulary, points, row_range(begin, end), nearest.data() + begin);
-  });
-  move_centers(points, nearest, centers, monitor);
-  return centers;
 }
 
 }  // namespace
@@ -393,12 +327,17 @@ cv::Mat kmeans_words(const cv::Mat& descriptors, const KmeansSettings& settings,
                     "frames, larger images, or another kind of --features",
                     settings.words, n));
   RandomEngine engine(settings.seed);
-  cv::Mat centers = choose_seeds(descriptors, settings.words, engine, monitor);
+  cv::Mat centers;
+  if (n * settings.words >= kOversampleFrom)
+    centers = oversampled_seeds(descriptors, settings.words, engine, monitor);
+  if (centers.empty())
+    centers = rows_of(descriptors, plus_plus(descriptors, std::vector<double>(n, 1), settings.words,
+                                             engine, monitor));
   std::vector<NearestCenter> nearest(n);
   std::vector<char> has_moved(settings.words, 1);
   StepCounter counter(monitor, "cluster", settings.iterations);
   for (size_t step = 0; step < settings.iterations; ++step) {
-    reassign(descriptors, split_centers(centers, has_moved), nearest, monitor);
+    reassign(descriptors, centers, has_moved, nearest, monitor);
     has_moved = move_centers(descriptors, nearest, centers, monitor);
     if (std::find(has_moved.begin(), has_moved.end(), 1) == has_moved.end()) break;
     counter.add();
@@ -415,7 +354,8 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
                 "cannot make words without descriptors; use more --pretrain "
                 "frames");
   const auto n = static_cast<size_t>(descriptors.rows);
-  const double limit = squared_radius(descriptors, radius);
+  // in units of squared_distance
+  const double limit = descriptors.type() == CV_8U ? radius : radius * radius;
   std::vector<size_t> centers;
   StepCounter counter(monitor, "cluster", n);
   for (size_t begin = 0; begin < n; begin += kRowsAtOnce) {
@@ -434,7 +374,12 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
                   fmt::format("a radius of {} makes more than {} words; use a larger radius",
                               radius, most_words));
   }
-  return center_means(descriptors, rows_of(descriptors, centers), monitor);
+  cv::Mat words = rows_of(descriptors, centers);
+  std::vector<NearestCenter> nearest(n);
+  for_nearest(words, descriptors, row_range(0, n), monitor,
+              [&](uint32_t i, const NearestCenter& found) { nearest[i] = found; });
+  move_centers(descriptors, nearest, words, monitor);
+  return words;
 }
 
 }  // namespace vpr

@@ -2,20 +2,11 @@
 // radius clustering, and functions that both share.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <numeric>
-#include <span>
 #include <vector>
 
 #include "base/monitor.h"
-#include "base/parallel.h"
-#include "base/random.h"
-#include "fabmap/nearest_center.h"
-
-namespace cv {
-class Mat;
-}
+#include "fabmap/vocabulary.h"
 
 namespace vpr {
 

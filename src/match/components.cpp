@@ -6,17 +6,17 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "match/zscore_model.h"
+#include "match/zscores.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kIterations = 8;
-constexpr double kCaution = 15;          // eigenvalue, in means of all, of which half is subtracted
+constexpr double kCaution = 15;  // relative eigenvalue of a component that is subtracted by half
 constexpr double kWeightUnit = 1 << 20;  // weights are multiples of 1 / kWeightUnit: sums are exact
 constexpr int kMostLoading = 127;
-constexpr int kMostCommon = 4095;  // the sum of all these products fits 16 bits
-constexpr double kUnitsABit = 8;
+constexpr int kMostComponentWeight = 4095;  // the sum of all these products fits 16 bits
+constexpr double kUnitsPerBit = 8;
 constexpr double kProductShift = 128;  // loading x weight / kProductShift is in units
 // relative to the sum of eigenvalues: smaller components do not exist
 constexpr double kLeastNorm = 1e-9;
@@ -27,15 +27,15 @@ using Vectors = std::vector<ComponentValues>;  // one entry per landmark
 double rounded(double value) { return std::floor(value + 0.5); }
 
 // The keyframes of every run of readable frames.
-std::vector<size_t> choose_landmarks(std::span<const DescriptorSpan> train,
+std::vector<size_t> choose_landmarks(std::span<const DescribedFrames> train,
                                      double typical_distance) {
   std::vector<size_t> frames;
   for (const FrameRun& run : readable_runs(train)) {
-    ViewQueue views = make_view_queue({}, typical_distance);
+    KeyframeQueue views = make_keyframe_queue({}, typical_distance);
     for (size_t i = 0; i < run.count; ++i) {
       const size_t frame = run.first_in_sequence + i;
-      if (!is_new_view(views, train[run.sequence].rows, frame)) continue;
-      push_view(views, frame);
+      if (!is_new_keyframe(views, train[run.sequence].rows, frame)) continue;
+      push_keyframe(views, frame);
       frames.push_back(run.first + i);
     }
   }
@@ -45,9 +45,9 @@ std::vector<size_t> choose_landmarks(std::span<const DescriptorSpan> train,
   return landmarks;
 }
 
-std::vector<DescriptorRow> all_rows(std::span<const DescriptorSpan> train) {
+std::vector<DescriptorRow> all_rows(std::span<const DescribedFrames> train) {
   std::vector<DescriptorRow> rows;
-  for (const DescriptorSpan& sequence : train)
+  for (const DescribedFrames& sequence : train)
     for (size_t i = 0; i < sequence.rows.size(); ++i) rows.push_back(sequence.rows[i]);
   return rows;
 }
@@ -155,18 +155,9 @@ Scales scales_of(const TrainComponents& components, const Similarities& matrix,
   return scales;
 }
 
-void set_factors(TrainComponents& components, const Scales& scales, const Similarities& matrix) {
-  const double chance = kCaution * matrix.trace / static_cast<double>(matrix.size);
-  for (size_t k = 0; k < kMaxComponents; ++k) {
-    const double share = scales.eigenvalue[k] / (scales.eigenvalue[k] + chance);
-    components.factor[k] =
-        share * scales.largest[k] / kMostLoading * kProductShift / common_unit(components.shape);
-  }
-}
-
 void set_loadings(TrainComponents& components, const Scales& scales, const Projector& project,
                   const std::vector<DescriptorRow>& rows, const Monitor& monitor) {
-  parallel_for((rows.size() + kPart - 1) / kPart, monitor, [&](size_t part) {
+  parallel_for(divide_up(rows.size(), kPart), monitor, [&](size_t part) {
     const size_t last = std::min(rows.size(), (part + 1) * kPart);
     for (size_t i = part * kPart; i < last; ++i) {
       const ComponentValues values = project(rows[i]);
@@ -188,7 +179,7 @@ TrainComponents no_components(size_t train_frames) {
   return components;
 }
 
-TrainComponents compute_components(std::span<const DescriptorSpan> train, double typical_distance,
+TrainComponents compute_components(std::span<const DescribedFrames> train, double typical_distance,
                                    const Monitor& monitor) {
   const std::vector<DescriptorRow> rows = all_rows(train);
   TrainComponents components = no_components(rows.size());
@@ -204,7 +195,12 @@ TrainComponents compute_components(std::span<const DescriptorSpan> train, double
   if (!(matrix.trace > 0)) return components;
   const Projector project = make_projector(components);
   const Scales scales = scales_of(components, matrix, project);
-  set_factors(components, scales, matrix);
+  const double chance = kCaution * matrix.trace / static_cast<double>(matrix.size);
+  for (size_t k = 0; k < kMaxComponents; ++k) {
+    const double share = scales.eigenvalue[k] / (scales.eigenvalue[k] + chance);
+    components.factor[k] =
+        share * scales.largest[k] / kMostLoading * kProductShift / component_unit(components.shape);
+  }
   set_loadings(components, scales, project, rows, monitor);
   return components;
 }
@@ -213,25 +209,25 @@ Projector make_projector(const TrainComponents& components) {
   return distance_of(components.shape.element).projector(components.rows(), components.weights);
 }
 
-CommonWeights common_weights(const TrainComponents& components, size_t count,
-                             const ComponentValues& of_frame) {
-  CommonWeights weights = {};
+ComponentWeights component_weights(const TrainComponents& components, size_t count,
+                                   const ComponentValues& of_frame) {
+  ComponentWeights weights = {};
   for (size_t k = 0; k < std::min(count, kMaxComponents); ++k)
-    weights[k] = static_cast<int16_t>(
-        std::clamp<double>(rounded(of_frame[k] * components.factor[k]), -kMostCommon, kMostCommon));
+    weights[k] = static_cast<int16_t>(std::clamp<double>(
+        rounded(of_frame[k] * components.factor[k]), -kMostComponentWeight, kMostComponentWeight));
   return weights;
 }
 
-int common_sum(const TrainComponents& components, const CommonWeights& weights,
-               size_t train_frame) {
+int component_sum(const TrainComponents& components, const ComponentWeights& weights,
+                  size_t train_frame) {
   int sum = 0;
   for (size_t k = 0; k < kMaxComponents; ++k)
-    sum += common_product(components.loadings[k][train_frame], weights[k]);
+    sum += component_product(components.loadings[k][train_frame], weights[k]);
   return sum;
 }
 
-double common_unit(const DescriptorShape& shape) {
-  return reference_bit(largest_distance(shape)) / kUnitsABit;
+double component_unit(const DescriptorShape& shape) {
+  return reference_bit(largest_distance(shape)) / kUnitsPerBit;
 }
 
 }  // namespace vpr

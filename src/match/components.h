@@ -1,4 +1,4 @@
-// The principal components of training frames, and what they subtract from a row of distances.
+// The principal components of training frames, which are subtracted from rows of distances.
 #pragma once
 
 #include <span>
@@ -16,12 +16,12 @@ inline constexpr size_t kMostLandmarks = 512;
 /// distances of at most kMostLandmarks of them, with a fixed number of orthogonal iterations: the
 /// same numbers on every machine and for any number of threads. Landmarks are spread evenly over
 /// the keyframes, which differ from the previous ones by a quarter of the typical distance
-/// (zscore_model.h), so that they do not depend on the walking speed. The subtracted share of a
+/// (zscores.h), so that they do not depend on the walking speed. The subtracted share of a
 /// component with eigenvalue w is w / (w + 15 t / n), where t is the sum of all eigenvalues and n
 /// the number of landmarks: most of a strong component, and almost nothing of one that this number
 /// of frames does not distinguish from noise. A component that does not exist has factor 0; none
 /// exists if all frames are equal. Throws Error(interrupted) once the user wants to stop.
-TrainComponents compute_components(std::span<const DescriptorSpan> train, double typical_distance,
+TrainComponents compute_components(std::span<const DescribedFrames> train, double typical_distance,
                                    const Monitor& monitor);
 
 /// Components that subtract nothing.
@@ -32,14 +32,15 @@ Projector make_projector(const TrainComponents& components);
 
 /// The first `count` components of a frame as used by the kernels: weights are rounded to nearest,
 /// ties up, and clamped at 512 bits of LDB (other distances: the same share of the largest one).
-using CommonWeights = std::array<int16_t, kMaxComponents>;
-CommonWeights common_weights(const TrainComponents& components, size_t count,
-                             const ComponentValues& of_frame);
+using ComponentWeights = std::array<int16_t, kMaxComponents>;
+ComponentWeights component_weights(const TrainComponents& components, size_t count,
+                                   const ComponentValues& of_frame);
 
-/// The amount subtracted from a frame's distance to a training frame, in units of common_unit().
-int common_sum(const TrainComponents& components, const CommonWeights& weights, size_t train_frame);
+/// The amount that is subtracted from a frame's distance to a training frame, in component_unit().
+int component_sum(const TrainComponents& components, const ComponentWeights& weights,
+                  size_t train_frame);
 
 /// An eighth of a bit of LDB, or the same share of another largest distance.
-double common_unit(const DescriptorShape& shape);
+double component_unit(const DescriptorShape& shape);
 
 }  // namespace vpr

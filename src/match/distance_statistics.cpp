@@ -6,8 +6,6 @@
 #include <limits>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -17,7 +15,6 @@ namespace {
 
 constexpr size_t kColumns = 1024;  // training frames per task
 constexpr size_t kRows = 64;       // sampled frames per tile
-constexpr uint64_t kMostSamples = 1'000'000;
 constexpr uint32_t kFewestDistances = 2;
 
 /// The neighbors [first, last) of a sampled frame, including itself.
@@ -39,22 +36,12 @@ struct ColumnSums {
   uint64_t squares = 0;
 };
 
-void check_settings(const StatisticsSettings& settings) {
-  if (settings.samples < 1 || settings.samples > kMostSamples)
-    throw Error(ErrorKind::usage, fmt::format("statistics.samples must be from 1 to {}, found {}",
-                                              kMostSamples, settings.samples));
-  if (!(settings.neighbor_share >= 0 && settings.neighbor_share <= 1))
-    throw Error(ErrorKind::usage,
-                fmt::format("statistics.neighbor_share must be from 0 to 1, found {}",
-                            settings.neighbor_share));
-}
-
-Samples make_samples(std::span<const DescriptorSpan> train, const StatisticsSettings& settings) {
+Samples make_samples(std::span<const DescribedFrames> train, const StatisticsSettings& settings) {
   Samples samples;
   const std::vector<size_t> frames = sampled_frames(train, settings);
   auto frame = frames.begin();
   size_t first = 0;
-  for (const DescriptorSpan& sequence : train) {
+  for (const DescribedFrames& sequence : train) {
     const size_t end = first + sequence.rows.size();
     const auto share = static_cast<uint64_t>(
         std::floor(settings.neighbor_share * static_cast<double>(sequence.rows.size())));
@@ -85,7 +72,7 @@ struct TileSums {
 };
 
 // The number of distances whose squares fit 32 bits; 64 for LDB.
-size_t rows_a_tile(const FrameDistances& distances) {
+size_t rows_per_tile(const FrameDistances& distances) {
   const uint64_t square = std::max<uint64_t>(uint64_t{distances.largest} * distances.largest, 1);
   return std::clamp<uint64_t>(std::numeric_limits<uint32_t>::max() / square, 1, kRows);
 }
@@ -94,7 +81,7 @@ size_t rows_a_tile(const FrameDistances& distances) {
 void sum_columns(const FrameDistances& distances, const std::vector<Neighbors>& neighbors,
                  size_t first, size_t count, ColumnSums* sums) {
   std::vector<uint16_t> values(kRows * kColumns);
-  const size_t most_rows = rows_a_tile(distances);
+  const size_t most_rows = rows_per_tile(distances);
   for (size_t row = 0; row < neighbors.size(); row += most_rows) {
     const size_t rows = std::min(most_rows, neighbors.size() - row);
     std::array<uint32_t, kRows> queries;
@@ -159,7 +146,7 @@ TrainStatistics summarize(const std::vector<ColumnSums>& sums, const std::vector
 
 }  // namespace
 
-std::vector<size_t> sampled_frames(std::span<const DescriptorSpan> train,
+std::vector<size_t> sampled_frames(std::span<const DescribedFrames> train,
                                    const StatisticsSettings& settings) {
   std::vector<size_t> frames;
   for (const FrameRun& run : readable_runs(train))
@@ -175,15 +162,16 @@ std::vector<size_t> sampled_frames(std::span<const DescriptorSpan> train,
   return chosen;
 }
 
-TrainStatistics compute_statistics(std::span<const DescriptorSpan> train,
+TrainStatistics compute_statistics(std::span<const DescribedFrames> train,
                                    const StatisticsSettings& settings, const Monitor& monitor) {
-  check_settings(settings);
+  require_range("statistics.samples", static_cast<double>(settings.samples), 1, 1e6);
+  require_range("statistics.neighbor_share", settings.neighbor_share, 0, 1);
   const Samples samples = make_samples(train, settings);
   const DescriptorShape shape = train.empty() ? kLdbShape : train.front().rows.shape;
   const FrameDistances distances = frame_distances(train, {{shape, samples.bytes}, {}});
   const size_t frames = distances.train_frames;
   std::vector<ColumnSums> sums(frames);
-  const size_t parts = (frames + kColumns - 1) / kColumns;
+  const size_t parts = divide_up(frames, kColumns);
   StepCounter counter(monitor, "statistics", parts);
   parallel_for(parts, monitor, [&](size_t part) {
     const size_t first = part * kColumns;

@@ -7,8 +7,6 @@
 #include <limits>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/exponentials.h"
 #include "base/parallel.h"
@@ -33,15 +31,6 @@ constexpr std::array<FilterRate, kRates> kFilterRates = {{
     {0.1, {0.5, 0.49, 0.01}},
     {0.08, {0.05, 0.9, 0.05}},
 }};
-
-void require(bool is_fine, const char* key, const char* range, double found) {
-  if (!is_fine)
-    throw Error(ErrorKind::usage, fmt::format("filter.{} must be {}, found {}", key, range, found));
-}
-
-void require_chance(const char* key, double chance) {
-  require(chance >= 1e-9 && chance <= 0.5, key, "from 1e-9 to 0.5", chance);
-}
 
 // exp(-sharpness * (z - unmatched)), for z in the middle of kScoresPerLikelihood scores.
 std::vector<float> likelihood_table(const FilterSettings& settings) {
@@ -100,17 +89,17 @@ double sum_masses(const FilterState& state, size_t first, size_t last) {
 
 FilterStep next_step(const FilterState& state) {
   const FilterSettings& settings = state.settings;
-  const double nowhere = state.nowhere / state.total;
+  const double off_map = state.off_map / state.total;
   const double kept = (1 - settings.jump) * (1 - settings.enter) / state.total;
-  const double born =
-      ((1 - nowhere) * settings.jump * (1 - settings.enter) + nowhere * settings.leave) /
+  const double entering =
+      ((1 - off_map) * settings.jump * (1 - settings.enter) + off_map * settings.leave) /
       static_cast<double>(state.cells.places);
   FilterStep step;
   for (size_t r = 0; r < kRates; ++r) {
     const FilterRate& rate = kFilterRates[r];
     for (size_t s = 0; s < kSteps; ++s)
       step.weights[r][s] = static_cast<float>(rate.steps[s] * kept);
-    step.born[r] = static_cast<float>(rate.prior * born);
+    step.entering[r] = static_cast<float>(rate.prior * entering);
     step.change[r] = static_cast<float>(settings.rate_change * rate.prior);
   }
   step.stay = static_cast<float>(1 - settings.rate_change);
@@ -134,7 +123,7 @@ void find_values(FilterState& state) {
   const auto value_of = [&](float mass) {
     return kScoreBias + (whole - std::min(whole, logarithm(state, mass))) / kFraction;
   };
-  state.nowhere_value = value_of(static_cast<float>(state.nowhere));
+  state.nowhere_value = value_of(static_cast<float>(state.off_map));
   for_chunks(state.cells.size(), [&](size_t, size_t first, size_t last) {
     for (size_t cell = first; cell < last; ++cell)
       state.values[cell] = state.masses[cell] > 0 ? value_of(state.masses[cell]) : kNoValue;
@@ -151,7 +140,7 @@ uint16_t score_of(double distance, const ScoreScale& scale) {
       std::clamp(std::floor((z * kScoreUnit + kScoreBias) + 0.5), 0.0, 65535.0));
 }
 
-size_t end_of(const SeenView& view) { return view.first + view.distances.size(); }
+size_t end_of(const PathKeyframe& view) { return view.first + view.distances.size(); }
 
 /// Cells [first, end) of one run.
 struct Stretch {
@@ -159,9 +148,9 @@ struct Stretch {
   size_t end = 0;
 };
 
-Stretch around_path(const std::vector<const SeenView*>& views) {
+Stretch around_path(const std::vector<const PathKeyframe*>& views) {
   Stretch stretch{views.front()->first, 0};
-  for (const SeenView* view : views) {
+  for (const PathKeyframe* view : views) {
     stretch.first = std::min(stretch.first, view->first);
     stretch.end = std::max(stretch.end, end_of(*view));
   }
@@ -181,7 +170,7 @@ FilterCells cells_of(const Stretch& stretch, size_t places) {
 
 // The margin for the last keyframe of a filter whose cells are `stretch`.
 uint32_t margin_near(const FilterState& filter, const Stretch& stretch, size_t best) {
-  const size_t near = filter.settings.near_views;
+  const size_t near = filter.settings.near_keyframes;
   const size_t first = std::max(stretch.first, best - std::min(best, near));
   const size_t end = std::min(stretch.end, best + near + 1);
   const auto value = [&](size_t cell) {
@@ -196,28 +185,20 @@ uint32_t margin_near(const FilterState& filter, const Stretch& stretch, size_t b
 const std::array<FilterRate, kRates>& filter_rates() { return kFilterRates; }
 
 void check_filter(const FilterSettings& settings) {
-  require(settings.keyframe_change >= 0 && settings.keyframe_change <= 10, "keyframe_change",
-          "from 0 to 10", settings.keyframe_change);
-  require(settings.sharpness >= 0.05 && settings.sharpness <= 2, "sharpness", "from 0.05 to 2",
-          settings.sharpness);
-  require(settings.unmatched >= -8 && settings.unmatched <= 8, "unmatched", "from -8 to 8",
-          settings.unmatched);
-  require_chance("jump", settings.jump);
-  require_chance("enter", settings.enter);
-  require_chance("leave", settings.leave);
-  require_chance("rate_change", settings.rate_change);
-  require(settings.near_views <= 1'000'000, "near_views", "from 0 to 1000000",
-          static_cast<double>(settings.near_views));
-  require(settings.establish_views <= 1'000'000, "establish_views", "from 0 to 1000000",
-          static_cast<double>(settings.establish_views));
-  require(settings.establish_margin >= 0 && settings.establish_margin <= 1000, "establish_margin",
-          "from 0 to 1000 deviations", settings.establish_margin);
-  require(settings.support >= -32 && settings.support <= 32, "support", "from -32 to 32",
-          settings.support);
-  require(settings.establish_evidence >= 0 && settings.establish_evidence <= 1e6,
-          "establish_evidence", "from 0 to 1e6 deviations", settings.establish_evidence);
-  require(settings.present_support >= 0 && settings.present_support <= 2.5, "present_support",
-          "from 0 to 2.5", settings.present_support);
+  require_range("filter.keyframe_change", settings.keyframe_change, 0, 10);
+  require_range("filter.sharpness", settings.sharpness, 0.05, 2);
+  require_range("filter.unmatched", settings.unmatched, -8, 8);
+  require_range("filter.jump", settings.jump, 1e-9, 0.5);
+  require_range("filter.enter", settings.enter, 1e-9, 0.5);
+  require_range("filter.leave", settings.leave, 1e-9, 0.5);
+  require_range("filter.rate_change", settings.rate_change, 1e-9, 0.5);
+  require_range("filter.near_keyframes", static_cast<double>(settings.near_keyframes), 0, 1e6);
+  require_range("filter.confirm_keyframes", static_cast<double>(settings.confirm_keyframes), 0,
+                1e6);
+  require_range("filter.confirm_margin", settings.confirm_margin, 0, 1000);
+  require_range("filter.support", settings.support, -32, 32);
+  require_range("filter.confirm_evidence", settings.confirm_evidence, 0, 1e6);
+  require_range("filter.present_support", settings.present_support, 0, 2.5);
 }
 
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,
@@ -249,7 +230,7 @@ void place_filter(FilterState& state, FilterCells cells) {
 }
 
 void restart_filter(FilterState& state) {
-  state.nowhere = 0.5;
+  state.off_map = 0.5;
   state.total = 1;
   const double everywhere = 0.5 / static_cast<double>(std::max<size_t>(state.cells.places, 1));
   for (size_t r = 0; r < kRates; ++r) {
@@ -278,9 +259,9 @@ void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
     sums[chunk] = sum_masses(state, first, last);
   });
   std::swap(state.before, state.after);
-  const double nowhere = state.nowhere / state.total;
-  state.nowhere = nowhere * (1 - state.settings.leave) + (1 - nowhere) * state.settings.enter;
-  state.total = std::accumulate(sums.begin(), sums.end(), state.nowhere);
+  const double off_map = state.off_map / state.total;
+  state.off_map = off_map * (1 - state.settings.leave) + (1 - off_map) * state.settings.enter;
+  state.total = std::accumulate(sums.begin(), sums.end(), state.off_map);
   find_values(state);
 }
 
@@ -315,58 +296,58 @@ size_t view_end(const FilterCells& cells, const CellRun& run, size_t cell) {
   return cell + 1 < run.first + run.count ? cells.frames[cell + 1] : run.frames_end;
 }
 
-SecondLook start_second_look(const FilterState& filter) {
-  SecondLook look;
-  look.filter.settings = filter.settings;
-  look.filter.kernels = filter.kernels;
-  look.filter.likelihood_of = filter.likelihood_of;
-  look.filter.logarithms = filter.logarithms;
-  look.filter.octave = filter.octave;
-  return look;
+Rescoring start_rescoring(const FilterState& filter) {
+  Rescoring rescoring;
+  rescoring.filter.settings = filter.settings;
+  rescoring.filter.kernels = filter.kernels;
+  rescoring.filter.likelihood_of = filter.likelihood_of;
+  rescoring.filter.logarithms = filter.logarithms;
+  rescoring.filter.octave = filter.octave;
+  return rescoring;
 }
 
-void see_view(SecondLook& look, const FilterCells& cells, std::span<const uint16_t> scores,
-              const std::function<ScoreScale(size_t)>& scale, size_t cell) {
-  const size_t near = look.filter.settings.near_views;
+void add_keyframe(Rescoring& rescoring, const FilterCells& cells, std::span<const uint16_t> scores,
+                  const std::function<ScoreScale(size_t)>& scale, size_t cell) {
+  const size_t near = rescoring.filter.settings.near_keyframes;
   const CellRun& run = run_of(cells, cell);
-  SeenView view{cell, std::max(run.first, cell - std::min(cell, near)), {}};
+  PathKeyframe view{cell, std::max(run.first, cell - std::min(cell, near)), {}};
   const size_t end = std::min(run.first + run.count, cell + near + 1);
   for (size_t c = view.first; c < end; ++c) {
     const ScoreScale made = scale(cells.frames[c]);
     view.distances.push_back(made.mean + made.deviation * deviations(scores[cells.frames[c]]));
   }
-  look.views.push_back(std::move(view));
-  if (look.views.size() > kRereadViews) look.views.pop_front();
+  rescoring.views.push_back(std::move(view));
+  if (rescoring.views.size() > kRescoredKeyframes) rescoring.views.pop_front();
 }
 
-PathReading read_again(SecondLook& look, const FilterCells& cells,
-                       const std::function<ScoreScale(size_t)>& scale) {
-  assert(!look.views.empty());
-  const SeenView& last = look.views.back();
+RescoredPath rescore(Rescoring& rescoring, const FilterCells& cells,
+                     const std::function<ScoreScale(size_t)>& scale) {
+  assert(!rescoring.views.empty());
+  const PathKeyframe& last = rescoring.views.back();
   const CellRun& run = run_of(cells, last.best);
-  std::vector<const SeenView*> of_run;
-  for (const SeenView& view : look.views)
+  std::vector<const PathKeyframe*> of_run;
+  for (const PathKeyframe& view : rescoring.views)
     if (view.first >= run.first && view.first < run.first + run.count) of_run.push_back(&view);
   const Stretch stretch = around_path(of_run);
   std::vector<ScoreScale> scales;
   for (size_t c = stretch.first; c < stretch.end; ++c) scales.push_back(scale(cells.frames[c]));
 
-  PathReading reading;
-  for (const SeenView& view : look.views) {
+  RescoredPath reading;
+  for (const PathKeyframe& view : rescoring.views) {
     const uint16_t score =
         score_of(view.distances[view.best - view.first], scale(cells.frames[view.best]));
     reading.supports.push_back(static_cast<int32_t>(kScoreBias) - score);
   }
-  place_filter(look.filter, cells_of(stretch, cells.places));
+  place_filter(rescoring.filter, cells_of(stretch, cells.places));
   std::vector<uint16_t> scores(stretch.end - stretch.first);
-  for (const SeenView* view : of_run) {
+  for (const PathKeyframe* view : of_run) {
     std::fill(scores.begin(), scores.end(), kWorstScore);
     const size_t offset = view->first - stretch.first;
     for (size_t k = 0; k < view->distances.size(); ++k)
       scores[offset + k] = score_of(view->distances[k], scales[offset + k]);
-    advance_filter(look.filter, scores);
+    advance_filter(rescoring.filter, scores);
   }
-  reading.margin = margin_near(look.filter, stretch, last.best);
+  reading.margin = margin_near(rescoring.filter, stretch, last.best);
   return reading;
 }
 

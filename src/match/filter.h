@@ -69,7 +69,7 @@ struct FilterState {
   std::array<std::vector<float>, kRates> before;  ///< by rate: after changes of the rate
   std::array<std::vector<float>, kRates> after;
   std::vector<float> masses;     ///< of every cell, summed over rates
-  double nowhere = 0;            ///< mass of the off-map state
+  double off_map = 0;            ///< mass of the off-map state
   double total = 1;              ///< total mass
   std::vector<uint32_t> values;  ///< of every cell: kScoreBias and -log(mass / total) / sharpness
   uint32_t nowhere_value = 0;
@@ -95,46 +95,46 @@ void restart_filter(FilterState& state);
 
 /// Adds a keyframe of the query: its z-scores to all training frames, in the format of
 /// ScoreKernels::to_zscores. Values, also of the off-map state, are integers in units of 1/1024
-/// deviations; smaller is likelier. Time O(cells). Unspecified if there are no places.
+/// deviations; smaller is likelier. Time O(cells). Unspecified without places.
 void advance_filter(FilterState& state, std::span<const uint16_t> scores);
 
 /// The maximum number of keyframes of a path that are re-scored.
-inline constexpr size_t kRereadViews = 48;
+inline constexpr size_t kRescoredKeyframes = 48;
 
 /// The re-scored keyframes of a path.
-struct PathReading {
+struct RescoredPath {
   /// -z at the best places of its keyframes, in scores; oldest first
   std::vector<int32_t> supports;
-  uint32_t margin = 0;  ///< how much likelier it is than the off-map state, in scores
+  uint32_t margin = 0;  ///< over the off-map state, in scores
 };
 
 /// A keyframe of a path, and its distances to the places around its best one.
-struct SeenView {
+struct PathKeyframe {
   size_t best = 0;                ///< cell
   size_t first = 0;               ///< cell
   std::vector<double> distances;  ///< centered, to the cells from `first` on, which are in one run
 };
 
-/// The early keyframes of a query are scored with little more than the training statistics. Later
-/// statistics improve their scores as well: the z-scores of a path are recomputed, and a filter
-/// over its places and the off-map state processes them from the first keyframe to the last.
-struct SecondLook {
+/// The early keyframes of a query are scored mainly with training statistics. Later statistics are
+/// better: the z-scores of a path are recomputed with them, and a filter over its places and the
+/// off-map state processes them from the first keyframe to the last.
+struct Rescoring {
   FilterState filter;  ///< its cells are those around the path
-  std::deque<SeenView> views;
+  std::deque<PathKeyframe> views;
 };
 
 /// `filter`: the filter over all places.
-SecondLook start_second_look(const FilterState& filter);
+Rescoring start_rescoring(const FilterState& filter);
 
 /// Adds a keyframe of the path, whose best place is `cell`, and its scores to all training frames.
 /// `scale`: the statistics of the scores.
-void see_view(SecondLook& look, const FilterCells& cells, std::span<const uint16_t> scores,
-              const std::function<ScoreScale(size_t)>& scale, size_t cell);
+void add_keyframe(Rescoring& rescoring, const FilterCells& cells, std::span<const uint16_t> scores,
+                  const std::function<ScoreScale(size_t)>& scale, size_t cell);
 
 /// Re-scores the keyframes with the statistics `scale`. The margin is the margin of the likeliest
-/// place within near_views of the last best one; keyframes before an unreadable training frame add
-/// nothing to it. There must be a keyframe. Time O(keyframes * near_views).
-PathReading read_again(SecondLook& look, const FilterCells& cells,
-                       const std::function<ScoreScale(size_t)>& scale);
+/// place within near_keyframes of the last best one; keyframes before an unreadable training frame
+/// add nothing to it. There must be a keyframe. Time O(keyframes * near_keyframes).
+RescoredPath rescore(Rescoring& rescoring, const FilterCells& cells,
+                     const std::function<ScoreScale(size_t)>& scale);
 
 }  // namespace vpr

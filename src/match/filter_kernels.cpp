@@ -27,7 +27,7 @@ HWY_INLINE void StepCells(Tag d, const FilterStep& step, const float* likelihood
     auto sum = hn::Mul(hn::Set(d, step.weights[r][0]), hn::LoadU(d, from));
     sum = hn::Add(sum, hn::Mul(hn::Set(d, step.weights[r][1]), hn::LoadU(d, from - 1)));
     sum = hn::Add(sum, hn::Mul(hn::Set(d, step.weights[r][2]), hn::LoadU(d, from - 2)));
-    fresh[r] = hn::Mul(likelihood, hn::Add(sum, hn::Set(d, step.born[r])));
+    fresh[r] = hn::Mul(likelihood, hn::Add(sum, hn::Set(d, step.entering[r])));
   }
   auto mass = fresh[0];
   for (size_t r = 1; r < kRates; ++r) mass = hn::Add(mass, fresh[r]);

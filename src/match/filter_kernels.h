@@ -21,15 +21,15 @@ using ConstRateArrays = std::array<const float*, kRates>;
 struct FilterStep {
   /// By rate and step: its probability, times the normalization of masses.
   std::array<std::array<float, kSteps>, kRates> weights;
-  std::array<float, kRates> born;    ///< mass that comes to each cell from anywhere
-  std::array<float, kRates> change;  ///< share of a cell's mass that changes to the rate
-  float stay = 0;                    ///< share of a rate's mass that stays with it
+  std::array<float, kRates> entering;  ///< mass that enters each cell by jumps and from off the map
+  std::array<float, kRates> change;    ///< share of a cell's mass that changes to the rate
+  float stay = 0;                      ///< share of a rate's mass that stays with it
 };
 
 struct FilterKernels {
   /// For cells [first, first + count) and every rate r, with s = kFirstSteps[r]:
   ///   new(r) = likelihood * (((w0 * before(cell - s) + w1 * before(cell - s - 1)) +
-  ///            w2 * before(cell - s - 2)) + born)
+  ///            w2 * before(cell - s - 2)) + entering)
   /// mass = the sum of new(r), in the order of rates, and after(r) = stay * new(r) + change * mass.
   /// Single operations, never fused: all targets give the same bits. Reads the kLongestStep cells
   /// before `first`; arrays must not overlap.

@@ -31,9 +31,9 @@ BestPlace find_best(const PathTrack& track, const FilterState& state) {
   return best;
 }
 
-uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_t cell) {
+uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_t cell) {
   const size_t sequence = run_of(state.cells, cell).sequence;
-  const size_t near = state.settings.near_views;
+  const size_t near = state.settings.near_keyframes;
   const size_t before = cell - std::min(cell, near);  // the first near cell
   uint32_t least = kNoValue;
   for (const CellRun& run : state.cells.runs) {
@@ -48,11 +48,11 @@ uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_
   return least;
 }
 
-bool goes_on(const PathTrack& track, const FilterState& state, size_t cell) {
+bool continues_path(const PathTrack& track, const FilterState& state, size_t cell) {
   if (track.views == 0) return false;
   const size_t last = track.last.cell;
   const size_t gap = std::max(cell, last) - std::min(cell, last);
-  return gap <= state.settings.near_views &&
+  return gap <= state.settings.near_keyframes &&
          run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
 }
 
@@ -89,29 +89,30 @@ bool is_as_long(const PathTrack& track, size_t views) {
 }
 
 // Similar places support a path as well, but less; a longer path needs less.
-bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+bool is_confirmable(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
   const auto has = [&](double share) {
-    return margin >= in_scores(share * settings.establish_margin) &&
+    return margin >= in_scores(share * settings.confirm_margin) &&
            usual_support(track) >= share * settings.support * kScoreUnit;
   };
-  const bool has_evidence = track.evidence >= in_scores(settings.establish_evidence) &&
-                            margin >= in_scores(settings.establish_margin);
-  return has_evidence || (is_as_long(track, settings.establish_views) && has(1)) ||
-         (is_as_long(track, 2 * settings.establish_views) && has(kLongShare));
+  const bool has_evidence = track.evidence >= in_scores(settings.confirm_evidence) &&
+                            margin >= in_scores(settings.confirm_margin);
+  return has_evidence || (is_as_long(track, settings.confirm_keyframes) && has(1)) ||
+         (is_as_long(track, 2 * settings.confirm_keyframes) && has(kLongShare));
 }
 
 // `margin` is the margin of the place, confirmed or not.
-void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin, double excess) {
-  if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
+void update_confirmation(PathTrack& track, const FilterSettings& settings, uint32_t margin,
+                         double excess) {
+  if (track.views == 1 || margin == 0 || track.support < 0) track.is_confirmed = false;
   const bool is_now = is_present(track, margin, excess, settings.present_support);
-  if (is_now && !track.is_established && establishes(track, settings, margin)) {
-    track.is_established = true;
+  if (is_now && !track.is_confirmed && is_confirmable(track, settings, margin)) {
+    track.is_confirmed = true;
     ++track.number;
   }
-  track.last.track = track.is_established ? track.number : 0;
-  const bool is_enough = is_as_long(track, 2 * settings.establish_views) ||
-                         margin >= in_scores(settings.establish_margin);
-  track.last.margin = track.is_established && is_now && is_enough ? margin : 0;
+  track.last.track = track.is_confirmed ? track.number : 0;
+  const bool is_enough = is_as_long(track, 2 * settings.confirm_keyframes) ||
+                         margin >= in_scores(settings.confirm_margin);
+  track.last.margin = track.is_confirmed && is_now && is_enough ? margin : 0;
   track.margins.push_back(margin);
   if (track.margins.size() > kMarginViews) track.margins.pop_front();
 }
@@ -123,7 +124,7 @@ void begin_path(PathTrack& track, size_t cell) {
   track.recent.clear();
 }
 
-void weigh(PathTrack& track, std::vector<int32_t> supports) {
+void update_support(PathTrack& track, std::vector<int32_t> supports) {
   const int64_t most = in_scores(kMostEvidence);
   track.supports = std::move(supports);
   track.support = 0;
@@ -137,19 +138,19 @@ void weigh(PathTrack& track, std::vector<int32_t> supports) {
 
 }  // namespace
 
-void follow_view(PathTrack& track, const FilterState& state, const QueryView& view) {
+void follow_keyframe(PathTrack& track, const FilterState& state, const QueryKeyframe& view) {
   const BestPlace best = find_best(track, state);
   double excess = 0;
-  const bool begins = !goes_on(track, state, best.cell);
+  const bool begins = !continues_path(track, state, best.cell);
   if (begins) {
     begin_path(track, best.cell);
-  } else if (view.walked_change) {
-    excess = view.change - view.walked_change(track.last.cell, best.cell);
+  } else if (view.train_change) {
+    excess = view.change - view.train_change(track.last.cell, best.cell);
   }
   const size_t frame = state.cells.frames[best.cell];
   ++track.views;
-  PathReading reading = view.read_path(best.cell, begins);
-  weigh(track, std::move(reading.supports));
+  RescoredPath reading = view.rescore_path(best.cell, begins);
+  update_support(track, std::move(reading.supports));
   track.recent.push_back({view.frame, frame});
   if (track.recent.size() > kRecentViews) track.recent.pop_front();
   track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt, 0};
@@ -159,9 +160,9 @@ void follow_view(PathTrack& track, const FilterState& state, const QueryView& vi
     track.last.rate =
         static_cast<double>(passed) / static_cast<double>(view.frame - from.query_frame);
   }
-  const uint32_t elsewhere = least_elsewhere(track, state, best.cell);
+  const uint32_t elsewhere = runner_up_value(track, state, best.cell);
   const uint32_t ahead = elsewhere - std::min(elsewhere, best.value);
-  judge(track, state.settings, std::min(ahead, reading.margin), excess);
+  update_confirmation(track, state.settings, std::min(ahead, reading.margin), excess);
 }
 
 PathFrame path_at(const PathTrack& track, const FilterCells& cells, size_t query_frame) {

@@ -1,84 +1,39 @@
 #include "match/frame_distances.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/parallel.h"
-#include "match/given_distances.h"
-#include "match/plain.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the second-level cache
+constexpr size_t kChunkFrames = 2048;
+constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
-constexpr std::array<DistanceKind, 6> kKinds = {{
-    {"hamming",
-     ElementType::bits,
-     {"bits", 1},
-     largest_hamming,
-     hamming_distance,
-     plain_hamming,
-     plain_hamming_unrounded,
-     hamming_projector,
-     hamming_distances},
-    {"cosine",
-     ElementType::int8,
-     {"units of cosine distance", 2.0 / 65535},
-     largest_cosine,
-     cosine_distance,
-     plain_cosine,
-     plain_cosine_unrounded,
-     cosine_projector,
-     cosine_distances},
-    {"cosine of 16-bit integers",
-     ElementType::int16,
-     {"units of cosine distance", 2.0 / 65535},
-     largest_cosine,
-     wide_cosine_distance,
-     plain_wide_cosine,
-     plain_wide_cosine_unrounded,
-     wide_cosine_projector,
-     wide_cosine_distances},
-    {"euclidean",
-     ElementType::points16,
-     {"units of coordinates", 1},
-     largest_point,
-     point_distance,
-     plain_point,
-     plain_point_unrounded,
-     point_projector,
-     point_distances},
-    {"absolute differences",
-     ElementType::gray_levels,
-     {"256ths of a gray level", 1.0 / 256},
-     largest_gray,
-     gray_distance,
-     plain_gray,
-     plain_gray_unrounded,
-     gray_projector,
-     gray_distances},
-    {"given",
-     ElementType::frame_numbers,
-     {"units of the scores", 1},
-     largest_given,
-     number_distance,
-     number_distance,
-     [](DescriptorRow a, DescriptorRow b) -> double { return number_distance(a, b); },
-     number_projector,
-     given_distances},
-}};
+constexpr std::array<const DistanceKind*, 6> kKinds = {&kHammingDistance,    &kCosineDistance,
+                                                       &kWideCosineDistance, &kPointDistance,
+                                                       &kGrayDistance,       &kPrecomputedDistance};
 
-void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorShape& shape) {
-  for (const DescriptorSpan& sequence : sequences)
-    if (!sequence.rows.empty() && sequence.rows.shape != shape)
-      throw Error(ErrorKind::data,
-                  fmt::format("descriptors of {} and of {} elements can't be compared",
-                              sequence.rows.shape.length, shape.length));
+FrameDistances compare(const std::vector<DescribedFrames>& train, const DescribedFrames& query,
+                       const PreparedTraining& prepared) {
+  FrameDistances distances;
+  distances.largest = largest_distance(query.rows.shape);
+  distances.unit = distance_of(query.rows.shape.element).unit;
+  distances.train = train;
+  distances.query = query;
+  distances.train_frames = count_frames(train);
+  distances.query_frames = query.rows.size();
+  distances.train_runs = readable_runs(train);
+  distances.query_runs = readable_runs(query);
+  distances.readable_frames = count_windows(distances.train_runs, 1);
+  prepared(distances);
+  distances.of_query = [train, prepared](const DescribedFrames& other) {
+    return compare(train, other, prepared);
+  };
+  return distances;
 }
 
 uint64_t total_of_row(const FrameDistances& distances, size_t query) {
@@ -99,31 +54,61 @@ uint64_t total_of_pairs(const FrameDistances& distances) {
 
 }  // namespace
 
+std::vector<FrameRun> readable_runs(const DescribedFrames& sequence) {
+  return readable_runs({&sequence, 1});
+}
+
+std::vector<FrameRun> readable_runs(std::span<const DescribedFrames> sequences) {
+  std::vector<FrameRun> runs;
+  size_t first = 0;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    size_t start = 0;
+    const auto close = [&](size_t end) {
+      if (end > start) runs.push_back({first + start, end - start, s, start});
+      start = end + 1;
+    };
+    for (const size_t frame : sequences[s].unreadable) close(frame);
+    close(sequences[s].rows.size());
+    first += sequences[s].rows.size();
+  }
+  return runs;
+}
+
+size_t count_frames(std::span<const DescribedFrames> sequences) {
+  size_t frames = 0;
+  for (const DescribedFrames& sequence : sequences) frames += sequence.rows.size();
+  return frames;
+}
+
+size_t count_windows(std::span<const FrameRun> runs, size_t window_length) {
+  size_t windows = 0;
+  for (const FrameRun& run : runs) windows += run.windows(window_length);
+  return windows;
+}
+
+std::vector<uint8_t> readable_flags(std::span<const FrameRun> runs, size_t frames) {
+  std::vector<uint8_t> readable(frames, 0);
+  for (const FrameRun& run : runs)
+    std::fill_n(readable.begin() + static_cast<ptrdiff_t>(run.first), run.count, uint8_t{1});
+  return readable;
+}
+
 const DistanceKind& distance_of(ElementType element) {
-  const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
-                                 [&](const DistanceKind& row) { return row.element == element; });
+  const auto kind = std::ranges::find(kKinds, element, &DistanceKind::element);
   assert(kind != kKinds.end());
-  return *kind;
+  return **kind;
 }
 
-FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
-  check_shapes(train, query.rows.shape);
-  return distance_of(query.rows.shape.element).make(train, query);
-}
-
-FrameDistances frames_to_compare(std::span<const DescriptorSpan> train,
-                                 const DescriptorSpan& query) {
-  FrameDistances distances;
-  distances.largest = largest_distance(query.rows.shape);
-  distances.unit = distance_of(query.rows.shape.element).unit;
-  distances.train.assign(train.begin(), train.end());
-  distances.query = query;
-  distances.train_frames = count_frames(train);
-  distances.query_frames = query.rows.size();
-  distances.train_runs = readable_runs(train);
-  distances.query_runs = readable_runs(query);
-  distances.readable_frames = count_windows(distances.train_runs, 1);
-  return distances;
+FrameDistances frame_distances(std::span<const DescribedFrames> train,
+                               const DescribedFrames& query) {
+  const DescriptorShape& shape = query.rows.shape;
+  for (const DescribedFrames& sequence : train)
+    if (!sequence.rows.empty() && sequence.rows.shape != shape)
+      throw Error(ErrorKind::data,
+                  fmt::format("descriptors of {} and of {} elements can't be compared",
+                              sequence.rows.shape.length, shape.length));
+  return compare({train.begin(), train.end()}, query,
+                 distance_of(shape.element).prepare(train, shape));
 }
 
 uint16_t largest_distance(const DescriptorShape& shape) {
@@ -134,13 +119,24 @@ uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b) {
   return distance_of(rows.shape.element).pair(rows[a], rows[b]);
 }
 
+void for_each_chunk(size_t frames, const std::function<void(size_t first, size_t last)>& body) {
+  const size_t parts = std::clamp<size_t>(frames / kFramesPerThread, 1, thread_count());
+  const size_t part = round_up(divide_up(frames, parts), kChunkFrames);
+  const auto run = [&](size_t p) {
+    const size_t end = std::min((p + 1) * part, frames);
+    for (size_t first = p * part; first < end; first += kChunkFrames)
+      body(first, std::min(first + kChunkFrames, end));
+  };
+  if (parts == 1) return run(0);
+  parallel_for(parts, {}, run);
+}
+
 void compute_row(const FrameDistances& distances, size_t query, std::vector<uint16_t>& row) {
-  const size_t frames = distances.train_frames;
   const auto asked = static_cast<uint32_t>(query);
-  row.resize(frames + kStretchFrames);
-  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
+  row.resize(distances.train_frames + kBlockFrames);
+  parallel_for(divide_up(distances.train_frames, kChunkFrames), {}, [&](size_t chunk) {
     const size_t first = chunk * kChunkFrames;
-    const size_t last = std::min(first + kChunkFrames, frames);
+    const size_t last = std::min(first + kChunkFrames, distances.train_frames);
     distances.tile({&asked, 1}, first, last, row.data() + first, 0);
   });
 }

@@ -1,6 +1,7 @@
 // Distances of query frames to training frames: integers, for descriptors of any kind.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -8,13 +9,47 @@
 #include <string_view>
 #include <vector>
 
-#include "match/frame_runs.h"
+#include "base/parallel.h"
+#include "describe/descriptor_rows.h"
 #include "store/train_statistics.h"
 
 namespace vpr {
 
+constexpr size_t divide_up(size_t value, size_t divisor) { return (value + divisor - 1) / divisor; }
+constexpr size_t round_up(size_t value, size_t multiple) {
+  return divide_up(value, multiple) * multiple;
+}
+
+/// Consecutive readable frames of one sequence. Windows lie within a run and never cross its end:
+/// an unreadable frame and the end of a sequence end a run.
+struct FrameRun {
+  size_t first = 0;  ///< in all frames of the set
+  size_t count = 0;
+  size_t sequence = 0;
+  size_t first_in_sequence = 0;
+
+  size_t windows(size_t window_length) const {
+    return count < window_length ? 0 : count - window_length + 1;
+  }
+};
+
+/// The runs of one sequence between its unreadable frames.
+std::vector<FrameRun> readable_runs(const DescribedFrames& sequence);
+
+/// The runs of several sequences, one after the other.
+std::vector<FrameRun> readable_runs(std::span<const DescribedFrames> sequences);
+
+/// The number of frames of all sequences, including unreadable ones.
+size_t count_frames(std::span<const DescribedFrames> sequences);
+
+/// The number of windows in all runs; 0 if every run is shorter than a window.
+size_t count_windows(std::span<const FrameRun> runs, size_t window_length);
+
+/// Whether each of `frames` frames is in a run: 1 or 0.
+std::vector<uint8_t> readable_flags(std::span<const FrameRun> runs, size_t frames);
+
 /// Ranges of training frames begin at multiples of this number of frames, and are written in whole.
-inline constexpr size_t kStretchFrames = 8;
+inline constexpr size_t kBlockFrames = 8;
 
 /// The unit of distances: its name after a number, and its size in the units of the method.
 struct DistanceUnit {
@@ -30,10 +65,10 @@ struct ScoreScale {
 
 /// Frame distances, from 0 to `largest`, between any frame of a query and any range of training
 /// frames; smaller is closer. Tiles are computed with one indirect call each. Descriptors must
-/// outlive them. Makers set all members; decorators replace those that they change.
+/// outlive them.
 struct FrameDistances {
-  std::vector<DescriptorSpan> train;  ///< the training sequences
-  DescriptorSpan query;
+  std::vector<DescribedFrames> train;  ///< the training sequences
+  DescribedFrames query;
   size_t train_frames = 0;  ///< of all sequences, one after the other
   size_t query_frames = 0;
   std::vector<FrameRun> train_runs;  ///< runs in which windows may lie, increasing
@@ -42,7 +77,7 @@ struct FrameDistances {
   DistanceUnit unit;
 
   /// Writes the distances of queries[t] to training frames [first, last) to out[t * stride] and on.
-  /// `first` is a multiple of kStretchFrames; up to kStretchFrames - 1 more values may be written
+  /// `first` is a multiple of kBlockFrames; up to kBlockFrames - 1 more values may be written
   /// after each row, and `out` has room for them. Thread-safe.
   std::function<void(std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
                      size_t stride)>
@@ -58,8 +93,8 @@ struct FrameDistances {
   /// tile can be computed at any time.
   std::function<void(size_t query)> start_row;
 
-  /// For learned scores: the statistics of the last row, and those with a small weight of the
-  /// training data. Not set for distances.
+  /// For z-scores: the statistics of the last row, and those with a small weight of the training
+  /// data. Not set for distances.
   std::function<ScoreScale(size_t train_frame)> scale;
   std::function<ScoreScale(size_t train_frame)> learned_scale;
 
@@ -72,7 +107,7 @@ struct FrameDistances {
 
   /// The distances of another query to the same training frames, which are not prepared again. Not
   /// set for distances in order.
-  std::function<FrameDistances(const DescriptorSpan& query)> of_query;
+  std::function<FrameDistances(const DescribedFrames& query)> of_query;
 
   bool is_in_order() const { return static_cast<bool>(start_row); }
 };
@@ -80,22 +115,48 @@ struct FrameDistances {
 /// Weighted sums of the distances of a descriptor to fixed descriptors.
 using Projector = std::function<ComponentValues(DescriptorRow)>;
 
+/// Training frames in the format of the kernels. Sets the members of `distances` that compare its
+/// query with them: tile and, if it is faster than the row, row_total.
+using PreparedTraining = std::function<void(FrameDistances& distances)>;
+
 /// An entry of the table of distances: the distance of two descriptors of an element type.
 struct DistanceKind {
   std::string_view name;
   ElementType element;
   DistanceUnit unit;
   uint16_t (*largest)(const DescriptorShape& shape);
-  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);   ///< for few pairs; equals the tiles
-  uint32_t (*plain)(DescriptorRow a, DescriptorRow b);  ///< the reference implementation
-  /// the reference implementation without rounding
-  double (*unrounded)(DescriptorRow a, DescriptorRow b);
+  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);  ///< for few pairs; equals the tiles
   /// Uses the contribution of each element of a descriptor to the sums. `weights` has one entry per
-  /// descriptor; for multiples of 2^-20, sums of bits are exact, and sums of cosine distances are
+  /// row of `to`; for multiples of 2^-20, sums of bits are exact, and sums of cosine distances are
   /// rounded as doubles in a fixed order. The projector may outlive the descriptors.
   Projector (*projector)(const DescriptorRows& to, std::span<const ComponentValues> weights);
-  FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
+  /// `shape`: of all descriptors. Throws Error(data) for descriptors that the distance does not
+  /// support.
+  PreparedTraining (*prepare)(std::span<const DescribedFrames> train, const DescriptorShape& shape);
 };
+
+/// Numbers of differing bits, for codes of up to 65472 bits; bits of the padding count as well.
+/// Codes of 22 words (LDB) have a separate kernel.
+extern const DistanceKind kHammingDistance;
+
+/// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to nearest, ties up; for vectors of up to
+/// 131071 values, of 8 bits, or of 16 bits with a squared length of at most kMaxSquaredLength
+/// (describe/imported.h). A vector of zeros is orthogonal to all others. Scalar products and
+/// squared lengths are exact integers, so that every machine gives the same numbers.
+extern const DistanceKind kCosineDistance;
+extern const DistanceKind kWideCosineDistance;
+
+/// |a - b| of two points, in the unit of their coordinates and rounded to nearest, ties up; for
+/// points of up to 131071 coordinates that are at most kLongestPoint from the origin
+/// (describe/imported.h). Squares are exact. A row's total takes as long as the row.
+extern const DistanceKind kPointDistance;
+
+/// The mean absolute difference of two images of one size, in 256ths of a gray level and rounded to
+/// nearest, ties up. Projections are exact if the number of pixels is a power of two.
+extern const DistanceKind kGrayDistance;
+
+/// Precomputed distances (precomputed_distances.h).
+extern const DistanceKind kPrecomputedDistance;
 
 /// The entry of an element type.
 const DistanceKind& distance_of(ElementType element);
@@ -103,64 +164,23 @@ const DistanceKind& distance_of(ElementType element);
 /// The distances of a query to training sequences, for the kind of their descriptors, which must be
 /// the same for all. Throws Error(data) for descriptors of different shapes, and for a length that
 /// the distance does not support.
-FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-
-/// Numbers of differing bits, for codes of up to 65472 bits; bits of the padding count as well.
-/// Codes of 22 words (LDB) have a separate kernel.
-FrameDistances hamming_distances(std::span<const DescriptorSpan> train,
-                                 const DescriptorSpan& query);
-uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
-/// The projector of Hamming distances: `weights` has one entry per row of `to`.
-Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// The bits of a shape, at most 65472.
-uint16_t largest_hamming(const DescriptorShape& shape);
-
-/// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to nearest, ties up; for vectors of up to
-/// 131071 values. A vector of zeros is orthogonal to all others. Scalar products and squared
-/// lengths are exact integers, so that every machine gives the same numbers.
-FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-/// The cosine distance of two vectors of one length, in units of 2/65535.
-uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
-/// The projector of cosine distances: `weights` has one entry per row of `to`.
-Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// As cosine_distances for vectors of 16-bit integers with a squared length of at most
-/// kMaxSquaredLength (describe/imported.h); throws Error(data) for a longer one.
-FrameDistances wide_cosine_distances(std::span<const DescriptorSpan> train,
-                                     const DescriptorSpan& query);
-uint32_t wide_cosine_distance(DescriptorRow a, DescriptorRow b);
-Projector wide_cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// 65535 for any shape.
-uint16_t largest_cosine(const DescriptorShape& shape);
-
-/// |a - b| of two points, in the unit of their coordinates and rounded to nearest, ties up; for
-/// points of up to 131071 coordinates that are at most kLongestPoint from the origin
-/// (describe/imported.h). Squares are exact. A row's total takes as long as the row.
-FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-uint32_t point_distance(DescriptorRow a, DescriptorRow b);
-Projector point_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// The distance of opposite points, for any shape.
-uint16_t largest_point(const DescriptorShape& shape);
-
-/// The mean absolute difference of two images of one size, in 256ths of a gray level and rounded to
-/// nearest, ties up.
-FrameDistances gray_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-uint32_t gray_distance(DescriptorRow a, DescriptorRow b);
-/// Exact for images whose number of pixels is a power of two.
-Projector gray_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// 255 gray levels, for any shape.
-uint16_t largest_gray(const DescriptorShape& shape);
-
-/// The common start of makers of distances: all members except those that compute distances.
-FrameDistances frames_to_compare(std::span<const DescriptorSpan> train,
-                                 const DescriptorSpan& query);
+FrameDistances frame_distances(std::span<const DescribedFrames> train,
+                               const DescribedFrames& query);
 
 uint16_t largest_distance(const DescriptorShape& shape);
+
+/// The number of differing bits of two codes.
+uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
 
 /// The distance of two frames of one sequence.
 uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b);
 
-/// Computes the distances of a query frame to all training frames. Threads share long rows. `row`
-/// gets one entry per training frame, and kStretchFrames without a meaning behind them.
+/// Calls body(first, last) for chunks of a row of training frames, whose descriptors stay in the
+/// second-level cache. Threads share rows that are long enough to gain from it.
+void for_each_chunk(size_t frames, const std::function<void(size_t first, size_t last)>& body);
+
+/// Computes the distances of a query frame to all training frames. `row` gets one entry per
+/// training frame, followed by kBlockFrames unspecified ones.
 void compute_row(const FrameDistances& distances, size_t query, std::vector<uint16_t>& row);
 
 /// The sum of a row's distances to readable training frames; `row` has one entry per training

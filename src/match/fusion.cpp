@@ -12,62 +12,48 @@ namespace vpr {
 
 namespace {
 
-constexpr int32_t kMostBehind = 40 * kNatUnit;
+constexpr int32_t kNatUnit = 1024;           // integers per nat
+constexpr int32_t kMostGap = 40 * kNatUnit;  // below the likeliest view
+constexpr double kMostNats = 1e6;            // maximum that fits
 constexpr int32_t kNothing = std::numeric_limits<int32_t>::min();
-constexpr double kMostWeight = 1;
 constexpr double kLargestScore = std::numeric_limits<uint16_t>::max();
+constexpr double kPriorFrames = 5;
+constexpr double kPriorRatio = 0.6;
 
-size_t neighbors_of(size_t frames, const StatisticsSettings& settings) {
-  return std::max(static_cast<size_t>(settings.neighbor_frames),
-                  static_cast<size_t>(settings.neighbor_share * static_cast<double>(frames)));
-}
-
-// By matched training frame; kNothing for undecodable frames.
+// By matched training frame; kNothing for undecodable frames. The likelihood of the first view is
+// subtracted, because a common constant cancels.
 std::vector<int32_t> likelihoods_of(const FusionBasis& basis, const WordSet& words) {
-  const std::vector<int32_t> of_views = view_likelihoods(*basis.evidence, words);
+  const ViewEvidence& evidence = *basis.evidence;
+  const ViewWords& views = evidence.of->fabmap.views;
+  const std::vector<double> nats =
+      fabmap2_fixed_log_likelihoods({evidence.model, views, evidence.index, words, views.views()});
   std::vector<int32_t> likelihoods;
   likelihoods.reserve(basis.views.size());
-  for (const uint32_t view : basis.views)
-    likelihoods.push_back(view == FusedViews::kNoView ? kNothing : of_views[view]);
+  for (const uint32_t view : basis.views) {
+    if (view == FusedViews::kNoView) {
+      likelihoods.push_back(kNothing);
+      continue;
+    }
+    const double value = std::clamp(nats[view] - nats.front(), -kMostNats, kMostNats);
+    likelihoods.push_back(static_cast<int32_t>(std::floor(value * kNatUnit + 0.5)));
+  }
   return likelihoods;
 }
 
 // Excludes a training frame and its neighbors.
-void leave_out(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size_t own) {
+void exclude(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size_t own) {
   const std::vector<size_t>& frames = basis.evidence->of->frames;
-  size_t sequence = 0;
-  while (own >= frames[sequence]) own -= frames[sequence++];
+  size_t own_sequence = 0;
+  while (own >= frames[own_sequence]) own -= frames[own_sequence++];
   size_t first = 0;
-  for (const FusedWalk& walk : basis.walks) {
-    if (walk.sequence == sequence) {
-      const size_t from = own < walk.neighbors ? 0 : own - walk.neighbors;
-      const size_t to = std::min(own + walk.neighbors + 1, walk.frames);
+  for (const FusedSequence& sequence : basis.sequences) {
+    if (sequence.sequence == own_sequence) {
+      const size_t from = own - std::min(own, sequence.neighbors);
+      const size_t to = std::min(own + sequence.neighbors + 1, sequence.frames);
       for (size_t i = from; i < to; ++i) likelihoods[first + i] = kNothing;
     }
-    first += walk.frames;
+    first += sequence.frames;
   }
-}
-
-/// Statistics of the known likelihoods, in nats.
-struct Spread {
-  double mean = 0;
-  double variance = 0;
-};
-
-Spread spread_of(std::span<const int32_t> behind) {
-  int64_t sum = 0;
-  uint64_t squares = 0;
-  int64_t count = 0;
-  for (const int32_t value : behind) {
-    if (value == kNothing) continue;
-    sum += value;
-    squares += static_cast<uint64_t>(int64_t{value} * value);
-    ++count;
-  }
-  const auto frames = static_cast<double>(count);
-  const double mean = static_cast<double>(sum) / frames / kNatUnit;
-  const double of_squares = static_cast<double>(squares) / frames / (double{kNatUnit} * kNatUnit);
-  return {mean, std::max(0.0, of_squares - mean * mean)};
 }
 
 // The training frame of a frame's words.
@@ -83,78 +69,62 @@ struct FusedRows {
   FrameDistances scores;
   FusionBasis basis;
   std::shared_ptr<FusionState> state;
-  FusionRow row;
+  std::vector<uint16_t> row;
 };
 
-void start_fused_row(FusedRows& rows, size_t query) {
-  FusionState& state = *rows.state;
+// The first frame with the smallest score.
+std::optional<size_t> closest_frame(const FusedRows& rows) {
+  std::optional<size_t> closest;
+  for (size_t i = 0; i < rows.basis.views.size(); ++i)
+    if ((!closest || rows.row[i] < rows.row[*closest]) &&
+        rows.basis.views[i] != FusedViews::kNoView)
+      closest = i;
+  return closest;
+}
+
+void compute_fused_row(FusedRows& rows, size_t query) {
   rows.scores.start_row(query);
+  compute_row(rows.scores, query, rows.row);
   const WordSet& words = rows.scores.query.words[query];
   const std::optional<size_t> own = own_frame(rows.basis, words);
-  if (own) {
-    rows.row = fusion_row(rows.basis, words, rows.basis.weight / 2, own);
-    return;
-  }
-  state.agreement.count({state.likeliest, state.closest.frame()}, rows.basis.walks);
-  rows.row = fusion_row(rows.basis, words, fusion_weight(rows.basis, state.agreement));
-  state.likeliest = rows.row.likeliest;
-  state.closest.reset();
+  const double weight = own ? rows.basis.weight / 2 : fusion_weight(rows.basis, *rows.state);
+  const FusionRow fusion = fusion_row(rows.basis, words, weight, own);
+  if (!own) rows.state->count({fusion.likeliest, closest_frame(rows)}, rows.basis.sequences);
+  if (!fusion.likeliest) return;
+  for_each_chunk(fusion.added.size(), [&](size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) {
+      const double z = static_cast<double>(rows.row[i]) - kScoreBias + fusion.added[i] * kScoreUnit;
+      const double score = z * fusion.scale + kScoreBias + 0.5;
+      rows.row[i] = static_cast<uint16_t>(std::clamp(score, 0.0, kLargestScore));
+    }
+  });
 }
-
-void note_closest(FusedRows& rows, size_t first, std::span<const uint16_t> scores) {
-  std::optional<size_t> closest;
-  for (size_t i = 0; i < scores.size(); ++i) {
-    const bool is_closer = !closest || scores[i] < scores[*closest];
-    if (is_closer && rows.basis.views[first + i] != FusedViews::kNoView) closest = i;
-  }
-  if (closest) rows.state->closest.add(scores[*closest], first + *closest);
-}
-
-void fuse(const FusionRow& row, size_t first, std::span<uint16_t> scores) {
-  if (!row.likeliest) return;
-  for (size_t i = 0; i < scores.size(); ++i) {
-    const double z =
-        static_cast<double>(scores[i]) - kScoreBias + row.added[first + i] * kScoreUnit;
-    const double score = z * row.scale + kScoreBias + 0.5;
-    scores[i] = static_cast<uint16_t>(std::clamp(score, 0.0, kLargestScore));
-  }
-}
-
-constexpr double kFirstFrames = 5;
-constexpr double kFirstRatio = 0.6;
-constexpr int kFrameBits = 40;
 
 /// The position of a matched training frame.
 struct Position {
-  size_t walk = 0;
+  size_t sequence = 0;
   size_t frame = 0;
 };
 
-Position position_of(size_t frame, std::span<const FusedWalk> walks) {
+Position position_of(size_t frame, std::span<const FusedSequence> sequences) {
   Position position{0, frame};
-  while (position.frame >= walks[position.walk].frames)
-    position.frame -= walks[position.walk++].frames;
+  while (position.frame >= sequences[position.sequence].frames)
+    position.frame -= sequences[position.sequence++].frames;
   return position;
 }
 
-bool are_near(size_t a, size_t b, std::span<const FusedWalk> walks) {
-  const Position first = position_of(a, walks);
-  return first.walk == position_of(b, walks).walk &&
-         std::max(a, b) - std::min(a, b) <= walks[first.walk].neighbors;
+bool are_near(size_t a, size_t b, std::span<const FusedSequence> sequences) {
+  const Position first = position_of(a, sequences);
+  return first.sequence == position_of(b, sequences).sequence &&
+         std::max(a, b) - std::min(a, b) <= sequences[first.sequence].neighbors;
 }
 
 // The probability that a random training frame is near this one.
-double chance(size_t frame, std::span<const FusedWalk> walks) {
+double chance(size_t frame, std::span<const FusedSequence> sequences) {
   size_t all = 0;
-  for (const FusedWalk& walk : walks) all += walk.frames;
-  const size_t near = 2 * walks[position_of(frame, walks).walk].neighbors + 1;
+  for (const FusedSequence& sequence : sequences) all += sequence.frames;
+  const size_t near = 2 * sequences[position_of(frame, sequences).sequence].neighbors + 1;
   return std::min(1.0, static_cast<double>(near) / static_cast<double>(all));
-}
-
-constexpr double kMostNats = 1e6;  // maximum that fits
-
-int32_t in_units(double nats) {
-  return static_cast<int32_t>(std::floor(std::clamp(nats, -kMostNats, kMostNats) * kNatUnit + 0.5));
 }
 
 }  // namespace
@@ -162,20 +132,27 @@ int32_t in_units(double nats) {
 FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double weight,
                               const StatisticsSettings& neighbors) {
   FusionBasis basis{nullptr, weight, views->views, {}};
-  for (size_t s = 0; s < views->frames.size(); ++s)
-    basis.walks.push_back({s, views->frames[s], neighbors_of(views->frames[s], neighbors)});
-  basis.evidence = make_view_evidence(std::move(views));
+  for (size_t s = 0; s < views->frames.size(); ++s) {
+    const size_t frames = views->frames[s];
+    const auto share = static_cast<size_t>(neighbors.neighbor_share * static_cast<double>(frames));
+    basis.sequences.push_back({s, frames, std::max<size_t>(neighbors.neighbor_frames, share)});
+  }
+  const FabmapDatabase& database = views->fabmap;
+  FabmapModel model = make_fabmap_model(database.tree, {}, WordModel::tree);
+  FabmapIndex index = make_fabmap_index(model, database.views, database.index);
+  basis.evidence = std::make_shared<const ViewEvidence>(
+      ViewEvidence{std::move(views), std::move(model), std::move(index)});
   return basis;
 }
 
 FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep) {
   FusionBasis basis{all.evidence, all.weight, {}, {}};
   auto view = all.views.begin();
-  for (const FusedWalk& walk : all.walks) {
-    const auto end = view + static_cast<ptrdiff_t>(walk.frames);
-    if (keep[walk.sequence] != 0) {
+  for (const FusedSequence& sequence : all.sequences) {
+    const auto end = view + static_cast<ptrdiff_t>(sequence.frames);
+    if (keep[sequence.sequence] != 0) {
       basis.views.insert(basis.views.end(), view, end);
-      basis.walks.push_back(walk);
+      basis.sequences.push_back(sequence);
     }
     view = end;
   }
@@ -186,25 +163,35 @@ FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weig
                      std::optional<size_t> own) {
   FusionRow row{std::vector<double>(basis.views.size(), 0), 1, std::nullopt};
   if (words.empty()) return row;
-  std::vector<int32_t> behind = likelihoods_of(basis, words);
-  if (own) leave_out(behind, basis, *own);
-  const auto likeliest = std::max_element(behind.begin(), behind.end());
-  if (likeliest == behind.end() || *likeliest == kNothing) return row;
-  row.likeliest = static_cast<size_t>(likeliest - behind.begin());
+  std::vector<int32_t> likelihoods = likelihoods_of(basis, words);
+  if (own) exclude(likelihoods, basis, *own);
+  const auto likeliest = std::ranges::max_element(likelihoods);
+  if (likeliest == likelihoods.end() || *likeliest == kNothing) return row;
+  row.likeliest = static_cast<size_t>(likeliest - likelihoods.begin());
   const int32_t most = *likeliest;
-  for (int32_t& value : behind)
-    if (value != kNothing) value = std::max(value - most, -kMostBehind);
-  const Spread spread = spread_of(behind);
-  for (size_t i = 0; i < behind.size(); ++i)
-    if (behind[i] != kNothing)
-      row.added[i] = weight * (spread.mean - static_cast<double>(behind[i]) / kNatUnit);
-  row.scale = 1 / std::sqrt(1 + weight * weight * spread.variance);
+  int64_t sum = 0;
+  uint64_t squares = 0;
+  int64_t count = 0;
+  for (int32_t& value : likelihoods) {
+    if (value == kNothing) continue;
+    value = std::max(value - most, -kMostGap);
+    sum += value;
+    squares += static_cast<uint64_t>(int64_t{value} * value);
+    ++count;
+  }
+  const auto frames = static_cast<double>(count);
+  const double mean = static_cast<double>(sum) / frames / kNatUnit;
+  const double mean_square = static_cast<double>(squares) / frames / (double{kNatUnit} * kNatUnit);
+  for (size_t i = 0; i < likelihoods.size(); ++i)
+    if (likelihoods[i] != kNothing)
+      row.added[i] = weight * (mean - static_cast<double>(likelihoods[i]) / kNatUnit);
+  row.scale = 1 / std::sqrt(1 + weight * weight * std::max(0.0, mean_square - mean * mean));
   return row;
 }
 
-double fusion_weight(const FusionBasis& basis, const Agreement& agreement) {
-  const double ratio = agreement.ratio();
-  return std::min(basis.weight * ratio * std::sqrt(ratio), kMostWeight);
+double fusion_weight(const FusionBasis& basis, const FusionState& state) {
+  const double ratio = state.ratio();
+  return std::min(basis.weight * ratio * std::sqrt(ratio), kMostFusionWeight);
 }
 
 FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
@@ -213,65 +200,31 @@ FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
   assert(scores.is_in_order() && basis.views.size() == scores.train_frames);
   assert(scores.query.words.size() == scores.query_frames);
   if (!state) state = std::make_shared<FusionState>();
-  const auto rows =
-      std::make_shared<FusedRows>(FusedRows{scores, basis, std::move(state), FusionRow{}});
-  scores.start_row = [rows](size_t query) { start_fused_row(*rows, query); };
-  scores.tile = [rows](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
-                       size_t stride) {
-    rows->scores.tile(queries, first, last, out, stride);
-    note_closest(*rows, first, {out, last - first});
-    fuse(rows->row, first, {out, last - first});
+  const auto rows = std::make_shared<FusedRows>(FusedRows{scores, basis, std::move(state), {}});
+  scores.start_row = [rows](size_t query) { compute_fused_row(*rows, query); };
+  scores.tile = [rows](std::span<const uint32_t>, size_t first, size_t last, uint16_t* out,
+                       size_t) {
+    std::copy(rows->row.data() + first, rows->row.data() + last, out);
   };
   return scores;
 }
 
-void Agreement::count(const BestFrames& best, std::span<const FusedWalk> walks) {
+void FusionState::count(const BestFrames& best, std::span<const FusedSequence> sequences) {
   if (best.likeliest && best.closest) {
     if (last.likeliest && last.closest) {
-      const double expected = chance(*last.likeliest, walks);
-      likeliest_steps += are_near(*last.likeliest, *best.likeliest, walks) - expected;
-      closest_steps += are_near(*last.closest, *best.closest, walks) - expected;
+      const double expected = chance(*last.likeliest, sequences);
+      likeliest_steps += are_near(*last.likeliest, *best.likeliest, sequences) - expected;
+      closest_steps += are_near(*last.closest, *best.closest, sequences) - expected;
     }
-    together += are_near(*best.likeliest, *best.closest, walks) - chance(*best.likeliest, walks);
+    together +=
+        are_near(*best.likeliest, *best.closest, sequences) - chance(*best.likeliest, sequences);
   }
   last = best;
 }
 
-double Agreement::ratio() const {
+double FusionState::ratio() const {
   const double likeliest = std::max(0.0, (likeliest_steps + together) / 2);
-  return (likeliest + kFirstFrames * kFirstRatio) / (std::max(0.0, closest_steps) + kFirstFrames);
-}
-
-void ClosestFrame::add(uint16_t score, size_t frame) {
-  const uint64_t found = uint64_t{score} << kFrameBits | frame;
-  uint64_t best = best_.load(std::memory_order_relaxed);
-  while (found < best && !best_.compare_exchange_weak(best, found, std::memory_order_relaxed)) {
-  }
-}
-
-std::optional<size_t> ClosestFrame::frame() const {
-  const uint64_t best = best_.load(std::memory_order_relaxed);
-  if (best == kNone) return std::nullopt;
-  return static_cast<size_t>(best & ((uint64_t{1} << kFrameBits) - 1));
-}
-
-std::shared_ptr<const ViewEvidence> make_view_evidence(std::shared_ptr<const FusedViews> views) {
-  const FabmapDatabase& database = views->fabmap;
-  FabmapModel model = make_fabmap_model(database.tree, {}, WordModel::tree);
-  FabmapIndex index = make_fabmap_index(model, database.views, database.index);
-  return std::make_shared<const ViewEvidence>(
-      ViewEvidence{std::move(views), std::move(model), std::move(index)});
-}
-
-std::vector<int32_t> view_likelihoods(const ViewEvidence& evidence, const WordSet& words) {
-  const ViewWords& views = evidence.of->fabmap.views;
-  const std::vector<double> nats =
-      fabmap2_fixed_log_likelihoods({evidence.model, views, evidence.index, words, views.views()});
-  std::vector<int32_t> likelihoods(nats.size());
-  // The likelihood of the first view is arbitrary: a common constant cancels.
-  std::transform(nats.begin(), nats.end(), likelihoods.begin(),
-                 [&](double value) { return in_units(value - nats.front()); });
-  return likelihoods;
+  return (likeliest + kPriorFrames * kPriorRatio) / (std::max(0.0, closest_steps) + kPriorFrames);
 }
 
 }  // namespace vpr

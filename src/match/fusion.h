@@ -1,8 +1,6 @@
-// Fusion of z-scores with FAB-MAP: the evidence of words for each training frame, and the
-// reliability of both methods so far.
+// Fusion of z-scores with FAB-MAP: the evidence of words for each training frame.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,9 +15,6 @@
 
 namespace vpr {
 
-/// Integers per nat.
-inline constexpr int32_t kNatUnit = 1024;
-
 /// FAB-MAP of a database with default settings: Chow-Liu tree, P(z|e) = 0.39, P(z|not e) = 0.
 struct ViewEvidence {
   std::shared_ptr<const FusedViews> of;
@@ -27,16 +22,8 @@ struct ViewEvidence {
   FabmapIndex index;
 };
 
-/// `views` is not null.
-std::shared_ptr<const ViewEvidence> make_view_evidence(std::shared_ptr<const FusedViews> views);
-
-/// The log-likelihood of every view in 1/1024 nat, rounded to nearest, ties up, minus a constant
-/// that is the same for all views of the frame. From the fixed-point sums of
-/// fabmap2_fixed_log_likelihoods, within 1e-4 nat and half a unit.
-std::vector<int32_t> view_likelihoods(const ViewEvidence& evidence, const WordSet& words);
-
 /// A training sequence whose frames are matched.
-struct FusedWalk {
+struct FusedSequence {
   size_t sequence = 0;  ///< of the database
   size_t frames = 0;
   size_t neighbors = 0;  ///< frames within this distance may show the same place
@@ -48,10 +35,11 @@ struct BestFrames {
   std::optional<size_t> closest;    ///< by score
 };
 
-/// Motion is continuous. The best match of a reliable method is therefore near its previous best
-/// match, and near the best match of the other method if that is reliable as well; for random
-/// matches this happens only by chance. Counts both events, minus their expected number by chance.
-struct Agreement {
+/// The reliability of both methods so far. Motion is continuous: the best match of a reliable
+/// method is near its previous best match, and near the best match of another reliable method.
+/// Random matches are near each other only by chance. Counts both events, minus their expected
+/// number by chance.
+struct FusionState {
   double likeliest_steps = 0;
   double closest_steps = 0;
   double together = 0;
@@ -59,7 +47,7 @@ struct Agreement {
 
   /// Counts steps for two consecutive frames that both have words, and agreement for the later
   /// frame.
-  void count(const BestFrames& best, std::span<const FusedWalk> walks);
+  void count(const BestFrames& best, std::span<const FusedSequence> sequences);
 
   /// The estimated reliability of FAB-MAP relative to the scores: counts above chance (the mean of
   /// likeliest_steps and together) over closest_steps; negative counts are 0, and five frames of
@@ -67,29 +55,16 @@ struct Agreement {
   double ratio() const;
 };
 
-/// The closest frame of a row of scores that arrives in parts, from several threads; the first one
-/// on a tie.
-class ClosestFrame {
- public:
-  void reset() { best_.store(kNone, std::memory_order_relaxed); }
-  void add(uint16_t score, size_t frame);
-  std::optional<size_t> frame() const;
-
- private:
-  static constexpr uint64_t kNone = ~uint64_t{0};
-  std::atomic<uint64_t> best_{kNone};  ///< score and frame
-};
-
 /// The fusion weight in deviations per nat for equally reliable methods (default), and its maximum.
 inline constexpr double kFusionWeight = 0.2;
 inline constexpr double kMostFusionWeight = 1;
 
-/// The evidence that is fused with scores; nothing is fused if it is null.
+/// The evidence that is fused with scores; null: none.
 struct FusionBasis {
   std::shared_ptr<const ViewEvidence> evidence;
-  double weight = kFusionWeight;  ///< beta: deviations per nat
-  std::vector<uint32_t> views;    ///< of the matched training frames
-  std::vector<FusedWalk> walks;   ///< the sequences of these frames, in their order
+  double weight = kFusionWeight;         ///< beta: deviations per nat
+  std::vector<uint32_t> views;           ///< of the matched training frames
+  std::vector<FusedSequence> sequences;  ///< of these frames, in their order
 };
 
 /// The fusion basis of all training frames. Neighbors are defined as for training statistics.
@@ -101,9 +76,10 @@ FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep);
 
 /// The effect of a frame's words on its scores: (z + added) * scale.
 struct FusionRow {
-  /// In deviations, one value per training frame: -w (behind - mean of behind), where behind is the
-  /// log-likelihood of a training frame's view minus the value of the likeliest one, at least -40
-  /// nats. 0 for an undecodable frame, which is not counted, and for a query frame without words.
+  /// In deviations, one value per training frame: -w (gap - mean gap), where the gap is the
+  /// log-likelihood of the frame's view minus the likeliest view's, at least -40 nats.
+  /// Log-likelihoods are rounded to 1/1024 nat, ties up. 0 for an undecodable frame, which is not
+  /// counted, and for a query frame without words.
   std::vector<double> added;
   /// 1 / sqrt(1 + the mean of added^2), so that scores remain in deviations.
   double scale = 1;
@@ -118,19 +94,12 @@ FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weig
                      std::optional<size_t> own = std::nullopt);
 
 /// w of the next frame: beta * ratio^1.5, at most 1.
-double fusion_weight(const FusionBasis& basis, const Agreement& agreement);
-
-/// The state of a query.
-struct FusionState {
-  Agreement agreement;
-  std::optional<size_t> likeliest;  ///< of the frame whose row was started last
-  ClosestFrame closest;             ///< of this row, by scores before the fusion
-};
+double fusion_weight(const FusionBasis& basis, const FusionState& state);
 
 /// Scores (score_kernels.h) with fusion_row, rounded to nearest, ties up, and clamped like scores,
-/// with the weight determined by earlier frames. `scores` come in order, with complete rows; the
-/// query has words. If its words are those of FusedViews themselves (not copies), it is a training
-/// sequence, from which nothing is learned: w is beta / 2. Without a `state`, a new query begins.
+/// with the weight determined by earlier frames. `scores` are in order; the query has words. If its
+/// words are those of FusedViews themselves (not copies), it is a training sequence, from which
+/// nothing is learned: w is beta / 2. Without a `state`, a new query begins.
 FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
                      std::shared_ptr<FusionState> state = nullptr);
 

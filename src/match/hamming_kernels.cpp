@@ -3,7 +3,7 @@
 // The settings above must come first.
 #include <cstring>
 
-#include "describe/ldb.h"
+#include "describe/descriptor_rows.h"
 #include "match/hamming_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -18,13 +18,13 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using WordTag = hn::CappedTag<uint64_t, kStretchFrames>;
+using WordTag = hn::CappedTag<uint64_t, kBlockFrames>;
 using Words = hn::Vec<WordTag>;
 using DistanceTag = hn::Rebind<uint16_t, WordTag>;
 
 constexpr size_t kLdbWords = kLdbBytes / 8;
 constexpr size_t kLanes = hn::MaxLanes(WordTag());  // frames per vector: 8, 4, 2 or 1
-static_assert(kStretchFrames % kLanes == 0);
+static_assert(kBlockFrames % kLanes == 0);
 
 // The sums of bits of three words a, b, c are carry bits of weight 2 and parity bits of weight 1.
 // With the parities p = a, q = a ^ b, r = a ^ b ^ c, carry = (q ? ~r : p).
@@ -96,10 +96,10 @@ void EncodeParities(const uint8_t* code, size_t, uint64_t* words) {
 // One query frame, with fewer than 22 live vectors: each word is used when it is loaded.
 void LdbRow(const uint64_t* query, const LaneWords* blocks, size_t block_count, uint16_t* out) {
   for (size_t b = 0; b < block_count; ++b) {
-    for (size_t part = 0; part < kStretchFrames / kLanes; ++part) {
+    for (size_t part = 0; part < kBlockFrames / kLanes; ++part) {
       Words frames[kLdbWords];
       LoadFrames(blocks + b * kLdbWords, part, frames);
-      StoreDistances(Distances(frames, query), out + b * kStretchFrames + part * kLanes);
+      StoreDistances(Distances(frames, query), out + b * kBlockFrames + part * kLanes);
     }
   }
 }
@@ -109,10 +109,10 @@ void LdbTile(const uint64_t* queries, size_t query_count, size_t, const LaneWord
              size_t block_count, uint16_t* out, size_t out_stride) {
   if (query_count == 1) return LdbRow(queries, blocks, block_count, out);
   for (size_t b = 0; b < block_count; ++b) {
-    for (size_t part = 0; part < kStretchFrames / kLanes; ++part) {
+    for (size_t part = 0; part < kBlockFrames / kLanes; ++part) {
       Words frames[kLdbWords];
       LoadFrames(blocks + b * kLdbWords, part, frames);
-      uint16_t* HWY_RESTRICT to = out + b * kStretchFrames + part * kLanes;
+      uint16_t* HWY_RESTRICT to = out + b * kBlockFrames + part * kLanes;
       for (size_t t = 0; t < query_count; ++t)
         StoreDistances(Distances(frames, queries + t * kLdbWords), to + t * out_stride);
     }
@@ -128,8 +128,8 @@ void AnyTile(const uint64_t* queries, size_t query_count, size_t words, const La
   const WordTag d;
   for (size_t b = 0; b < block_count; ++b) {
     const LaneWords* block = blocks + b * words;
-    for (size_t part = 0; part < kStretchFrames / kLanes; ++part) {
-      uint16_t* HWY_RESTRICT to = out + b * kStretchFrames + part * kLanes;
+    for (size_t part = 0; part < kBlockFrames / kLanes; ++part) {
+      uint16_t* HWY_RESTRICT to = out + b * kBlockFrames + part * kLanes;
       for (size_t t = 0; t < query_count; ++t) {
         const uint64_t* query = queries + t * words;
         Words sum = hn::Zero(d);

@@ -9,10 +9,10 @@
 
 namespace vpr {
 
-/// One word of eight frames: each SIMD lane is one frame, so there are no sums across lanes. The
-/// words of a block of eight frames are contiguous.
+/// One word of eight frames. Each SIMD lane is one frame, which avoids sums across lanes. The words
+/// of a block of eight frames are contiguous.
 struct alignas(64) LaneWords {
-  std::array<uint64_t, kStretchFrames> frames;
+  std::array<uint64_t, kBlockFrames> frames;
 };
 
 /// Kernels for codes with a number of 64-bit words. All targets give the same integers.

@@ -4,7 +4,6 @@
 #include <bit>
 #include <limits>
 
-#include <fmt/format.h>
 #include <opencv2/core/hal/hal.hpp>
 #include <opencv2/flann.hpp>
 
@@ -14,9 +13,7 @@
 namespace vpr {
 namespace {
 
-constexpr uint64_t kMostTables = 256;
 constexpr uint64_t kMostKeyBits = 28;
-constexpr uint64_t kMostProbeLevel = 4;
 
 /// The differing bits of two windows, by OpenCV's kernel for this processor.
 struct WindowHamming {
@@ -40,17 +37,6 @@ class Collector : public cvflann::ResultSet<int> {
 
   std::vector<std::pair<int, int>> found;
 };
-
-void check(const LshSettings& settings) {
-  const auto require = [](std::string_view name, uint64_t value, uint64_t low, uint64_t high) {
-    if (value < low || value > high)
-      throw Error(ErrorKind::usage,
-                  fmt::format("lsh.{} must be from {} to {}, found {}", name, low, high, value));
-  };
-  require("tables", settings.tables, 1, kMostTables);
-  require("key_bits", settings.key_bits, 0, kMostKeyBits);
-  require("probe_level", settings.probe_level, 0, kMostProbeLevel);
-}
 
 // About one window in eight buckets: log2 of the number of windows, plus three.
 uint64_t key_bits(const LshSettings& settings, size_t windows) {
@@ -78,9 +64,11 @@ struct LshIndex::Tables {
                   static_cast<int>(settings.probe_level))) {}
 };
 
-LshIndex::LshIndex(std::span<const DescriptorSpan> train, size_t window_length,
+LshIndex::LshIndex(std::span<const DescribedFrames> train, size_t window_length,
                    const LshSettings& settings, uint64_t seed, const Monitor& monitor) {
-  check(settings);
+  require_range("lsh.tables", static_cast<double>(settings.tables), 1, 256);
+  require_range("lsh.key_bits", static_cast<double>(settings.key_bits), 0, kMostKeyBits);
+  require_range("lsh.probe_level", static_cast<double>(settings.probe_level), 0, 4);
   for (const FrameRun& run : readable_runs(train))
     if (run.windows(window_length) > 0)
       tables_.push_back(

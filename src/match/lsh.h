@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "match/rows.h"
+#include "match/match.h"
 
 namespace vpr {
 
@@ -28,8 +28,8 @@ class LshIndex {
  public:
   /// The codes must outlive the index. The same seed yields the same tables for any number of
   /// threads. Throws Error(usage) for settings out of range.
-  LshIndex(std::span<const DescriptorSpan> train, size_t window_length, const LshSettings& settings,
-           uint64_t seed, const Monitor& monitor);
+  LshIndex(std::span<const DescribedFrames> train, size_t window_length,
+           const LshSettings& settings, uint64_t seed, const Monitor& monitor);
   ~LshIndex();
 
   /// By sequence, then window, without duplicates. `window`: c_l contiguous codes. Thread-safe.

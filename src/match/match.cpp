@@ -3,20 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <memory>
-#include <vector>
 
 #include "base/named_table.h"
 #include "base/parallel.h"
-#include "match/fastable_online.h"
-#include "match/match_filter.h"
-#include "match/strips.h"
+#include "match/fastable.h"
+#include "match/filter_track.h"
 
 namespace vpr {
 
 namespace {
 
 constexpr size_t kChunkFrames = 4096;  // descriptors of a chunk stay in the second-level cache
+
+// The first run that ends after `frame`.
+std::vector<FrameRun>::const_iterator run_from(const std::vector<FrameRun>& runs, size_t frame) {
+  return std::partition_point(runs.begin(), runs.end(),
+                              [&](const FrameRun& run) { return run.first + run.count <= frame; });
+}
 
 // Sums of the windows that end at train frames first and on, for the query window that ends at row
 // query_end.
@@ -28,8 +31,8 @@ void window_sums(const FrameDistances& distances, const RowKernels& kernels, siz
     // No window contains frames before the first one: whole_row omits these sums.
     const size_t from = std::max(first, back);
     if (from >= last) break;
-    const size_t begin = (from - back) / kStretchFrames * kStretchFrames;
-    row.resize(last - back - begin + kStretchFrames);
+    const size_t begin = (from - back) / kBlockFrames * kBlockFrames;
+    row.resize(last - back - begin + kBlockFrames);
     const auto query = static_cast<uint32_t>(query_end - back);
     distances.tile({&query, 1}, begin, last - back, row.data(), 0);
     kernels.accumulate(sums.data() + (from - first), row.data() + (from - back - begin),
@@ -44,12 +47,11 @@ WindowStage openable_stage(const FrameDistances& distances, std::span<const size
   return [lengths = std::vector(window_lengths.begin(), window_lengths.end()), settings](
              const FrameDistances& rows, const QueryFrame& frame, const StageConsumer& consume) {
     const size_t frames = rows.train_frames;
-    const size_t share = (frames / thread_count() / kStretchFrames + 1) * kStretchFrames;
-    const size_t part = std::min(share, kChunkFrames);
+    const size_t part = std::min(round_up(frames / thread_count() + 1, kBlockFrames), kChunkFrames);
     for (size_t l = 0; l < lengths.size(); ++l) {
       if (frame.in_a_row < lengths[l]) continue;
       std::vector<uint32_t> sums(frames);
-      parallel_for((frames + part - 1) / part, {}, [&](size_t p) {
+      parallel_for(divide_up(frames, part), {}, [&](size_t p) {
         const size_t first = p * part;
         window_sums(rows, settings.kernels, lengths[l], frame.row, first,
                     std::span(sums).subspan(first, std::min(part, frames - first)));
@@ -75,15 +77,51 @@ const SequenceMethod& method_of(const MatchSettings& settings) {
   return settings.method == nullptr ? kMethods[0] : *settings.method;
 }
 
-// Pieces arrive in any order and from several threads, so this requires that no sink needs whole
-// rows.
-bool can_use_strips(const FrameDistances& distances, const MatchSettings& settings,
-                    std::span<const Pass> passes) {
-  return method_of(settings).has_strips && settings.rates.empty() && !distances.is_in_order() &&
-         std::ranges::all_of(passes, [](const Pass& pass) { return pass.sinks.rows.empty(); });
+}  // namespace
+
+ScoreRow part_of_row(const ScoreRow& row, size_t first, size_t count) {
+  ScoreRow part = row;
+  part.train_window += first;
+  part.scores = row.scores.subspan(first, count);
+  if (!row.rates.empty()) part.rates = row.rates.subspan(first, count);
+  return part;
 }
 
-}  // namespace
+void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
+              std::span<const uint32_t> sums, const RowConsumer& consume) {
+  const size_t known = frames.past.empty() ? frames.train_frames : frames.past[query_end];
+  const size_t end = std::min(first + sums.size(), known);
+  for (auto run = run_from(frames.train_runs, first);
+       run != frames.train_runs.end() && run->first < end; ++run) {
+    const size_t from = std::max(first, run->first + window_length - 1);
+    const size_t to = std::min(end, run->first + run->count);
+    if (from >= to) continue;
+    consume({query_end + 1 - window_length, run->sequence,
+             run->first_in_sequence + (from + 1 - window_length - run->first),
+             sums.subspan(from - first, to - from)});
+  }
+}
+
+std::vector<ScoreRow> whole_row(const FrameDistances& frames, size_t window_length,
+                                size_t query_end, std::span<const uint32_t> sums) {
+  std::vector<ScoreRow> row;
+  emit_row(frames, window_length, query_end, 0, sums,
+           [&](const ScoreRow& piece) { row.push_back(piece); });
+  return row;
+}
+
+bool ends_window(const FrameDistances& frames, size_t window_length, size_t frame) {
+  const auto run = run_from(frames.query_runs, frame);
+  return run != frames.query_runs.end() && frame + 1 >= run->first + window_length;
+}
+
+std::optional<size_t> least_lag(const FrameDistances& frames) {
+  if (frames.past.empty()) return std::nullopt;
+  size_t least = frames.query_frames;
+  for (size_t query = 0; query < frames.query_frames; ++query)
+    if (frames.past[query] > 0) least = std::min(least, query + 1 - frames.past[query]);
+  return least;
+}
 
 std::span<const SequenceMethod> sequence_methods() { return kMethods; }
 
@@ -92,11 +130,11 @@ const SequenceMethod& find_sequence_method(std::string_view name) {
 }
 
 bool has_paths(std::string_view method) {
-  return std::any_of(kMethods.begin(), kMethods.end(),
-                     [&](const SequenceMethod& m) { return m.name == method && m.has_paths; });
+  return std::ranges::any_of(
+      kMethods, [&](const SequenceMethod& m) { return m.name == method && m.has_paths; });
 }
 
-void hand_on(const Sinks& sinks, std::span<const ScoreRow> row) {
+void send_row(const Sinks& sinks, std::span<const ScoreRow> row) {
   for (const RowConsumer& consume : sinks.pieces)
     for (const ScoreRow& piece : row) consume(piece);
   for (const WholeRowConsumer& consume : sinks.rows) consume(row);
@@ -113,10 +151,14 @@ void match(const FrameDistances& distances, const MatchSettings& settings,
   for (const Pass& pass : passes) lengths.push_back(pass.window_length);
   assert(std::ranges::all_of(
       lengths, [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
-  if (std::ranges::none_of(lengths,
-                           [&](size_t length) { return any_window_pair(distances, length); }))
+  if (std::ranges::none_of(lengths, [&](size_t length) {
+        return count_windows(distances.train_runs, length) > 0 &&
+               count_windows(distances.query_runs, length) > 0;
+      }))
     return;
-  if (can_use_strips(distances, settings, passes))
+  // Pieces of strips arrive in any order and from several threads: no sink may need whole rows.
+  if (method_of(settings).has_strips && settings.rates.empty() && !distances.is_in_order() &&
+      std::ranges::all_of(passes, [](const Pass& pass) { return pass.sinks.rows.empty(); }))
     return match_strips(distances, lengths, settings, monitor,
                         [&](size_t length, const ScoreRow& piece) {
                           for (const RowConsumer& consume : passes[length].sinks.pieces)
@@ -131,7 +173,7 @@ void match(const FrameDistances& distances, const MatchSettings& settings,
     check_stop(monitor);
     in_a_row = readable[frame] != 0 ? in_a_row + 1 : 0;
     stage(distances, {frame, frame, in_a_row}, [&](size_t length, std::span<const ScoreRow> row) {
-      hand_on(passes[length].sinks, row);
+      send_row(passes[length].sinks, row);
     });
     counter.add();
   }

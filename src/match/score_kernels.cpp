@@ -42,10 +42,10 @@ template <bool kCommon>
 struct Row {
   const uint16_t* distances;
   float offset;
-  CommonPart common;
+  ComponentTerm common;
 
-  // The sums of common_product for twice as many training frames as there are lanes: products of a
-  // loading times 256, in fixed point with 15 fractional bits.
+  // The sums of component_product for twice as many training frames as there are lanes: products of
+  // a loading times 256, in fixed point with 15 fractional bits.
   HWY_INLINE hn::Vec<ShortTag> Sums(size_t i) const {
     const ShortTag d;
     auto sum = hn::Zero(d);
@@ -57,7 +57,7 @@ struct Row {
     return sum;
   }
 
-  HWY_INLINE hn::Vec<FloatTag> Centerd(size_t i) const {
+  HWY_INLINE hn::Vec<FloatTag> Centered(size_t i) const {
     const FloatTag d;
     const auto whole = hn::PromoteTo(IntTag(), hn::LoadU(DistanceTag(), distances + i));
     return hn::Sub(hn::ConvertTo(d, whole), hn::Set(d, offset));
@@ -80,11 +80,11 @@ struct Row {
     for (; i + 2 * lanes <= count; i += 2 * lanes) {
       if constexpr (kCommon) {
         const auto sums = Sums(i);
-        body(i, Less(Centerd(i), hn::LowerHalf(HalfTag(), sums)));
-        body(i + lanes, Less(Centerd(i + lanes), hn::UpperHalf(HalfTag(), sums)));
+        body(i, Less(Centered(i), hn::LowerHalf(HalfTag(), sums)));
+        body(i + lanes, Less(Centered(i + lanes), hn::UpperHalf(HalfTag(), sums)));
       } else {
-        body(i, Centerd(i));
-        body(i + lanes, Centerd(i + lanes));
+        body(i, Centered(i));
+        body(i + lanes, Centered(i + lanes));
       }
     }
 #endif
@@ -96,7 +96,7 @@ struct Row {
     if constexpr (!kCommon) return centered;
     int sum = 0;
     for (size_t k = 0; k < kMaxComponents; ++k)
-      sum += common_product(common.loadings[k][i], common.weights[k]);
+      sum += component_product(common.loadings[k][i], common.weights[k]);
     return centered - static_cast<float>(sum) * common.unit;
   }
 };
@@ -122,7 +122,7 @@ HWY_INLINE void LearnRow(const Row<kCommon> row, float gain, float* HWY_RESTRICT
   }
 }
 
-void Learn(const uint16_t* distances, float offset, const CommonPart& common, float gain,
+void Learn(const uint16_t* distances, float offset, const ComponentTerm& common, float gain,
            float* mean, float* variance, size_t count) {
   if (common.loadings[0] == nullptr)
     LearnRow(Row<false>{distances, offset, {}}, gain, mean, variance, count);
@@ -158,9 +158,9 @@ HWY_INLINE void ZScoreRow(const Row<kCommon> row, const float* mean, const float
   }
 }
 
-void ToZScores(const uint16_t* distances, float offset, const CommonPart& common, const float* mean,
-               const float* variance, float least_variance, float most_variance, uint16_t* out,
-               size_t count) {
+void ToZScores(const uint16_t* distances, float offset, const ComponentTerm& common,
+               const float* mean, const float* variance, float least_variance, float most_variance,
+               uint16_t* out, size_t count) {
   if (common.loadings[0] == nullptr)
     ZScoreRow(Row<false>{distances, offset, {}}, mean, variance, least_variance, most_variance, out,
               count);

@@ -17,30 +17,30 @@ inline constexpr uint32_t kScoreBias = 32768;  ///< of z = 0
 
 /// The amount subtracted from the distances of a frame because of components (components.h): for
 /// every training frame i, `unit` times the sum over all components of
-/// common_product(loadings[k][i], weights[k]). Weights are within +-4095, so that all products fit
-/// 16 bits. Nothing is subtracted without loadings.
-struct CommonPart {
+/// component_product(loadings[k][i], weights[k]). Weights are within +-4095, so that all products
+/// fit 16 bits. Nothing is subtracted without loadings.
+struct ComponentTerm {
   std::array<const int8_t*, kMaxComponents> loadings = {};
   std::array<int16_t, kMaxComponents> weights = {};
   float unit = 0;
 };
 
 /// loading x weight / 128, rounded to nearest, ties up.
-constexpr int common_product(int8_t loading, int16_t weight) {
+constexpr int component_product(int8_t loading, int16_t weight) {
   return (loading * weight + 64) >> 7;
 }
 
-/// Running statistics are in single precision, computed by single additions, multiplications,
-/// divisions and square roots, which IEEE 754 rounds the same way everywhere, never fused. All
-/// targets give the same bits.
+/// Running statistics are in single precision. Additions, multiplications, divisions and square
+/// roots are never fused, and IEEE 754 rounds them the same way everywhere: all targets give the
+/// same bits.
 struct ScoreKernels {
   /// d = ((distance - offset) - common part) - mean; mean += gain * d; variance = (1 - gain) *
   /// (variance + gain * d^2), for each of `count` training frames.
-  void (*learn)(const uint16_t* distances, float offset, const CommonPart& common, float gain,
+  void (*learn)(const uint16_t* distances, float offset, const ComponentTerm& common, float gain,
                 float* mean, float* variance, size_t count);
   /// out = (((distance - offset) - common part) - mean) / sqrt(variance), with the variance within
   /// [least, most], as an integer (see above). least > 0.
-  void (*to_zscores)(const uint16_t* distances, float offset, const CommonPart& common,
+  void (*to_zscores)(const uint16_t* distances, float offset, const ComponentTerm& common,
                      const float* mean, const float* variance, float least_variance,
                      float most_variance, uint16_t* out, size_t count);
 };

@@ -1,24 +1,25 @@
 #include "match/zscores.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "base/parallel.h"
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "match/distance_statistics.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the second-level cache
-constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache sets
 
-using Distances = std::array<uint16_t, 2 * kRowStride>;
-
+// The mean over the training frames that is subtracted from the row of a frame. Keeps the row if it
+// had to be computed.
 double center_of(ZScoreState& state, size_t frame) {
-  if (!state.settings.center) return state.typical_distance;
+  if (!state.basis.settings.center) return state.basis.typical_distance;
   if (state.distances.row_total || state.distances.readable_frames == 0)
     return row_mean(state.distances, frame);
   compute_row(state.distances, frame, state.row);
@@ -27,71 +28,60 @@ double center_of(ZScoreState& state, size_t frame) {
 }
 
 void find_terms(ZScoreState& state, size_t frame) {
-  FrameTerms& terms = state.terms[frame];
-  terms.offset = static_cast<float>(center_of(state, frame));
+  state.terms[frame].offset = static_cast<float>(center_of(state, frame));
   if (state.project)
-    terms.common = common_weights(state.components, state.settings.components,
-                                  state.project(state.distances.query.rows[frame]));
+    state.terms[frame].common =
+        component_weights(state.basis.components, state.basis.settings.components,
+                          state.project(state.distances.query.rows[frame]));
 }
 
 // The common part of a query frame and the training frames from `first` on.
-CommonPart common_part(const ZScoreState& state, size_t frame, size_t first) {
+ComponentTerm component_term(const ZScoreState& state, size_t frame, size_t first) {
   if (!state.project) return {};
-  CommonPart common{
-      {}, state.terms[frame].common, static_cast<float>(common_unit(state.components.shape))};
+  ComponentTerm common{{},
+                       state.terms[frame].common,
+                       static_cast<float>(component_unit(state.basis.components.shape))};
   for (size_t k = 0; k < kMaxComponents; ++k)
-    common.loadings[k] = state.components.loadings[k].data() + first;
+    common.loadings[k] = state.basis.components.loadings[k].data() + first;
   return common;
 }
 
-// The weights of the previous statistics and of the new keyframe, and the share of the new one in
-// the sum.
-void plan_update(ZScoreState& state, size_t view) {
-  state.weight = state.forgetting * state.weight + 1;
-  state.start_weight *= state.forgetting;
-  state.update = {view, static_cast<float>(1 / state.weight)};
+// Determines the weight with which a keyframe will enter the statistics.
+void plan_update(ZScoreState& state, size_t keyframe) {
+  const double forgetting = state.basis.offline ? 1 : state.basis.settings.forgetting;
+  state.weight = forgetting * state.weight + 1;
+  state.start_weight *= forgetting;
+  state.update = {keyframe, static_cast<float>(1 / state.weight)};
 }
 
 void learn_chunk(ZScoreState& state, const uint16_t* distances, size_t first, size_t count) {
-  state.kernels.learn(distances, state.terms[state.update->view].offset,
-                      common_part(state, state.update->view, first), state.update->gain,
+  state.kernels.learn(distances, state.terms[state.update->keyframe].offset,
+                      component_term(state, state.update->keyframe, first), state.update->gain,
                       state.mean.data() + first, state.variance.data() + first, count);
-}
-
-void learn_everywhere(ZScoreState& state) {
-  const size_t frames = state.distances.train_frames;
-  const auto view = static_cast<uint32_t>(state.update->view);
-  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
-    Distances distances;
-    const size_t first = chunk * kChunkFrames;
-    const size_t count = std::min(kChunkFrames, frames - first);
-    state.distances.tile({&view, 1}, first, first + count, distances.data(), kRowStride);
-    learn_chunk(state, distances.data(), first, count);
-  });
 }
 
 void learn_query(ZScoreState& state, const Monitor& monitor) {
   const DescriptorRows& rows = state.distances.query.rows;
+  const size_t frames = state.distances.train_frames;
   StepCounter counter(monitor, "learn", rows.size());
   for (const FrameRun& run : state.distances.query_runs) {
     for (size_t f = run.first; f < run.first + run.count; ++f) {
       counter.add();
-      if (!is_new_view(state.views, rows, f)) continue;
-      push_view(state.views, f);
+      if (!is_new_keyframe(state.views, rows, f)) continue;
+      push_keyframe(state.views, f);
       find_terms(state, f);
       plan_update(state, f);
-      learn_everywhere(state);
+      const auto query = static_cast<uint32_t>(f);
+      parallel_for(divide_up(frames, kChunkFrames), {}, [&](size_t chunk) {
+        std::array<uint16_t, kChunkFrames> distances;
+        const size_t first = chunk * kChunkFrames;
+        const size_t count = std::min(kChunkFrames, frames - first);
+        state.distances.tile({&query, 1}, first, first + count, distances.data(), 0);
+        learn_chunk(state, distances.data(), first, count);
+      });
     }
   }
   state.update.reset();
-}
-
-// A keyframe has been added; reuses the row of the learned one, if any.
-void keep_row(ZScoreState& state) {
-  if (state.rows.size() < state.views.pending.size())
-    state.rows.emplace_back(state.distances.train_frames);
-  else
-    std::rotate(state.rows.begin(), state.rows.begin() + 1, state.rows.end());
 }
 
 // Determines what is learned before the frame is scored.
@@ -100,31 +90,36 @@ void begin_frame(ZScoreState& state, size_t frame) {
   state.row.clear();
   find_terms(state, frame);
   state.update.reset();
-  state.keeps_row = false;
-  if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
-  if (!is_new_view(state.views, state.distances.query.rows, frame)) return;
-  if (const auto view = push_view(state.views, frame)) plan_update(state, *view);
-  state.keeps_row = state.views.lag <= kMostKeptRows;
-  if (state.keeps_row) keep_row(state);
+  state.is_keyframe = !state.basis.offline && state.basis.settings.learn &&
+                      state.readable[frame] != 0 &&
+                      is_new_keyframe(state.views, state.distances.query.rows, frame);
+  if (!state.is_keyframe) return;
+  if (const auto old = push_keyframe(state.views, frame)) plan_update(state, *old);
+  if (state.rows.size() < state.views.pending.size())
+    state.rows.emplace_back(state.distances.train_frames);
+  else  // reuses the row of the old keyframe
+    std::rotate(state.rows.begin(), state.rows.begin() + 1, state.rows.end());
 }
 
-// Writes the distances of the frame, and applies the update to these training frames.
-void learn_and_compare(ZScoreState& state, size_t first, size_t count, Distances& distances) {
-  const std::array<uint32_t, 2> queries = {
-      static_cast<uint32_t>(state.frame),
-      static_cast<uint32_t>(state.update ? state.update->view : 0)};
-  std::span<const uint32_t> asked(queries.data(), state.update && !state.keeps_row ? 2 : 1);
-  uint16_t* out = distances.data();
-  if (!state.row.empty()) {
-    std::copy_n(state.row.data() + first, count, out);
-    asked = asked.subspan(1);
-    out += kRowStride;
+void score_frames(ZScoreState& state, size_t first, size_t last, uint16_t* out) {
+  assert(first % kBlockFrames == 0);
+  const auto query = static_cast<uint32_t>(state.frame);
+  std::array<uint16_t, kChunkFrames> computed;
+  for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
+    const size_t count = std::min(kChunkFrames, last - chunk);
+    const uint16_t* row = state.row.empty() ? computed.data() : state.row.data() + chunk;
+    if (state.row.empty())
+      state.distances.tile({&query, 1}, chunk, chunk + count, computed.data(), 0);
+    if (state.is_keyframe) {
+      uint16_t* kept = state.rows.back().data() + chunk;
+      if (state.update) learn_chunk(state, kept, chunk, count);
+      std::copy_n(row, count, kept);
+    }
+    state.kernels.to_zscores(row, state.terms[state.frame].offset,
+                             component_term(state, state.frame, chunk), state.mean.data() + chunk,
+                             state.variance.data() + chunk, state.least_variance,
+                             state.most_variance, out + (chunk - first), count);
   }
-  if (!asked.empty()) state.distances.tile(asked, first, first + count, out, kRowStride);
-  uint16_t* kept = state.keeps_row ? state.rows.back().data() + first : nullptr;
-  if (state.update)
-    learn_chunk(state, kept != nullptr ? kept : distances.data() + kRowStride, first, count);
-  if (kept != nullptr) std::copy_n(distances.data(), count, kept);
 }
 
 double deviation_of(const ZScoreState& state, double variance) {
@@ -135,12 +130,12 @@ ScoreScale scale_of(const ZScoreState& state, size_t frame) {
   return {state.mean[frame], deviation_of(state, state.variance[frame])};
 }
 
-// Replaces the initial part of the accumulated sums by one with a small weight.
+// Replaces the initial part of the accumulated sums by the same values with a small weight.
 ScoreScale learned_scale(const ZScoreState& state, size_t frame) {
-  const double start = state.start_mean[frame];
-  const double start_square = state.start_variance + start * start;
+  const double start = state.basis.mean[frame];
+  const double start_square = state.basis.variance + start * start;
   const double mean = state.mean[frame];
-  const double added = state.light_weight - state.start_weight;
+  const double added = state.basis.settings.offline_start_weight - state.start_weight;
   const double weight = state.weight + added;
   if (weight <= 0) return scale_of(state, frame);
   const double light_mean = (state.weight * mean + added * start) / weight;
@@ -149,48 +144,121 @@ ScoreScale learned_scale(const ZScoreState& state, size_t frame) {
   return {light_mean, deviation_of(state, light_square - light_mean * light_mean)};
 }
 
-void score_frames(ZScoreState& state, size_t first, size_t last, uint16_t* out) {
-  assert(first % kStretchFrames == 0);
-  Distances distances;
-  for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
-    const size_t count = std::min(kChunkFrames, last - chunk);
-    learn_and_compare(state, chunk, count, distances);
-    state.kernels.to_zscores(distances.data(), state.terms[state.frame].offset,
-                             common_part(state, state.frame, chunk), state.mean.data() + chunk,
-                             state.variance.data() + chunk, state.least_variance,
-                             state.most_variance, out + (chunk - first), count);
-  }
+}  // namespace
+
+void check_zscore_settings(const ZScoreSettings& settings) {
+  if (!(settings.forgetting > 0 && settings.forgetting <= 1))
+    throw Error(ErrorKind::usage, fmt::format("zscore.forgetting must be above 0, at most 1, "
+                                              "found {}",
+                                              settings.forgetting));
+  require_range("zscore.start_weight", settings.start_weight, 0, 1e6);
+  require_range("zscore.offline_start_weight", settings.offline_start_weight, 0, 1e6);
+  require_range("zscore.start_bias", settings.start_bias, 0, 1);
+  require_range("zscore.deviation_floor", settings.deviation_floor, 1, kLdbBits);
+  require_range("zscore.keyframe_change", settings.keyframe_change, 0, 10);
+  require_range("zscore.components", static_cast<double>(settings.components), 0, kMaxComponents);
+  require_range("zscore.lag_keyframes", static_cast<double>(settings.lag_keyframes), 1, 10'000);
 }
 
-}  // namespace
+ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
+                            const TrainStatistics& statistics) {
+  ScoreBasis basis{settings, offline, statistics.typical_distance, {}, 0, {}};
+  basis.components = statistics.components.value_or(no_components(statistics.bias.size()));
+  ComponentValues of_bias = {};
+  for (size_t l = 0; l < basis.components.landmarks.size(); ++l)
+    for (size_t k = 0; k < kMaxComponents; ++k)
+      of_bias[k] += settings.start_bias * statistics.bias[basis.components.landmarks[l]] *
+                    basis.components.weights[l][k];
+  const ComponentWeights weights =
+      component_weights(basis.components, settings.components, of_bias);
+  const double unit = component_unit(basis.components.shape);
+  for (size_t i = 0; i < statistics.bias.size(); ++i)
+    basis.mean.push_back(static_cast<float>(settings.start_bias * statistics.bias[i] -
+                                            unit * component_sum(basis.components, weights, i)));
+  const double sum =
+      std::accumulate(statistics.variance.begin(), statistics.variance.end(), double{0});
+  const double frames = std::max<double>(1, static_cast<double>(statistics.variance.size()));
+  basis.variance = static_cast<float>(sum / frames);
+  return basis;
+}
+
+ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescribedFrames> sequences,
+                    const std::vector<uint8_t>& keep) {
+  ScoreBasis basis = all;
+  if (all.fusion.evidence != nullptr) basis.fusion = fusion_of(all.fusion, keep);
+  basis.mean.clear();
+  for (std::vector<int8_t>& loadings : basis.components.loadings) loadings.clear();
+  ptrdiff_t first = 0;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    const auto end = first + static_cast<ptrdiff_t>(sequences[s].rows.size());
+    if (keep[s] != 0) {
+      basis.mean.insert(basis.mean.end(), all.mean.begin() + first, all.mean.begin() + end);
+      for (size_t k = 0; k < kMaxComponents; ++k) {
+        const std::vector<int8_t>& from = all.components.loadings[k];
+        std::vector<int8_t>& to = basis.components.loadings[k];
+        to.insert(to.end(), from.begin() + first, from.begin() + end);
+      }
+    }
+    first = end;
+  }
+  return basis;
+}
+
+double deviation_floor(const ZScoreSettings& settings, uint16_t largest) {
+  return settings.deviation_floor * reference_bit(largest);
+}
+
+KeyframeQueue make_keyframe_queue(const ZScoreSettings& settings, double typical_distance) {
+  return {settings.keyframe_change * typical_distance, settings.lag_keyframes, {}};
+}
+
+bool is_new_keyframe(const KeyframeQueue& queue, const DescriptorRows& rows, size_t frame) {
+  return std::all_of(queue.pending.begin(), queue.pending.end(), [&](size_t keyframe) {
+    return frame_distance(rows, keyframe, frame) >= queue.least_change;
+  });
+}
+
+std::optional<size_t> push_keyframe(KeyframeQueue& queue, size_t keyframe) {
+  queue.pending.push_back(keyframe);
+  if (queue.pending.size() <= queue.lag) return std::nullopt;
+  const size_t oldest = queue.pending.front();
+  queue.pending.erase(queue.pending.begin());
+  return oldest;
+}
+
+std::vector<uint32_t> keyframe_starts(const DescribedFrames& sequence, double typical_distance) {
+  KeyframeQueue views = make_keyframe_queue({}, typical_distance);
+  std::vector<uint32_t> starts;
+  for (size_t frame = 0; frame < sequence.rows.size(); ++frame) {
+    const auto& gaps = sequence.unreadable;
+    const bool is_readable = !std::binary_search(gaps.begin(), gaps.end(), frame);
+    const bool is_new = is_readable && is_new_keyframe(views, sequence.rows, frame);
+    if (is_new) push_keyframe(views, frame);
+    if (is_new || frame == 0) starts.push_back(static_cast<uint32_t>(frame));
+  }
+  return starts;
+}
 
 std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const ScoreBasis& basis,
                                            const Monitor& monitor) {
   assert(basis.mean.size() == distances.train_frames && !distances.is_in_order());
   const ZScoreSettings& settings = basis.settings;
   auto state = std::make_shared<ZScoreState>();
-  state->settings = settings;
-  state->offline = basis.offline;
-  state->typical_distance = basis.typical_distance;
+  state->basis = basis;
   state->mean = basis.mean;
   state->variance.assign(basis.mean.size(), basis.variance);
-  state->components = basis.components;
+  state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
+  state->start_weight = state->weight;
   if (settings.components > 0 && !basis.components.landmarks.empty())
     state->project = make_projector(basis.components);
   state->terms.resize(distances.query_frames);
-  state->views = make_view_queue(settings, basis.typical_distance);
+  state->views = make_keyframe_queue(settings, basis.typical_distance);
   state->readable = readable_flags(distances.query_runs, distances.query_frames);
   state->kernels = select_score_kernels();
   const auto floor = static_cast<float>(deviation_floor(settings, distances.largest));
   const auto unknown = static_cast<float>(unknown_deviation(distances.largest));
   state->least_variance = settings.divide ? floor * floor : unknown * unknown;
   state->most_variance = settings.divide ? std::numeric_limits<float>::max() : unknown * unknown;
-  state->forgetting = basis.offline ? 1 : settings.forgetting;
-  state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
-  state->start_mean = basis.mean;
-  state->start_variance = basis.variance;
-  state->start_weight = state->weight;
-  state->light_weight = settings.offline_start_weight;
   state->distances = std::move(distances);
   if (basis.offline && settings.learn) learn_query(*state, monitor);
   return state;
@@ -200,7 +268,7 @@ FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
   FrameDistances scores = state->distances;
   scores.largest = std::numeric_limits<uint16_t>::max();
   scores.unit = {"standard deviations", 1.0 / kScoreUnit};
-  scores.typical_distance = state->typical_distance;
+  scores.typical_distance = state->basis.typical_distance;
   scores.row_total = nullptr;
   scores.of_query = nullptr;
   scores.scale = [state](size_t frame) { return scale_of(*state, frame); };

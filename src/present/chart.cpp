@@ -1,6 +1,7 @@
 #include "present/chart.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <set>
@@ -9,20 +10,17 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/output.h"
-#include "present/chart_layout.h"
 #include "present/html_page.h"
-#include "present/raster.h"
 
 namespace vpr {
 namespace {
 
-// Letters and lines are drawn finer than their units. Pixels of a matrix are not: each is whole.
+// Pixels per unit of the SVG, for charts without an image.
 constexpr double kZoom = 4.0 / 3;
 
-constexpr int kLeastImage = 600;  // the longer side of an image, at least
-constexpr int kLeastSide = 150;   // the shorter one
+constexpr int kLeastImage = 600;  // minimum of the longer side of an image, in pixels
+constexpr int kLeastSide = 150;   // minimum of the shorter side
 
-/// A chart and where its parts stand.
 struct Drawing {
   const Chart& chart;
   ChartLayout at;
@@ -46,36 +44,32 @@ std::string svg_rect(const std::string& kind, double x, double y, double width, 
 constexpr double kBarHeight = 16;
 constexpr double kBarGap = 10;  // between the plot and the bar
 
-std::string x_ticks_svg(const Drawing& drawing) {
-  const ChartArea& area = drawing.at.area;
-  const double top = area.bottom() + (drawing.chart.runs.empty() ? 0 : kBarGap + kBarHeight);
+// With an image, ticks are short marks outside it, else lines across the plot.
+std::string ticks_and_labels_svg(const Drawing& drawing) {
+  const auto& [chart, at] = drawing;
+  const ChartArea& area = at.area;
+  const double below = area.bottom() + (chart.runs.empty() ? 0 : kBarGap + kBarHeight);
   std::string svg;
-  for (const ChartTick& tick : drawing.at.x_ticks) {
-    const double x = drawing.at.x(tick.at);
-    svg += drawing.chart.image
+  for (const ChartTick& tick : at.x_ticks) {
+    const double x = at.x(tick.at);
+    svg += chart.image
                ? fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}v5\"/>", x, area.bottom())
                : fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}V{:.1f}\"/>", x, area.top,
                              area.bottom());
-    svg += svg_text(x, top + 18, "middle", tick.text);
+    svg += svg_text(x, below + 18, "middle", tick.text);
   }
-  return svg;
-}
-
-std::string y_ticks_svg(const Drawing& drawing) {
-  const ChartArea& area = drawing.at.area;
-  std::string svg;
-  for (const ChartTick& tick : drawing.at.y_ticks) {
-    const double y = drawing.at.y(tick.at);
-    svg += drawing.chart.image
-               ? fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}h-5\"/>", area.left, y)
-               : fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>", area.left, y,
-                             area.right());
+  for (const ChartTick& tick : at.y_ticks) {
+    const double y = at.y(tick.at);
+    svg += chart.image ? fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}h-5\"/>", area.left, y)
+                       : fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>",
+                                     area.left, y, area.right());
     svg += svg_text(area.left - 8, y + 4.5, "end", tick.text);
   }
-  return svg;
+  return svg + svg_text(area.left + area.width / 2, below + 40, "middle", chart.x.label) +
+         svg_text(area.left, area.top - 10 - at.names_height, "start", chart.y.label);
 }
 
-// Names of the y axis's bands stand inside, where there is room; those of the x axis's above.
+// Names of the y axis's bands are inside the plot, if there is room, names of the x axis's above.
 std::string bands_svg(const Drawing& drawing) {
   const ChartArea& area = drawing.at.area;
   std::string svg;
@@ -107,19 +101,6 @@ std::string bands_svg(const Drawing& drawing) {
   return svg;
 }
 
-std::string labels_of_axes(const Drawing& drawing) {
-  const ChartArea& area = drawing.at.area;
-  const double below = drawing.chart.runs.empty() ? 0 : kBarGap + kBarHeight;
-  return svg_text(area.left + area.width / 2, area.bottom() + below + 40, "middle",
-                  drawing.chart.x.label) +
-         svg_text(area.left, area.top - 10 - drawing.at.names_height, "start",
-                  drawing.chart.y.label);
-}
-
-std::string axes_svg(const Drawing& drawing) {
-  return x_ticks_svg(drawing) + y_ticks_svg(drawing) + labels_of_axes(drawing) + bands_svg(drawing);
-}
-
 std::string runs_svg(const Drawing& drawing) {
   if (drawing.chart.runs.empty()) return "";
   const double top = drawing.at.area.bottom() + kBarGap;
@@ -132,30 +113,22 @@ std::string runs_svg(const Drawing& drawing) {
   return svg + svg_text(drawing.at.area.left - 8, top + 13, "end", drawing.chart.runs_label);
 }
 
-// How a mark is a stroked path from its middle, and how wide the stroke is.
+// A mark as a stroked path from its center.
 struct MarkShape {
   std::string_view path;
   double stroke;
   std::string_view cap;
 };
 
-MarkShape shape_of(SeriesMark mark) {
-  constexpr std::string_view kSpot = "h0";
-  switch (mark) {
-    case SeriesMark::dot:
-      return {kSpot, 4.5, "round"};
-    case SeriesMark::square:
-      return {"m-4 0h8", 8, "butt"};
-    case SeriesMark::cross:
-      return {"m-3.5 -3.5l7 7m0 -7l-7 7", 2, "butt"};
-    case SeriesMark::circle:
-      return {"m-2.5 0a2.5 2.5 0 1 0 5 0a2.5 2.5 0 1 0 -5 0", 1.5, "butt"};
-    case SeriesMark::disc:
-    case SeriesMark::none:
-      break;
-  }
-  return {kSpot, 6.5, "round"};
-}
+constexpr std::array<MarkShape, 6> kShapes = {  // by SeriesMark
+    {{"h0", 6.5, "round"},
+     {"h0", 4.5, "round"},
+     {"m-4 0h8", 8, "butt"},
+     {"m-3.5 -3.5l7 7m0 -7l-7 7", 2, "butt"},
+     {"m-2.5 0a2.5 2.5 0 1 0 5 0a2.5 2.5 0 1 0 -5 0", 1.5, "butt"},
+     {"h0", 6.5, "round"}}};
+
+const MarkShape& shape_of(SeriesMark mark) { return kShapes[static_cast<size_t>(mark)]; }
 
 std::string stroked(const std::string& kind, double width, std::string_view cap,
                     const std::string& path) {
@@ -179,7 +152,7 @@ std::string line_path(const Drawing& drawing, const Series& series) {
   return path;
 }
 
-// Spots of one unit that are taken: marks and boxes on one spot are drawn once.
+// Occupied squares of one unit: marks and boxes in the same square are drawn once.
 using Spots = std::set<std::pair<long, long>>;
 
 bool is_new(Spots& spots, double x, double y) {
@@ -216,9 +189,8 @@ std::string series_kind(const Series& series, size_t index) {
                         : fmt::format("series-{}", index % series_colors().size());
 }
 
-// `path` of the marks of a series, in the layout or in a legend.
 std::string marks_svg(const std::string& kind, SeriesMark mark, const std::string& path) {
-  const MarkShape shape = shape_of(mark);
+  const MarkShape& shape = shape_of(mark);
   return mark == SeriesMark::none ? "" : stroked(kind, shape.stroke, shape.cap, path);
 }
 
@@ -248,7 +220,7 @@ std::string series_svg(const Drawing& drawing, size_t index) {
   return marks(series.mark);
 }
 
-// The labels of points of all series. A label that would cover an earlier one is omitted.
+// The labels of all points, except labels that would cover an earlier one.
 std::string labels_svg(const Drawing& drawing) {
   std::vector<ChartArea> taken;
   std::string svg;
@@ -282,7 +254,7 @@ std::string legend_svg(const Drawing& drawing) {
     const std::string kind = series_kind(series, entry.series);
     const double y = entry.y - 4.5;
     const std::string line = fmt::format("M{:.1f} {:.1f}h22", entry.x, y);
-    const MarkShape shape = shape_of(series.mark);
+    const MarkShape& shape = shape_of(series.mark);
     const std::string mark = fmt::format("M{:.1f} {:.1f}{}", entry.x + 11, y, shape.path);
     if (series.style == SeriesStyle::boxes)
       svg += svg_rect(kind, entry.x + 5, y - 6, 12, 12);
@@ -296,7 +268,7 @@ std::string legend_svg(const Drawing& drawing) {
   return svg;
 }
 
-// A nested element cuts off what reaches over.
+// The nested element clips the image.
 std::string image_svg(const Drawing& drawing) {
   const ChartImage& image = *drawing.chart.image;
   const ChartArea& area = drawing.at.area;
@@ -332,7 +304,7 @@ std::string body_of(const Drawing& drawing) {
   const auto is_behind = [](const Series& series) { return series.style == SeriesStyle::boxes; };
   for (size_t s = 0; s < chart.series.size(); ++s)
     if (is_behind(chart.series[s])) svg += series_svg(drawing, s);
-  if (!chart.is_plan) svg += axes_svg(drawing);
+  if (!chart.is_plan) svg += ticks_and_labels_svg(drawing) + bands_svg(drawing);
   for (size_t s = 0; s < chart.series.size(); ++s)
     if (!is_behind(chart.series[s])) svg += series_svg(drawing, s);
   svg += labels_svg(drawing) + runs_svg(drawing);
@@ -350,7 +322,7 @@ std::string title_svg(const Drawing& drawing) {
       size, drawing.at.width / 2, html_escaped(drawing.chart.title));
 }
 
-// As in the page's style sheet, but without variables, which not every reader of SVG knows.
+// As in the page's style sheet, but without variables, which some SVG viewers do not support.
 std::string file_style() {
   std::string css =
       "text{font-family:sans-serif;font-size:13px;fill:#1c2430}.title{font-weight:600}"
@@ -372,6 +344,10 @@ std::string file_style() {
 
 Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark) {
   return {std::string(color_of(meaning).words), {}, style, meaning, mark};
+}
+
+void erase_empty_series(Chart& chart) {
+  std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
 }
 
 ChartImage chart_image(const cv::Mat& image, size_t cells) {

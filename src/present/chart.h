@@ -1,4 +1,4 @@
-// A chart as plain data: what pages, plots, maps, matrices, sweeps and benchmarks draw.
+// Charts as data, their layout, and their output as SVG and PNG.
 #pragma once
 
 #include <filesystem>
@@ -16,101 +16,101 @@ class Mat;
 
 namespace vpr {
 
-/// A bar is a line with ends; of boxes, every two points are opposite corners of a filled one.
+/// A bar is a line with end marks. Each pair of points of `boxes` is two opposite corners of a
+/// filled box.
 enum class SeriesStyle { line_and_points, line, wide_line, bar, points, boxes };
 
-/// A point without a mark has its label in its place.
+/// none: the label replaces the mark.
 enum class SeriesMark { disc, dot, square, cross, circle, none };
 
 /// A point that interrupts a line.
 inline constexpr std::pair<double, double> kChartGap = {std::numeric_limits<double>::quiet_NaN(),
                                                         std::numeric_limits<double>::quiet_NaN()};
 
-/// What stands in the legend as one entry.
+/// One entry of the legend.
 struct Series {
   std::string name;  ///< empty: not in the legend
   std::vector<std::pair<double, double>> points;
   SeriesStyle style = SeriesStyle::line_and_points;
-  std::optional<Meaning> meaning = {};  ///< whose color it has; none: the next of series_colors
+  std::optional<Meaning> meaning = {};  ///< sets the color; none: the next of series_colors
   SeriesMark mark = SeriesMark::disc;
-  std::vector<std::string> labels = {};  ///< beside the points, in their order
+  std::vector<std::string> labels = {};  ///< next to the points, in their order
 };
 
-/// A series that has the color and, in the legend, the words of a meaning.
+/// A series with the color and, in the legend, the words of a meaning.
 Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark = SeriesMark::disc);
 
-/// A mark on an axis.
 struct ChartTick {
   double at = 0;
   std::string text;
 };
 
-/// A stretch of an axis from `begin` to the next band, divided from the one before by a line.
+/// A part of an axis, from `begin` to the next band. A line separates it from the previous band.
 struct ChartBand {
   double begin = 0;
   std::string name;
 };
 
-/// One axis: what it counts, and what stands along it.
 struct ChartAxis {
   std::string label;
   bool is_log = false;
-  bool from_zero = false;  ///< a chosen range starts at 0, unless it is logarithmic
+  bool from_zero = false;                               ///< an automatic linear range starts at 0
   std::optional<std::pair<double, double>> range = {};  ///< from, to; from may be the larger
-  std::vector<ChartTick> ticks = {};                    ///< none: chosen
+  std::vector<ChartTick> ticks = {};                    ///< empty: automatic
   std::vector<ChartBand> bands = {};
 };
 
-/// Pixels behind the series, from the axes' zero to the right and downwards; the last ones may
-/// reach over the ranges' ends, where they are cut off.
+/// An image under the series. Its first pixel is at the zero of both axes. Pixels outside the
+/// ranges are cut off.
 struct ChartImage {
   std::string png;   ///< the bytes of a PNG file
-  size_t width = 1;  ///< its pixels, each a unit of the SVG
+  size_t width = 1;  ///< in pixels; a pixel is a unit of the SVG
   size_t height = 1;
-  double columns = 1;  ///< what it covers on the axes
+  double columns = 1;  ///< its size in units of the axes
   double rows = 1;
-  std::optional<std::pair<double, double>> grays = {};  ///< the values of black and of white
+  std::optional<std::pair<double, double>> grays = {};  ///< values of black and white
   std::string gray_label = {};
 };
 
-/// An image (gray or BGR, 8 bits) whose pixels are `cells` units of the axes a side, enlarged by
-/// whole numbers so that it can be looked at.
+/// An image (gray or BGR, 8 bits) with pixels of `cells` x `cells` units of the axes, enlarged by
+/// an integer factor so that its pixels are visible.
 ChartImage chart_image(const cv::Mat& image, size_t cells);
 
-/// A stretch of the x axis in the bar below the plot.
+/// A part of the x axis, drawn in the bar below the plot.
 struct ChartRun {
   double begin = 0;
   double end = 0;
   Meaning meaning = Meaning::right;
 };
 
-/// A chart as data. Parts that are empty are not drawn.
+/// Empty parts are not drawn.
 struct Chart {
-  std::string file;  ///< name without extension, and in a page the SVG's class
+  std::string file;  ///< name without extension; class of the SVG in a page
   std::string title;
   ChartAxis x = {};
   ChartAxis y = {.label = {}, .from_zero = true};
   std::vector<Series> series = {};
-  bool is_plan = false;                  ///< a meter is as long on both axes, which are not drawn
-  std::optional<ChartImage> image = {};  ///< both axes have ranges, and x's starts at 0
+  bool is_plan = false;                  ///< equal scales, no axes
+  std::optional<ChartImage> image = {};  ///< needs ranges of both axes; x starts at 0
   std::vector<ChartRun> runs = {};
   std::string runs_label = {};
-  double width = 900;  ///< of the whole, in the units of its SVG; charts with an image: chosen
+  double width = 900;  ///< in units of the SVG; automatic for charts with an image
   double height = 540;
 };
 
-/// An SVG element for an HTML page, without title and legend, which the page has; its classes are
-/// those of the page's style sheet, the palette's among them. Marks of a series that fall on one
-/// spot are drawn once, so that the size is bounded for any number of points. An id `here` marks a
-/// line that the page's script moves over a chart with runs.
+void erase_empty_series(Chart& chart);
+
+/// An SVG element for an HTML page, without title and legend. Its classes are those of the page's
+/// style sheet, including the palette. Marks at the same position are drawn once, which limits the
+/// size for any number of points. In a chart with runs, the page's script moves the line with the
+/// id `here`.
 std::string page_svg(const Chart& chart);
 
-/// A whole SVG file, white, with titles and legends: the charts row by row, `columns` in each.
-/// There is at least one chart. Texts are escaped.
+/// A white SVG file with titles and legends: the charts row by row, `columns` per row. `charts`
+/// must not be empty. Strings are escaped.
 std::string svg_file(const std::vector<Chart>& charts, size_t columns = 1);
 
-/// Charts in one picture, row by row, `columns` in each, as the bytes of a PNG file on white. There
-/// is at least one.
+/// The same as the bytes of a PNG file.
 std::string chart_png(const std::vector<Chart>& charts, size_t columns = 1);
 
 /// Writes <file>.svg and <file>.png into the folder of an output (Output::temporary). Throws
@@ -118,5 +118,75 @@ std::string chart_png(const std::vector<Chart>& charts, size_t columns = 1);
 void draw_chart(const Chart& chart, const std::filesystem::path& folder);
 void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::string& file,
                  const std::filesystem::path& folder);
+
+/// From values on an axis to units of the SVG.
+struct AxisScale {
+  double from = 0;  ///< the value at `begin`
+  double to = 1;
+  bool is_log = false;
+  double begin = 0;
+  double end = 1;
+
+  double operator()(double value) const;
+};
+
+/// The rectangle of the plot.
+struct ChartArea {
+  double left = 0;
+  double top = 0;
+  double width = 0;
+  double height = 0;
+
+  double right() const { return left + width; }
+  double bottom() const { return top + height; }
+};
+
+/// The start of an entry of the legend.
+struct LegendEntry {
+  size_t series = 0;
+  double x = 0;
+  double y = 0;
+};
+
+/// In units of the SVG.
+struct ChartLayout {
+  double width = 0;  ///< of the whole
+  double height = 0;
+  ChartArea area;
+  AxisScale x;
+  AxisScale y;
+  std::vector<ChartTick> x_ticks;
+  std::vector<ChartTick> y_ticks;
+  std::vector<LegendEntry> legend;
+  double names_height = 0;       ///< of the names of the x axis's bands, above the plot
+  bool has_steep_names = false;  ///< rotated, because they would overlap
+};
+
+/// The approximate width of a text with letters of `size` units, in units of the SVG.
+double text_width(const std::string& text, double size);
+
+/// The axis's own range or, if it has none, one that shows all finite `values` with a margin; for
+/// logarithmic axes between values of 1, 2 and 5 times a power of ten. Without values, it is 0 to 1
+/// or 1 to 10.
+std::pair<double, double> range_of(const ChartAxis& axis, const std::vector<double>& values);
+
+/// At most about `most` ticks, 1, 2 or 5 times a power of ten apart; for logarithmic axes at 1, 2
+/// and 5 times powers of ten, or only at powers of ten.
+std::vector<ChartTick> ticks_of(bool is_log, const std::pair<double, double>& range, size_t most);
+
+/// The smallest of 1, 2, 5, 10, 20, ... that divides `length` into at most `most` parts; `most` is
+/// at least 1.
+size_t round_step(size_t length, size_t most);
+
+/// `for_page`: without title and legend.
+ChartLayout layout_of(const Chart& chart, bool for_page);
+
+/// The bytes of a PNG file. `image`: gray or BGR, 8 bits.
+std::string png_of(const cv::Mat& image);
+
+/// The bytes of a PNG file with an SVG file, rendered by librsvg on white with `zoom` pixels per
+/// unit. The SVG cannot open other files. Throws Error(internal) if the text is not an SVG, or too
+/// large.
+std::string png_of_svg(const std::string& svg, double zoom);
 
 }  // namespace vpr

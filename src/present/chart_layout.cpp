@@ -1,15 +1,15 @@
-#include "present/chart_layout.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "present/chart.h"
+
 namespace vpr {
 namespace {
 
 constexpr double kLine = 20;     // from one line of text to the next
-constexpr double kLetters = 13;  // how high they are
+constexpr double kLetters = 13;  // height
 
 std::vector<double> finite_values(const Chart& chart, double std::pair<double, double>::*side) {
   std::vector<double> values;
@@ -49,12 +49,12 @@ std::vector<ChartTick> log_ticks(double low, double high, size_t most) {
   return all.size() <= most || powers.size() < 2 ? all : powers;
 }
 
-// At least two, for a length that is none, too.
+// At least two, even for a length of 0.
 size_t ticks_in(double length, double room) {
   return static_cast<size_t>(std::max(2.0, length / room));
 }
 
-// A text's beginning, where the text is wider.
+// Truncates a text that is wider than `width`.
 std::string shortened(const std::string& text, double width) {
   if (text_width(text, kLetters) <= width) return text;
   const double letters = width / text_width("x", kLetters) - 1;
@@ -72,7 +72,7 @@ double widest(const std::vector<ChartTick>& ticks) {
   return width;
 }
 
-// Rows of entries, as many in each as have room; in the area's middle later.
+// Sets the entries in centered rows and returns their height.
 double lay_legend(const Chart& chart, ChartLayout& layout) {
   double x = 0;
   double y = 0;
@@ -95,7 +95,7 @@ double lay_legend(const Chart& chart, ChartLayout& layout) {
   return layout.legend.empty() ? 0 : y + kLine;
 }
 
-// Whether the names of bands have room beside each other.
+// Whether horizontal names of bands would overlap.
 bool is_steep(const Chart& chart, const ChartLayout& layout) {
   const auto& bands = chart.x.bands;
   for (size_t i = 0; i + 1 < bands.size(); ++i)
@@ -122,7 +122,7 @@ void fit_image(const Chart& chart, ChartArea& area) {
   area.height = static_cast<double>(image.height) / image.rows * length(chart.y);
 }
 
-// The picture is no higher than it has to be.
+// Reduces the area to the aspect ratio of the ranges.
 void keep_aspect(ChartLayout& layout) {
   ChartArea& area = layout.area;
   const double width = layout.x.to - layout.x.from;

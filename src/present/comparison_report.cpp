@@ -12,29 +12,29 @@
 #include "base/json_fields.h"
 #include "base/text.h"
 #include "present/evaluation_charts.h"
-#include "present/evaluation_tables.h"
+#include "present/evaluation_report.h"
 #include "present/html_page.h"
 
 namespace vpr {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kLaneGap = 0.15;  // on both sides of a lane that is 1 high
 constexpr double kLaneHeight = 34;
 
-// What replayed queries add to the words of a ground truth, with their walk behind it.
-constexpr std::array<std::string_view, 2> kReplayed = {", query replayed ", ", query thinned "};
-
-std::string words_of_recording(const Report& report) {
-  std::string words = report.protocol.ground_truth;
-  if (report.walk().empty()) return words;
-  for (const std::string_view replayed : kReplayed) words = words.substr(0, words.find(replayed));
-  return words;
+// The protocol of the recording's ground truth, without the selection of the query.
+std::string recording_protocol(const Report& report) {
+  std::string protocol = report.protocol.ground_truth;
+  if (!report.selection_words().empty())
+    for (const std::string_view selection : {", query at speed ", ", query resampled "})
+      protocol = protocol.substr(0, protocol.find(selection));
+  return protocol;
 }
 
 using Value = std::optional<double>;
 
-/// Metrics of the path that comparisons show.
-constexpr std::array<std::string_view, 3> kPathKeys = {"share", "wrong", "longest_gap_frames"};
+constexpr std::array<std::string_view, 3> kPathKeys = {"share", "incorrect", "longest_gap_frames"};
 
 Value path_value(const Report& report, std::string_view key) {
   return find_metric(key).of_path(report.localization);
@@ -45,17 +45,21 @@ Json number_json(const Metric& metric, Value value) {
   return or_null(value);
 }
 
-std::string signed_number(Value value) { return value ? fmt::format("{:+.4f}", *value) : "-"; }
+// The difference to the first report, and the ends of its interval.
+std::array<Value, 3> differences(const ComparedValue& value) {
+  if (!value.interval) return {value.difference, {}, {}};
+  return {value.difference, value.interval->low, value.interval->high};
+}
 
-// Whether the interval leaves chance out.
-std::string judgment_of(const ComparedValue& value) {
+// Empty if the interval contains 0.
+std::string verdict_of(const ComparedValue& value) {
   if (!value.interval) return "";
   const bool is_higher = value.interval->low > 0;
   if (!is_higher && value.interval->high >= 0) return "";
   return is_higher != value.metric->is_low_good ? "better" : "worse";
 }
 
-/// A column of the paper's table: a metric, of ranks with its K.
+/// A metric, with K for metrics of ranks.
 struct PaperColumn {
   std::string_view key;
   size_t k = 0;
@@ -79,23 +83,10 @@ Value value_of(const ComparisonReport& comparison, size_t report, const Metric& 
   return {};
 }
 
-// Marks the best of a column, all that share it; nothing where fewer than two are known.
-void mark_best(Table& table, size_t column, const std::vector<Value>& values, bool is_low_good) {
-  Value best;
-  size_t known = 0;
-  for (const Value& value : values) {
-    if (!value) continue;
-    ++known;
-    if (!best || (is_low_good ? *value < *best : *value > *best)) best = value;
-  }
-  for (size_t row = 0; row < values.size() && known > 1; ++row)
-    if (values[row] && *values[row] == *best) table.best.insert({row, column});
-}
-
 std::string note_of(const ComparisonReport& comparison, size_t r) {
   const Report& report = comparison.reports[r];
   std::vector<std::string> notes;
-  if (!report.walk().empty()) notes.push_back(report.walk());
+  if (!report.selection_words().empty()) notes.push_back(report.selection_words());
   if (!comparison.is_paired(r))
     notes.push_back(fmt::format("not paired, over {} of its own",
                                 counted(comparison.found.own[r], "query", "queries")));
@@ -123,7 +114,7 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
                {"fingerprint", report.provenance.evaluated()}};
   for (const std::string_view key : kPathKeys)
     json["localization"][std::string(key)] = number_json(find_metric(key), path_value(report, key));
-  if (!report.walk().empty()) json["walk"] = report.walk();
+  if (!report.selection_words().empty()) json["walk"] = report.selection_words();
   json["ground_truth_fingerprint"] = report.provenance.ground_truth;
   return json;
 }
@@ -146,8 +137,7 @@ std::string sentence_of(const ComparisonReport& comparison) {
   return text.empty() ? "The queries have nothing to find." : text + ".";
 }
 
-/// Precision against recall of best matches, one curve per report over its own queries. Reports
-/// without a query to find have no curve.
+/// One curve per report, over its own queries; empty if no query has a match.
 Chart curves_overlay(const std::string& title, std::span<const Report> reports,
                      const std::vector<std::string>& names) {
   Chart chart = precision_recall_chart(title);
@@ -160,8 +150,8 @@ Chart curves_overlay(const std::string& title, std::span<const Report> reports,
   return chart;
 }
 
-/// The path from left to right, one lane per report: where it is right, wrong or not judged. A
-/// replayed query has its own frames: its lane is as long as they are.
+/// The verdicts of all query frames, one lane per report. Lanes of different selections differ in
+/// length.
 Chart lanes_chart(const std::string& title, std::span<const Report> reports,
                   const std::vector<std::string>& names) {
   Chart chart{"lanes", title, {"query frame"}};
@@ -170,15 +160,15 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports,
   size_t frames = 1;
   for (size_t r = 0; r < reports.size(); ++r) {
     const auto top = static_cast<double>(r);
-    for (const ChartRun& run : fix_runs(reports[r].fixes)) {
+    for (const ChartRun& run : fix_runs(reports[r].verdicts)) {
       Series& boxes = *std::ranges::find(chart.series, run.meaning, &Series::meaning);
       boxes.points.emplace_back(run.begin, top + 1 - kLaneGap);
       boxes.points.emplace_back(run.end, top + kLaneGap);
     }
-    frames = std::max(frames, reports[r].fixes.size());
+    frames = std::max(frames, reports[r].verdicts.size());
     chart.y.ticks.push_back({top + 0.5, names[r]});
   }
-  std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
+  erase_empty_series(chart);
   chart.x.range = {0, static_cast<double>(frames)};
   chart.y.range = {static_cast<double>(reports.size()), 0};
   chart.width = 1000;
@@ -191,9 +181,9 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports,
 GroundTruths compare_ground_truths(std::span<const Report> reports) {
   std::map<bool, std::string> of_kind;  // places or frames
   for (const Report& report : reports) {
-    if (report.walk() != reports.front().walk()) {
-      // Labels of other frames have another fingerprint: only the words can be compared.
-      if (words_of_recording(report) != words_of_recording(reports.front()))
+    if (report.selection_words() != reports.front().selection_words()) {
+      // Fingerprints of different selections always differ.
+      if (recording_protocol(report) != recording_protocol(reports.front()))
         return GroundTruths::different;
       continue;
     }
@@ -207,21 +197,17 @@ GroundTruths compare_ground_truths(std::span<const Report> reports) {
 
 std::vector<std::string> report_names(std::span<const Report> reports,
                                       const std::vector<std::string>& paths) {
-  // What each may be called, the best first; the last tells every report apart.
-  std::vector<std::vector<std::string>> choices;
+  std::vector<std::array<std::string, 3>> choices;  // the last is unique
   for (size_t r = 0; r < reports.size(); ++r) {
-    const std::string stem = std::filesystem::path(paths[r]).stem().string();
-    if (reports[r].name)
-      choices.push_back(
-          {*reports[r].name, *reports[r].name, fmt::format("{} ({})", *reports[r].name, r + 1)});
-    else
-      choices.push_back({reports[r].method, stem, fmt::format("{} ({})", stem, r + 1)});
+    const std::string second = reports[r].name.value_or(fs::path(paths[r]).stem().string());
+    choices.push_back({reports[r].name.value_or(reports[r].method), second,
+                       fmt::format("{} ({})", second, r + 1)});
   }
   std::vector<size_t> chosen(reports.size(), 0);
   const auto clashes = [&](size_t r) {
     for (size_t other = 0; other < reports.size(); ++other)
       if (other != r && choices[other][chosen[other]] == choices[r][chosen[r]] &&
-          (reports[other].name || !reports[r].name))  // a user's name makes way for another only
+          (reports[other].name || !reports[r].name))  // a user's name yields to another only
         return true;
     return false;
   };
@@ -245,7 +231,7 @@ std::string ComparisonReport::query() const {
 Json comparison_json(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
   Json json = {
-      {"schema", "vpr.comparison/1"}, {"query", comparison.query()}, {"reports", Json::array()}};
+      {"schema", "vpr.comparison/3"}, {"query", comparison.query()}, {"reports", Json::array()}};
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     json["reports"].push_back(named_report_json(comparison, r));
   json["ground_truths"] = enum_name(compare_ground_truths(comparison.reports));
@@ -254,37 +240,41 @@ Json comparison_json(const ComparisonReport& comparison) {
   json["bootstrap"] = {
       {"block", found.block}, {"resamples", comparison.resamples}, {"confidence", 0.95}};
   json["metrics"] = Json::array();
-  for (const ComparedValue& value : found.values)
+  for (const ComparedValue& value : found.values) {
+    const auto [difference, low, high] = differences(value);
     json["metrics"].push_back({{"metric", value.key},
                                {"report", comparison.names[value.method]},
                                {"value", or_null(value.value)},
-                               {"difference", or_null(value.difference)},
-                               {"low", value.interval ? Json(value.interval->low) : Json()},
-                               {"high", value.interval ? Json(value.interval->high) : Json()}});
+                               {"difference", or_null(difference)},
+                               {"low", or_null(low)},
+                               {"high", or_null(high)}});
+  }
   json["paired"] = Json::array();
   for (size_t r = 1; r < comparison.reports.size(); ++r) {
     if (!comparison.is_paired(r)) continue;
     const PairedCounts& counts = found.paired[r];
     json["paired"].push_back({{"report", comparison.names[r]},
-                              {"both_right", counts.both_right},
+                              {"both_correct", counts.both_correct},
                               {"only_this", counts.only_this},
                               {"only_first", counts.only_first},
                               {"neither", counts.neither}});
   }
   json["protocol"] = {
       {"queries",
-       "query frames that all reports judge (neither unreadable nor ignored, and within reach of "
-       "every report's windows); a report of another walk, as of a replay, is not paired, and "
-       "measured over its own"},
+       "query frames that all reports judge: readable, not ignored, and within reach of the "
+       "windows "
+       "of every report; a report of another selection is not paired, and is measured over its "
+       "own"},
       {"localization",
-       "share of all frames of the path with a right fix, frames with a wrong fix, and most frames "
-       "in a row without a right fix, as the reports say"},
+       "share of all frames of the path with a correct recognition, frames with an incorrect "
+       "recognition, and most consecutive frames without a correct recognition, by the reports"},
       {"oracle",
-       "fixes of a report with an oracle threshold are best matches up to a threshold that was "
-       "chosen from the ground truth"},
-      {"confidence", "what AP, R@100P, max F1 and curves accept best matches by"},
-      {"disputed", "query frames left out, of which only some ground truths have a match"},
-      {"metrics", "of best matches; those of queries without a match are incorrect where accepted"},
+       "recognitions of a report with an oracle threshold are best matches up to a threshold that "
+       "was chosen from the ground truth"},
+      {"confidence", "the value by which AP, R@100P, max F1 and curves accept best matches"},
+      {"disputed", "omitted query frames, which have a match in only some of the ground truths"},
+      {"metrics",
+       "of best matches; an accepted best match of a query without a match is incorrect"},
       {"interval",
        "central 95 % of the difference to the first report under the circular block bootstrap, "
        "the same blocks of neighboring queries for all reports"}};
@@ -307,25 +297,23 @@ Table paper_table(const ComparisonReport& comparison) {
     for (size_t r = 0; r < reports.size(); ++r) {
       values.push_back(value_of(comparison, r, metric, k));
       table.rows[r].push_back(metric_cell(metric, values.back()));
-      // Neither an easier walk nor the ground truth's own threshold makes a better method.
+      // An easier query, or a threshold from the ground truth, does not make a better method.
       const bool is_of_path = metric.of_path != nullptr;
       if (!comparison.is_paired(r) || (is_of_path && reports[r].is_oracle != all_oracle))
         values.back() = {};
     }
-    if (metric.key != "wrong")  // none are wrong of none
+    const auto known = std::ranges::count_if(values, &Value::has_value);
+    if (known > 1 &&
+        metric.key != "incorrect")  // a method without verdicts has none that are wrong
       mark_best(table, table.columns.size(), values, metric.is_low_good);
     table.columns.push_back(k > 0 ? fmt::format("{}{}", metric.symbol, k)
                                   : std::string(metric.symbol));
   }
-  bool has_notes = false;
-  for (size_t r = 0; r < reports.size(); ++r) {
-    table.rows[r].push_back(note_of(comparison, r));
-    has_notes = has_notes || !table.rows[r].back().empty();
-  }
-  if (has_notes)
-    table.columns.emplace_back("note");
-  else
-    for (auto& row : table.rows) row.pop_back();
+  std::vector<std::string> notes;
+  for (size_t r = 0; r < reports.size(); ++r) notes.push_back(note_of(comparison, r));
+  if (std::ranges::all_of(notes, &std::string::empty)) return table;
+  table.columns.emplace_back("note");
+  for (size_t r = 0; r < reports.size(); ++r) table.rows[r].push_back(notes[r]);
   return table;
 }
 
@@ -341,26 +329,24 @@ Table comparison_table(const ComparisonReport& comparison) {
   table.columns = {"metric", "of", "value", "difference", "from", "to", ""};
   for (const ComparedValue& value : found.values) {
     if (!value.value) continue;
-    const auto& interval = value.interval;
-    table.rows.push_back({value.key, comparison.names[value.method],
-                          metric_cell(*value.metric, value.value), signed_number(value.difference),
-                          signed_number(interval ? Value(interval->low) : std::nullopt),
-                          signed_number(interval ? Value(interval->high) : std::nullopt),
-                          judgment_of(value)});
+    std::vector<std::string>& row = table.rows.emplace_back();
+    row = {value.key, comparison.names[value.method], metric_cell(*value.metric, value.value)};
+    for (const Value& number : differences(value))
+      row.push_back(number ? fmt::format("{:+.4f}", *number) : "-");
+    row.push_back(verdict_of(value));
   }
   return table;
 }
 
 Table paired_table(const ComparisonReport& comparison) {
   Table table;
-  table.title = fmt::format("Best matches beside those of {}", comparison.names.front());
-  table.columns = {"of", "both right", "only this", "only the first", "neither"};
+  table.title = fmt::format("Best matches compared with {}", comparison.names.front());
+  table.columns = {"of", "both correct", "only this", "only the first", "neither"};
   for (size_t r = 1; r < comparison.reports.size(); ++r) {
     if (!comparison.is_paired(r)) continue;
     const PairedCounts& counts = comparison.found.paired[r];
-    table.rows.push_back({comparison.names[r], std::to_string(counts.both_right),
-                          std::to_string(counts.only_this), std::to_string(counts.only_first),
-                          std::to_string(counts.neither)});
+    add_row(table, comparison.names[r], counts.both_correct, counts.only_this, counts.only_first,
+            counts.neither);
   }
   return table;
 }
@@ -375,22 +361,17 @@ Table comparison_rows(const ComparisonReport& comparison) {
                    "value", "difference", "low",  "high",          "verdict"};
   for (size_t r = 0; r < comparison.reports.size(); ++r) {
     const Report& report = comparison.reports[r];
-    const std::vector<std::string> begin = {comparison.query(), comparison.names[r], report.walk(),
-                                            truths};
-    const auto add = [&](std::vector<std::string> cells) {
-      cells.insert(cells.begin(), begin.begin(), begin.end());
-      table.rows.push_back(std::move(cells));
+    const auto add = [&](const std::string& key, const Metric& metric, Value number,
+                         const std::array<Value, 3>& difference, const std::string& verdict) {
+      table.rows.push_back({comparison.query(), comparison.names[r], report.selection_words(),
+                            truths, key, text(metric, number), text(metric, difference[0]),
+                            text(metric, difference[1]), text(metric, difference[2]), verdict});
     };
-    for (const ComparedValue& value : comparison.found.values) {
-      if (value.method != r) continue;
-      const Metric& metric = *value.metric;
-      const auto& interval = value.interval;
-      add({value.key, text(metric, value.value), text(metric, value.difference),
-           text(metric, interval ? Value(interval->low) : std::nullopt),
-           text(metric, interval ? Value(interval->high) : std::nullopt), judgment_of(value)});
-    }
+    for (const ComparedValue& value : comparison.found.values)
+      if (value.method == r)
+        add(value.key, *value.metric, value.value, differences(value), verdict_of(value));
     for (const std::string_view key : kPathKeys)
-      add({std::string(key), text(find_metric(key), path_value(report, key)), "", "", "", ""});
+      add(std::string(key), find_metric(key), path_value(report, key), {}, "");
   }
   return table;
 }
@@ -416,17 +397,18 @@ std::string methods_html(const std::string& title, std::span<const Report> repor
   curves.width = 650;
   curves.height = 450;
   const Chart lanes = lanes_chart(title, reports, names);
-  std::vector<std::string> entries = names;
+  std::string legend;
   for (size_t r = 0; r < reports.size(); ++r)
-    entries[r] +=
-        fmt::format(" ({}{})", counted(judged_queries(reports[r].outcomes), "query", "queries"),
-                    reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : "");
-  return "<div class=\"charts\"><figure><figcaption>Precision and recall of best matches, each "
-         "over its own queries</figcaption>" +
-         page_svg(curves) + "<p class=\"legend\">" + legend_html(entries) +
-         "</p></figure></div>\n<h3>Along the path</h3><p class=\"legend\">" +
-         legend_html(meanings_of(lanes)) + "</p>" + scroll_begin(html_escaped(title)) +
-         page_svg(lanes) + "</div>\n";
+    legend += legend_entry(
+        fmt::format("series-{}", r % series_colors().size()),
+        html_escaped(fmt::format(
+            "{} ({}{})", names[r], counted(judged_queries(reports[r].outcomes), "query", "queries"),
+            reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : "")));
+  return "<div class=\"charts\">" +
+         figure_html("Precision and recall of best matches, each over its own queries", curves,
+                     legend) +
+         "</div>\n<h3>Along the path</h3><p class=\"legend\">" + legend_html(meanings_of(lanes)) +
+         "</p>" + scrolling_html(html_escaped(title), page_svg(lanes)) + "\n";
 }
 
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {

@@ -1,4 +1,4 @@
-// Comparisons of reports on one query: as JSON (vpr.comparison/1), tables, charts and a page.
+// Comparisons of reports: on one query (vpr.comparison/3), and as a grid of methods and queries.
 #pragma once
 
 #include <array>
@@ -16,63 +16,83 @@
 
 namespace vpr {
 
-/// Whether reports are judged by one ground truth. of_places_and_frames: places of some, frames of
-/// others, each kind by one; they say of different things, and can agree by query only.
+/// Whether all reports have the same ground truth. of_places_and_frames: one for places and one for
+/// frames, which label different things and may agree per query only.
 enum class GroundTruths { same, different, of_places_and_frames };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<GroundTruths> = {
     "same", "different", "of-places-and-frames"};
 
-/// Whether reports have one ground truth, by fingerprints, and where their walks differ by words.
+/// Compares fingerprints, and for queries with different selections the protocols' words.
 GroundTruths compare_ground_truths(std::span<const Report> reports);
 
-/// What tables call the reports, whose files `paths` are: the names that users gave, which always
-/// stay, and otherwise the methods. Of these, those that clash with another become the files'
-/// names, and, if that does not help, numbers are added.
+/// A name for each report; `paths` are the files. Names set by the user stay. Other reports have
+/// the name of the method or, if it occurs twice, the name of the file, with a number if necessary.
 std::vector<std::string> report_names(std::span<const Report> reports,
                                       const std::vector<std::string>& paths);
 
-/// Reports on one query, of which the first is what the others are compared with.
+/// Reports on one query. The first is the baseline.
 struct ComparisonReport {
   std::vector<Report> reports;
-  std::vector<std::string> names;  ///< one for each
+  std::vector<std::string> names;  ///< one per report
   Comparison found;
   size_t resamples = 0;
   Provenance made_by;
 
   std::string query() const;
-  /// Whether a report is of the same walk as the first: of the query as it is, or replayed
-  /// likewise.
-  bool is_paired(size_t report) const { return reports[report].walk() == reports.front().walk(); }
+  /// Whether the report's query has the selection of the first report's.
+  bool is_paired(size_t report) const {
+    return reports[report].selection_words() == reports.front().selection_words();
+  }
 };
 
-/// Everything of the file but "machine" and "timing".
+/// The file without "machine" and "timing".
 Json comparison_json(const ComparisonReport& comparison);
 
-/// The table of a paper: a row for each report, the field's metrics as columns, the best of each in
-/// bold, of those that are paired. What a report does not know is "-". A column of notes says which
-/// reports are of another walk or another ground truth, where there are some.
+/// A row per report and a column per metric, as in a paper. The best values of paired reports are
+/// bold, unknown values "-". Notes state a different selection or ground truth.
 Table paper_table(const ComparisonReport& comparison);
 
-/// Differences to the first report and their intervals: a row for each metric that a report knows.
+/// Differences to the first report with their intervals: a row per metric and report.
 Table comparison_table(const ComparisonReport& comparison);
-/// Whose best matches are right where, of reports that are paired with the first.
+/// Counts of correct best matches by report, for reports that are paired with the first.
 Table paired_table(const ComparisonReport& comparison);
 
-/// Everything in long form, for data frames: a row for each report and metric, numbers in full.
-/// What is not known is empty.
+/// A row per report and metric for data frames, in full precision; unknown values are empty.
 Table comparison_rows(const ComparisonReport& comparison);
 
-/// One file that needs nothing else: the table of a paper, curves and paths of all reports, and the
-/// intervals of their differences.
+/// One file without external references: tables, curves and verdicts along the path.
 std::string comparison_page(const ComparisonReport& comparison);
 
-/// Curves and paths of all reports on one query, as a part of a page.
+/// Curves and verdicts along the path of reports on one query, as a part of a page.
 std::string methods_html(const std::string& title, std::span<const Report> reports,
                          const std::vector<std::string>& names);
 
 /// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
 /// Error(output).
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder);
+
+/// The report of a method on one query. No two have the same method and query.
+struct GridReport {
+  std::string method;
+  Report report;
+};
+
+/// The name set by the user, or the method with window length, score and selection.
+std::string grid_name(const Report& report);
+
+/// Five tables with a row per method and a column per query: R@1, AP, R@100P, and the shares of the
+/// path with a correct and with an incorrect recognition. The best of each query is bold. A method
+/// with reports on all queries has a mean. The denominator is the query's frames with a match (all
+/// frames for shares of the path), so that frames without a window count as misses. Shares at a
+/// threshold from the ground truth are marked, and compared only if all are.
+std::vector<Table> grid_tables(std::span<const GridReport> reports);
+
+/// The same as rows of method, query, metric and value in full precision.
+Table grid_rows(std::span<const GridReport> reports);
+
+/// One file without external references: the tables, and for each query methods_html. `title`: the
+/// name of the data set.
+std::string grid_page(const std::string& title, std::span<const GridReport> reports);
 
 }  // namespace vpr

@@ -14,17 +14,17 @@ namespace vpr {
 namespace {
 
 Json head_json(DatabaseFamily family) {
-  return {{"schema", "vpr.database-info/1"}, {"method", enum_name(family)}};
+  return {{"schema", "vpr.database-info/3"}, {"method", enum_name(family)}};
 }
 
-// Nothing of LDB, the usual one.
+// Empty for LDB, the default.
 std::string descriptor_text(const DescriptorStore& descriptors) {
   if (descriptors.kind == &descriptor_kinds().front()) return "";
   const DescriptorShape shape = descriptors.shape();
-  return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_words(shape));
+  return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_noun(shape));
 }
 
-// Of a selection, of how many.
+// "40 of 80" for a selection.
 std::string frames_text(const Sequence& sequence) {
   return sequence.selection.is_all()
              ? std::to_string(sequence.frames)
@@ -43,7 +43,7 @@ struct Line {
   size_t window_length;
   const std::optional<AutomaticThreshold>& threshold;
   const std::optional<ClosestWindows>& closest;
-  std::string own_frames;  ///< of the closest windows, where there are some
+  std::string own_frames;  ///< of the closest windows; "-" without
   std::string closest_frames;
 };
 
@@ -126,7 +126,7 @@ std::string database_text(const FabmapDatabase& database, const std::string& nam
       "{}: {}, {} of {}, {}, {}", name, enum_name(DatabaseFamily::fabmap),
       counted(database.tree.words(), "word"), enum_name(database.settings.features.kind),
       counted(database.place_names().size(), "place"), counted(database.views.views(), "view"));
-  table.columns = {"group", "frames", "places", "words a frame", "featureless"};
+  table.columns = {"group", "frames", "places", "words per frame", "featureless"};
   const std::vector<size_t> featureless = featureless_frames(database);
   size_t view = 0;
   for (const ViewGroup& group : database.groups) {
@@ -134,10 +134,10 @@ std::string database_text(const FabmapDatabase& database, const std::string& nam
     view += group.sequence.frames;
     const auto words =
         static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
-    table.rows.push_back({group.sequence.name, std::to_string(group.sequence.frames),
-                          group.is_place ? "one" : "each frame",
-                          fmt::format("{:.1f}", words / static_cast<double>(view - first)),
-                          std::to_string(featureless[table.rows.size()])});
+    add_row(table, group.sequence.name, group.sequence.frames,
+            group.is_place ? "one" : "each frame",
+            fmt::format("{:.1f}", words / static_cast<double>(view - first)),
+            featureless[table.rows.size()]);
   }
   return render_table(table, TableFormat::text);
 }
@@ -145,7 +145,7 @@ std::string database_text(const FabmapDatabase& database, const std::string& nam
 Json thresholds_json(std::span<const TrainSequence> sequences,
                      const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
                      const RunInfo& run) {
-  Json json = {{"schema", "vpr.thresholds/1"}, {"safety_factor", safety_factor}};
+  Json json = {{"schema", "vpr.thresholds/3"}, {"safety_factor", safety_factor}};
   json["thresholds"] = Json::array();
   for (const Line& line : lines_of(sequences, thresholds)) {
     Json item = {{"sequence", line.sequence.name}, {"c_l", line.window_length}, {"t_r", nullptr}};
@@ -172,14 +172,13 @@ Table thresholds_table(std::span<const TrainSequence> sequences,
   table.title = fmt::format("{}: automatic t_r, safety factor {:g}", name, safety_factor);
   table.columns = {"sequence", "c_l", "t_r (bits)", "from", "own frames", "closest other frames"};
   for (const Line& line : lines_of(sequences, thresholds)) {
-    std::string value = "-";
-    std::string from = "-";
-    if (line.threshold) {
-      value = fmt::format("{:.2f}", line.threshold->value);
-      from = line.threshold->is_largest ? "upper limit" : "closest windows";
-    }
-    table.rows.push_back({line.sequence.name, std::to_string(line.window_length), value, from,
-                          line.own_frames, line.closest_frames});
+    const auto& threshold = line.threshold;
+    add_row(table, line.sequence.name, line.window_length,
+            threshold ? fmt::format("{:.2f}", threshold->value) : "-",
+            !threshold              ? "-"
+            : threshold->is_largest ? "upper limit"
+                                    : "closest windows",
+            line.own_frames, line.closest_frames);
   }
   return table;
 }

@@ -1,5 +1,5 @@
-// What a database holds (vpr.database-info/1), and its automatic thresholds with the windows from
-// which they come (vpr.thresholds/1): as JSON and as tables.
+// Databases (vpr.database-info/3) and their automatic thresholds (vpr.thresholds/3) as JSON and
+// tables.
 #pragma once
 
 #include <span>
@@ -14,23 +14,23 @@
 
 namespace vpr {
 
-/// `thresholds`: the automatic ones that it holds (stored_thresholds).
+/// `thresholds`: the stored ones (stored_thresholds).
 Json database_json(const SequenceDatabase& database,
                    const std::vector<AutomaticThresholds>& thresholds, const RunInfo& run);
 Json database_json(const FabmapDatabase& database, const RunInfo& run);
 
-/// A table of its sequences, or groups. `name`: of the database.
+/// A table of sequences or, for FAB-MAP, groups.
 std::string database_text(const SequenceDatabase& database,
                           const std::vector<AutomaticThresholds>& thresholds,
                           const std::string& name);
 std::string database_text(const FabmapDatabase& database, const std::string& name);
 
-/// `thresholds`: one a window length, of the database's sequences.
+/// Thresholds by window length and sequence, with the frames that determine them.
 Json thresholds_json(std::span<const TrainSequence> sequences,
                      const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
                      const RunInfo& run);
 
-/// One row a window length and sequence. `name`: of the database.
+/// A row per window length and sequence. `name`: of the database.
 Table thresholds_table(std::span<const TrainSequence> sequences,
                        const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
                        const std::string& name);

@@ -1,7 +1,9 @@
 #include "present/evaluation_charts.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,23 +11,104 @@
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
 #include "match/score_kernels.h"
-#include "present/evaluation_tables.h"
+#include "present/chart.h"
+#include "present/evaluation_report.h"
 #include "present/score_matrix.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {
 namespace {
 
+Series wall_lines(const RouteMap& map, const std::string& floor) {
+  Series walls = series_of(Meaning::wall, SeriesStyle::line);
+  for (const WallLine& wall : map.walls) {
+    if (wall.from.floor != floor) continue;
+    walls.points.insert(walls.points.end(),
+                        {{wall.from.x, wall.from.y}, {wall.to.x, wall.to.y}, kChartGap});
+  }
+  return walls;
+}
+
+/// A wide line, on which the query's dots are visible.
+Series train_lines(const RouteMap& map, const std::string& floor) {
+  Series train = series_of(Meaning::train_path, SeriesStyle::wide_line);
+  for (const auto& sequence : map.train) {
+    for (const auto& at : sequence)
+      train.points.push_back(at && at->floor == floor ? std::pair(at->x, at->y) : kChartGap);
+    train.points.push_back(kChartGap);
+  }
+  if (std::ranges::all_of(train.points, [](const auto& point) { return std::isnan(point.first); }))
+    train.points.clear();
+  return train;
+}
+
+// Query frames and training places, in the order of drawing.
+constexpr std::array<std::pair<Meaning, SeriesMark>, 7> kPoints = {
+    {{Meaning::unmapped, SeriesMark::circle},
+     {Meaning::no_valid_window, SeriesMark::dot},
+     {Meaning::missed, SeriesMark::dot},
+     {Meaning::place, SeriesMark::square},
+     {Meaning::unjudged, SeriesMark::disc},
+     {Meaning::right, SeriesMark::disc},
+     {Meaning::wrong, SeriesMark::cross}}};
+
+Series frame_points(const RouteMap& map, const MapPanel& panel, const std::string& floor,
+                    Meaning meaning, SeriesMark mark) {
+  Series frames = series_of(meaning, SeriesStyle::points, mark);
+  for (size_t frame = 0; frame < map.query.size(); ++frame) {
+    const auto& at = map.query[frame];
+    if (at && at->floor == floor && panel.meanings[frame] == meaning)
+      frames.points.emplace_back(at->x, at->y);
+  }
+  return frames;
+}
+
+Chart panel_chart(const RouteMap& map, const MapPanel& panel, const std::string& floor) {
+  std::vector<Series> series = {train_lines(map, floor), wall_lines(map, floor)};
+  for (const auto& [meaning, mark] : kPoints) {
+    series.push_back(frame_points(map, panel, floor, meaning, mark));
+    if (meaning != Meaning::place || !panel.shows_places) continue;
+    for (const RoutePoint& place : map.places)
+      if (place.floor == floor) series.back().points.emplace_back(place.x, place.y);
+  }
+  return plan_chart("", floor.empty() ? panel.title : fmt::format("{}, {}", panel.title, floor),
+                    std::move(series));
+}
+
+// Below the lines; empty if these are one point.
+Series scale_bar(const std::vector<Series>& lines) {
+  double left = std::numeric_limits<double>::infinity();
+  double right = -left;
+  double bottom = left;
+  double top = -left;
+  for (const Series& drawn : lines)
+    for (const auto& [x, y] : drawn.points) {
+      if (std::isnan(x)) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      bottom = std::min(bottom, y);
+      top = std::max(top, y);
+    }
+  Series bar{"", {}, SeriesStyle::bar, Meaning::wall};
+  if (right <= left && top <= bottom) return bar;
+  const double size = std::max(right - left, top - bottom);
+  const auto meters = static_cast<double>(round_step(static_cast<size_t>(size), 4));
+  const double y = bottom - 0.06 * size;
+  bar.points = {{left, y}, {left + meters, y}};
+  bar.labels = {"", fmt::format("{} m", meters)};
+  return bar;
+}
+
 constexpr size_t kMostPoints = 1000;
-constexpr size_t kMostTruth = 465;    // frames whose ground truth is drawn
+constexpr size_t kMostTruth = 465;    // query frames with ground truth
 constexpr size_t kMatrixSide = 1000;  // pixels
 
-// What marks mean, in the order of drawing.
+// In the order of drawing.
 constexpr std::array<Meaning, 6> kMarkOrder = {Meaning::weak_unjudged, Meaning::weak_wrong,
                                                Meaning::weak_right,    Meaning::unjudged,
                                                Meaning::wrong,         Meaning::right};
+constexpr std::array<Meaning, 3> kAccepted = {Meaning::right, Meaning::wrong, Meaning::unjudged};
 
-// A recognition, or a best match that is not recognized (weak).
 Meaning meaning_of(const Judgment& judgment, const QueryOutcome& query) {
   const bool is_strong = is_recognized(judgment, query);
   if (query.verdict == Verdict::correct) return is_strong ? Meaning::right : Meaning::weak_right;
@@ -33,18 +116,34 @@ Meaning meaning_of(const Judgment& judgment, const QueryOutcome& query) {
   return is_strong ? Meaning::unjudged : Meaning::weak_unjudged;
 }
 
-Series curve_series(Meaning meaning, const Curve& curve) {
-  Series series = series_of(meaning, SeriesStyle::line);
-  series.points = curve_points(curve, kMostPoints);
-  return series;
+// The curves of best matches: by the outcomes' confidence, then by the other one.
+std::vector<std::pair<Meaning, const Curve*>> best_match_curves(const Judgment& judgment) {
+  const bool by_score = judgment.outcomes.confidence == Confidence::score;
+  std::vector<std::pair<Meaning, const Curve*>> curves = {
+      {by_score ? Meaning::best_matches : Meaning::by_margin, &judgment.single_best}};
+  if (judgment.other_best)
+    curves.emplace_back(by_score ? Meaning::by_margin : Meaning::best_matches,
+                        &*judgment.other_best);
+  return curves;
 }
 
-void leave_out_empty(Chart& chart) {
-  std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
+// Adds a point per query for which `y` has a value, in a series per meaning.
+template <class Y>
+void add_best_matches(Chart& chart, const Judgment& judgment, SeriesMark recognized, const Y& y) {
+  for (const Meaning meaning : kMarkOrder) {
+    const bool is_strong = std::ranges::find(kAccepted, meaning) != kAccepted.end();
+    Series series =
+        series_of(meaning, SeriesStyle::points, is_strong ? recognized : SeriesMark::dot);
+    for (const QueryOutcome& query : judgment.outcomes.queries)
+      if (const std::optional<double> value = y(query);
+          value && meaning_of(judgment, query) == meaning)
+        series.points.emplace_back(static_cast<double>(query.frame) + 0.5, *value);
+    chart.series.push_back(series);
+  }
 }
 
-// The ground truth of about kMostTruth query frames, evenly spaced, as boxes; each frame stands for
-// those up to the next one.
+// Boxes for the ground truth of about kMostTruth query frames, evenly spaced; a box extends to the
+// next of these frames.
 Series truth_series(const Judgment& judgment, const GroundTruth& truth,
                     const std::vector<FrameBand>& bands, const Monitor& monitor) {
   Series series = series_of(Meaning::truth, SeriesStyle::boxes);
@@ -76,13 +175,12 @@ Chart recall_chart(const Report& report, const Judgment& judgment) {
   return chart;
 }
 
-/// How a chart shows scores: divided, and called so.
 struct ScoreAxis {
   std::string label;
-  double divisor = 1;
+  double divisor = 1;  ///< of scores
 };
 
-/// Scores as thresholds are given: t_r as a mean frame distance or as mean z, t_p, or as they are.
+/// The unit of the threshold's flag.
 ScoreAxis score_axis(const Report& report, const Judgment& judgment) {
   if (judgment.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
   const auto length = static_cast<double>(judgment.layout.window_length);
@@ -94,15 +192,12 @@ ScoreAxis score_axis(const Report& report, const Judgment& judgment) {
   return {"a mean frame distance (t_r with --t-r-scale bits)", length};
 }
 
-constexpr std::array<Meaning, 3> kAccepted = {Meaning::right, Meaning::wrong, Meaning::unjudged};
-
 size_t accepted_as(const QueryOutcome& query) {
   return query.verdict == Verdict::correct ? 0 : query.verdict == Verdict::incorrect ? 1 : 2;
 }
 
-/// A best match, by the confidence in force.
 struct RankedMatch {
-  double value = 0;
+  double value = 0;  ///< score or margin, by the outcomes' confidence
   const QueryOutcome* query = nullptr;
 };
 
@@ -122,6 +217,50 @@ std::vector<RankedMatch> strictest_first(const Judgment& judgment) {
 
 }  // namespace
 
+Chart plan_chart(const std::string& file, const std::string& title, std::vector<Series> series) {
+  Chart chart{file, title};
+  chart.is_plan = true;
+  chart.y.from_zero = false;
+  chart.width = 675;
+  chart.series = std::move(series);
+  chart.series.push_back(scale_bar(chart.series));
+  erase_empty_series(chart);
+  return chart;
+}
+
+std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth) {
+  std::vector<Meaning> meanings;
+  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
+    meanings.push_back(truth.has_match(frame) ? Meaning::no_valid_window : Meaning::unmapped);
+  for (const QueryOutcome& query : judgment.outcomes.queries)
+    if (query.has_match && query.verdict != Verdict::unreadable)
+      meanings[query.frame] = Meaning::missed;
+  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
+    if (judgment.verdicts[frame] != FrameVerdict::none)
+      meanings[frame] = meaning_of(judgment.verdicts[frame]);
+  return meanings;
+}
+
+std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
+                                const Monitor& monitor) {
+  std::vector<std::string> floors;
+  std::set<std::string> known;
+  for (const auto& at : map.query)
+    if (at && known.insert(at->floor).second) floors.push_back(at->floor);
+  std::vector<Chart> charts;
+  for (const std::string& floor : floors)
+    for (const MapPanel& panel : panels) {
+      check_stop(monitor);
+      charts.push_back(panel_chart(map, panel, floor));
+    }
+  return charts;
+}
+
+void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
+                    const std::filesystem::path& folder, const Monitor& monitor) {
+  draw_charts(route_charts(map, panels, monitor), panels.size(), "map", folder);
+}
+
 std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most) {
   std::vector<std::pair<double, double>> points;
   for (const CurvePoint& point : thinned(curve, most))
@@ -129,14 +268,14 @@ std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t m
   return points;
 }
 
-std::vector<ChartRun> fix_runs(const std::vector<Fix>& fixes) {
+std::vector<ChartRun> fix_runs(const std::vector<FrameVerdict>& verdicts) {
   std::vector<ChartRun> runs;
-  for (size_t begin = 0; begin < fixes.size();) {
+  for (size_t begin = 0; begin < verdicts.size();) {
     size_t end = begin;
-    while (end < fixes.size() && fixes[end] == fixes[begin]) ++end;
-    if (fixes[begin] != Fix::none)
+    while (end < verdicts.size() && verdicts[end] == verdicts[begin]) ++end;
+    if (verdicts[begin] != FrameVerdict::none)
       runs.push_back(
-          {static_cast<double>(begin), static_cast<double>(end), meaning_of(fixes[begin])});
+          {static_cast<double>(begin), static_cast<double>(end), meaning_of(verdicts[begin])});
     begin = end;
   }
   return runs;
@@ -151,15 +290,14 @@ Chart precision_recall_chart(const std::string& title) {
 
 Chart curve_chart(const Report& report, const Judgment& judgment) {
   Chart chart = precision_recall_chart(evaluation_title(report));
+  std::vector<std::pair<Meaning, const Curve*>> curves = best_match_curves(judgment);
   if (judgment.all_pairs)
-    chart.series.push_back(curve_series(Meaning::all_pairs, judgment.all_pairs->curve));
-  const bool by_score = judgment.outcomes.confidence == Confidence::score;
-  chart.series.push_back(
-      curve_series(by_score ? Meaning::best_matches : Meaning::by_margin, judgment.single_best));
-  if (judgment.other_best)
-    chart.series.push_back(
-        curve_series(by_score ? Meaning::by_margin : Meaning::best_matches, *judgment.other_best));
-  leave_out_empty(chart);
+    curves.insert(curves.begin(), {Meaning::all_pairs, &judgment.all_pairs->curve});
+  for (const auto& [meaning, curve] : curves) {
+    chart.series.push_back(series_of(meaning, SeriesStyle::line));
+    chart.series.back().points = curve_points(*curve, kMostPoints);
+  }
+  erase_empty_series(chart);
   return chart;
 }
 
@@ -167,35 +305,26 @@ Chart risk_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"risk-coverage", evaluation_title(report), {"coverage: best matches accepted"}};
   chart.y.label = "risk: share of mistakes among them";
   chart.x.range = chart.y.range = {0, 1};
-  Meaning meaning = judgment.outcomes.confidence == Confidence::score ? Meaning::best_matches
-                                                                      : Meaning::by_margin;
-  for (const Curve* curve :
-       {&judgment.single_best, judgment.other_best ? &*judgment.other_best : nullptr}) {
-    if (curve == nullptr || curve->to_find == 0) continue;
-    Series& series = chart.series.emplace_back(series_of(meaning, SeriesStyle::line));
-    series.points = risk_coverage_points(*curve);
-    meaning = meaning == Meaning::by_margin ? Meaning::best_matches : Meaning::by_margin;
+  for (const auto& [meaning, curve] : best_match_curves(judgment)) {
+    if (curve->to_find == 0) continue;
+    chart.series.push_back(series_of(meaning, SeriesStyle::line));
+    chart.series.back().points = risk_coverage_points(*curve);
   }
   return chart;
 }
 
 Chart margin_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"margins", evaluation_title(report)};
-  chart.x = frame_axis({{"", 0, 0, 0, judgment.fixes.size()}}, "query frame", false);
+  chart.x = frame_axis({{"", 0, 0, 0, judgment.verdicts.size()}}, "query frame", false);
   chart.y.label = "margin, a frame";
-  for (const Meaning meaning : kMarkOrder) {
-    Series series = series_of(meaning, SeriesStyle::points, SeriesMark::dot);
-    for (const QueryOutcome& query : judgment.outcomes.queries)
-      if (query.margin && meaning_of(judgment, query) == meaning)
-        series.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.margin);
-    chart.series.push_back(series);
-  }
-  Series asked = series_of(Meaning::asked_margin, SeriesStyle::line);
+  add_best_matches(chart, judgment, SeriesMark::dot,
+                   [](const QueryOutcome& query) { return query.margin; });
+  Series required = series_of(Meaning::required_margin, SeriesStyle::line);
   for (const QueryOutcome& query : judgment.outcomes.queries)
-    if (query.margin && query.asked_margin)
-      asked.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.asked_margin);
-  chart.series.push_back(asked);
-  leave_out_empty(chart);
+    if (query.margin && query.required_margin)
+      required.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.required_margin);
+  chart.series.push_back(required);
+  erase_empty_series(chart);
   chart.width = 1000;
   return chart;
 }
@@ -204,23 +333,17 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
                      const Monitor& monitor) {
   const std::vector<FrameBand> bands = frame_bands(judgment.layout);
   Chart chart{"timeline", evaluation_title(report)};
-  chart.x = frame_axis({{"", 0, 0, 0, judgment.fixes.size()}}, "query frame", false);
+  chart.x = frame_axis({{"", 0, 0, 0, judgment.verdicts.size()}}, "query frame", false);
   chart.y = frame_axis(bands, reference_word(report), false);
   chart.series.push_back(truth_series(judgment, truth, bands, monitor));
-  for (const Meaning meaning : kMarkOrder) {
-    const bool is_strong =
-        meaning == Meaning::right || meaning == Meaning::wrong || meaning == Meaning::unjudged;
-    Series series =
-        series_of(meaning, SeriesStyle::points, is_strong ? SeriesMark::disc : SeriesMark::dot);
-    for (const QueryOutcome& query : judgment.outcomes.queries)
-      if (query.best && meaning_of(judgment, query) == meaning)
-        series.points.emplace_back(static_cast<double>(query.frame) + 0.5,
-                                   static_cast<double>(position_of(bands, *query.best)) + 0.5);
-    chart.series.push_back(series);
-  }
-  leave_out_empty(chart);
-  chart.runs = fix_runs(judgment.fixes);
-  chart.runs_label = "fixes";
+  add_best_matches(chart, judgment, SeriesMark::disc,
+                   [&](const QueryOutcome& query) -> std::optional<double> {
+                     if (!query.best) return std::nullopt;
+                     return static_cast<double>(position_of(bands, *query.best)) + 0.5;
+                   });
+  erase_empty_series(chart);
+  chart.runs = fix_runs(judgment.verdicts);
+  chart.runs_label = "recognized";
   chart.width = 1000;
   return chart;
 }
@@ -282,10 +405,11 @@ std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgment&
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
-  const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
-  return matrix_chart(judgment.layout,
-                      draw_scores(judgment, evaluation.truth, matrix, most_pixels, monitor),
-                      reference_word(report), score_words(report));
+  const PixelGrid grid(judgment.layout, most_pixels);
+  const std::vector<double> scores =
+      evaluation.matrix ? pixel_scores(*evaluation.matrix, grid, monitor) : std::vector<double>{};
+  return matrix_chart(judgment, evaluation.truth, grid, scores,
+                      {reference_word(report), score_words(report)}, monitor);
 }
 
 void draw_evaluation(const Evaluation& evaluation, const Report& report,

@@ -1,8 +1,9 @@
-// The charts of an evaluation, for its page and for papers.
+// The charts of an evaluation, and maps of recognitions as in the paper's figures.
 #pragma once
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,63 +11,95 @@
 #include "evaluate/judgment.h"
 #include "present/chart.h"
 #include "present/evaluation_report.h"
+#include "truth/positions.h"
+#include "truth/trajectory.h"
 
 namespace vpr {
 
 /// The axes of precision against recall, without a series.
 Chart precision_recall_chart(const std::string& title);
 
-/// Recall and precision at no more than `most` of the curve's points, evenly spaced by their place,
-/// first and last among them.
+/// Recall and precision at no more than `most` points of the curve, selected by `resampled`.
 std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most);
 
-/// Runs of frames with the same fix, but none.
-std::vector<ChartRun> fix_runs(const std::vector<Fix>& fixes);
+/// Consecutive frames with the same verdict other than none.
+std::vector<ChartRun> fix_runs(const std::vector<FrameVerdict>& verdicts);
 
-/// Precision against recall: best matches, those by margin where margins are known, and, where
-/// there are some, all pairs. It has no series where nothing is judged.
+/// Precision against recall of best matches by score, by margin if known, and of all pairs if there
+/// is a matrix. No series if no query has a match.
 Chart curve_chart(const Report& report, const Judgment& judgment);
 
-/// The share of mistakes among accepted best matches against the share of best matches that are
-/// accepted, by score and, where margins are known, by margin. No series where nothing is judged.
+/// The share of incorrect among accepted best matches, against the share of accepted best matches;
+/// by score and, if known, by margin. No series if no query has a match.
 Chart risk_chart(const Report& report, const Judgment& judgment);
 
-/// Best matches that a threshold accepts, from the strictest to the loosest, in the unit in which
-/// thresholds are given: right ones, wrong ones, and those that are not judged.
+/// The numbers of best matches that a threshold accepts (correct, incorrect, not judged), from the
+/// strictest to the loosest threshold, in the unit of the threshold's flag.
 Chart threshold_chart(const Report& report, const Judgment& judgment);
 
-/// Best matches that a threshold accepts, in the unit of that chart: right, wrong, not judged.
+/// Best matches accepted at a threshold, in the unit of threshold_chart.
 struct ThresholdStep {
   double threshold = 0;
-  std::array<size_t, 3> accepted = {};
+  std::array<size_t, 3> accepted = {};  ///< correct, incorrect, not judged
 };
 
-/// A step for each threshold that occurs, from the strictest to the loosest; of more than about
-/// `most` some are left out, but never the last.
+/// A step per distinct threshold from the strictest to the loosest, thinned to about `most`,
+/// always including the last.
 std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgment& judgment,
                                            size_t most);
 
-/// The margin of every query frame's best match, a frame of its window: right ones, wrong ones and
-/// those that are not judged, and as a line the margin that was asked for, where the decision is by
-/// margin. It has no series where no margins are known.
+/// The margin of each query frame's best match by outcome and, if the decision is by margin, the
+/// required margin as a line. No series if margins are unknown.
 Chart margin_chart(const Report& report, const Judgment& judgment);
 
-/// Best matches and ground truth along the query's path, frames of the training sequences upwards,
-/// band by band, and below, a bar of fixes. It has no series where there are neither.
+/// Best matches and ground truth along the query (x) over the frames of all training sequences (y),
+/// with a bar of verdicts below.
 Chart timeline_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth,
                      const Monitor& monitor = {});
 
-/// The scores of all pairs in at most `most_pixels` a side, and what is recognized.
+/// The scores of all pairs, if there is a matrix, in at most `most_pixels` x `most_pixels`, with
+/// ground truth and recognitions.
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor);
 
-/// The meanings that a chart shows, for a legend outside it.
+/// The different meanings of a chart's series and runs, for a legend outside it.
 std::vector<Meaning> meanings_of(const Chart& chart);
 
-/// Writes precision-recall, risk-coverage, recall@K (where ranks are known), timeline, margins
-/// (where they are known) and matrix as SVG and PNG into the folder of an output. Throws
-/// Error(output).
+/// Writes precision-recall, risk-coverage, recall@K (if ranks are known), timeline, margins (if
+/// known) and matrix as SVG and PNG into the folder of an output. Throws Error(output).
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
                      const std::filesystem::path& folder, const Monitor& monitor);
+
+/// The recognitions of one result.
+struct MapPanel {
+  std::string title;
+  std::vector<Meaning> meanings;  ///< one per query frame: meanings_of
+  bool shows_places = false;      ///< draws FAB-MAP's training places
+};
+
+struct RouteMap {
+  std::vector<WallLine> walls;
+  std::vector<std::vector<std::optional<RoutePoint>>> train;  ///< by sequence
+  std::vector<RoutePoint> places;
+  std::vector<std::optional<RoutePoint>> query;
+};
+
+/// The meaning of each query frame: its verdict or, without one, `unmapped` (no match in the ground
+/// truth), `no_valid_window` (no query window ends at the frame, no training window ends at its
+/// matches, or its window is unreadable) or `missed`.
+std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth);
+
+/// A chart with equal scales and a bar for a round number of meters, about a quarter as long as the
+/// content. Empty series are omitted.
+Chart plan_chart(const std::string& file, const std::string& title, std::vector<Series> series);
+
+/// A row of charts per floor of the query's path, in order of first visit, with a column per panel.
+/// Only training paths and places of this floor are drawn.
+std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
+                                const Monitor& monitor = {});
+
+/// Writes map.svg and map.png into the folder of an output. Throws Error(output).
+void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
+                    const std::filesystem::path& folder, const Monitor& monitor);
 
 }  // namespace vpr

@@ -1,7 +1,8 @@
-// Evaluation reports as JSON: one description of the fields, by which they are written and read.
+// Evaluation reports as JSON, written and read by one description of their fields.
 #include <charconv>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -13,6 +14,25 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostFrames = uint64_t{1} << 32;
+constexpr std::string_view kVerdictLetters = ".rwi";  // by FrameVerdict
+
+/// A field with its own functions.
+template <class Write, class Read>
+struct Form {
+  Write write;
+  Read read;
+};
+
+/// An object whose fields a function visits.
+template <class Visit>
+struct Part {
+  Visit visit;
+};
+
+template <class Visit, class Visitor>
+void visit_fields(Part<Visit>& part, Visitor&& visitor) {
+  part.visit(visitor);
+}
 
 char letter_of(const QueryOutcome& query) {
   switch (query.verdict) {
@@ -30,7 +50,7 @@ char letter_of(const QueryOutcome& query) {
 
 void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
   constexpr std::string_view kLetters = "cwnbiu";
-  if (kLetters.find(letter) == std::string_view::npos) fields.fail("an outcome is none");
+  if (kLetters.find(letter) == std::string_view::npos) fields.fail("an outcome is invalid");
   query.has_match = letter == 'c' || letter == 'w';
   query.is_unreachable = letter == 'b';
   query.verdict = letter == 'c'   ? Verdict::correct
@@ -39,18 +59,15 @@ void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
                                   : Verdict::incorrect;
 }
 
-constexpr std::string_view kFixLetters = ".rwi";  // by Fix
-
-/// A number, or "-" for none, per query.
+/// A number or "-" per query.
 template <class Number>
 std::string number_words(const Outcomes& outcomes, const Number& number_of) {
-  std::string text;
+  std::vector<std::string> words;
   for (const QueryOutcome& query : outcomes.queries) {
     const auto number = number_of(query);
-    text += text.empty() ? "" : " ";
-    text += number ? fmt::format("{}", *number) : "-";
+    words.push_back(number ? fmt::format("{}", *number) : "-");
   }
-  return text;
+  return fmt::format("{}", fmt::join(words, " "));
 }
 
 template <class T, class Set>
@@ -65,20 +82,20 @@ void read_number_words(const Fields& fields, const std::string& key, Outcomes& o
     const char* end = words[q].data() + words[q].size();
     const auto [stop, error] = std::from_chars(words[q].data(), end, number);
     if (error != std::errc{} || stop != end)
-      fields.fail(fmt::format("one of its {} is no number", key));
+      fields.fail(fmt::format("one of its {} is not a number", key));
     set(outcomes.queries[q], number);
   }
 }
 
-/// A letter and some numbers per query window, and a letter per frame.
+/// A letter and numbers per query window, and a letter per frame.
 struct OutcomesForm {
   Outcomes& outcomes;
-  std::vector<Fix>& fixes;
+  std::vector<FrameVerdict>& verdicts;
 
   void write(Json& json, const std::string& key) const {
     Json& part = json[key];
     part = {{"first_frame", outcomes.window_length - 1},
-            {"scores_are", enum_name(outcomes.kind)},
+            {"score_order", enum_name(outcomes.kind)},
             {"best", outcome_letters(outcomes)}};
     part["scores"] = number_words(outcomes, [&](const QueryOutcome& query) {
       return query.key == kNoScore ? std::nullopt
@@ -90,15 +107,16 @@ struct OutcomesForm {
     if (outcomes.has_ranks)
       part["ranks"] = number_words(outcomes, [](const QueryOutcome& query) { return query.rank; });
     std::string letters;
-    for (const Fix fix : fixes) letters += kFixLetters[static_cast<size_t>(fix)];
-    part["fixes"] = letters;
+    for (const FrameVerdict verdict : verdicts)
+      letters += kVerdictLetters[static_cast<size_t>(verdict)];
+    part["recognized"] = letters;
   }
 
   void read(const Fields& fields, const std::string& key) {
     const Fields part = fields.object(key);
     const uint64_t first_frame = part.count("first_frame", kMostFrames);
     outcomes.window_length = first_frame + 1;
-    fields_from_json(part["scores_are"], outcomes.kind, part, "scores_are");
+    fields_from_json(part["score_order"], outcomes.kind, part, "score_order");
     for (const char letter : part.text("best")) {
       QueryOutcome& query = outcomes.queries.emplace_back();
       query.frame = first_frame + outcomes.queries.size() - 1;
@@ -116,117 +134,38 @@ struct OutcomesForm {
     if (outcomes.has_ranks)
       read_number_words<size_t>(part, "ranks", outcomes,
                                 [](QueryOutcome& query, size_t rank) { query.rank = rank; });
-    for (const char letter : part.text("fixes")) {
-      const size_t fix = kFixLetters.find(letter);
-      if (fix == std::string_view::npos) part.fail("its fixes do not fit its outcomes");
-      fixes.push_back(static_cast<Fix>(fix));
+    for (const char letter : part.text("recognized")) {
+      const size_t verdict = kVerdictLetters.find(letter);
+      if (verdict == std::string_view::npos) part.fail("its verdicts do not fit its outcomes");
+      verdicts.push_back(static_cast<FrameVerdict>(verdict));
     }
-    if (fixes.size() != outcomes.query_frames) part.fail("its fixes do not fit its outcomes");
+    if (verdicts.size() != outcomes.query_frames) part.fail("its verdicts do not fit its outcomes");
   }
 };
 
-/// Two integers, as a list.
-struct RangeForm {
-  std::array<size_t, 2>& range;
-
-  void write(Json& json, const std::string& key) const { json[key] = range; }
-  void read(const Fields& fields, const std::string& key) {
-    std::vector<size_t> ends;
-    fields_from_json(fields[key], ends, fields, key);
-    if (ends.size() != 2) fields.fail(fmt::format("\"{}\" is no range", key));
-    range = {ends[0], ends[1]};
-  }
-};
-
-/// "warp" and "thinned".
-struct SelectionForm {
-  Selection& selection;
-
-  void write(Json& json, const std::string&) const { add_selection(json, selection); }
-  void read(const Fields& fields, const std::string&) {
-    selection = read_selection(fields, [](const Selection&) { return kMostFrames; });
-  }
-};
-
-struct SettingsForm {
-  Report& report;
-
-  void write(Json& json, const std::string& key) const { json[key] = report.settings_json(); }
-  void read(const Fields& fields, const std::string& key);
-};
-
-struct DefinitionsForm {
-  Protocol& protocol;
-
-  void write(Json& json, const std::string&) const {
-    for (const auto& [key, words] : protocol.definitions) json[key] = words;
-  }
-  void read(const Fields& fields, const std::string&) {
-    for (const auto& item : fields.json().items())
-      if (item.key() != "ground_truth" && item.key() != "tolerance_frames")
-        protocol.definitions.emplace_back(item.key(), fields.text(item.key()));
-  }
-};
-
-struct CurveThresholds {
-  std::vector<MetricValue>& values;
-};
-
-template <class Visitor>
-void visit_fields(CurveThresholds& thresholds, Visitor&& visit) {
-  for (size_t m = 0; m < curve_metrics().size(); ++m)
-    visit(curve_metrics()[m].key, IfSet{thresholds.values[m].threshold});
+/// Two integers as a list.
+auto range_form(std::array<size_t, 2>& range) {
+  return Form{[&](Json& json, const std::string& key) { json[key] = range; },
+              [&](const Fields& fields, const std::string& key) {
+                std::vector<size_t> ends;
+                fields_from_json(fields[key], ends, fields, key);
+                if (ends.size() != 2) fields.fail(fmt::format("\"{}\" is not a range", key));
+                range = {ends[0], ends[1]};
+              }};
 }
-
-struct AchievementTargets {
-  ReportedAchievement& achievement;
-};
-
-template <class Visitor>
-void visit_fields(AchievementTargets& targets, Visitor&& visit) {
-  for (size_t t = 0; t < kRecallTargets.size(); ++t)
-    visit(fmt::format("{:g}", kRecallTargets[t]), targets.achievement.shares[t]);
-}
-
-struct ViewBestMatch {
-  CountsByView& counts;
-};
-
-template <class Visitor>
-void visit_fields(ViewBestMatch& fields, Visitor&& visit) {
-  visit_fields(fields.counts.best_match, visit);
-  visit("rate", fields.counts.best_match_rate);
-}
-
-/// Whether large scores are good, as the name of an order.
-struct OrderForm {
-  bool& is_similarity;
-
-  void write(Json& json, const std::string& key) const {
-    json[key] = enum_name(is_similarity ? ScoreOrder::similarity : ScoreOrder::distance);
-  }
-  void read(const Fields& fields, const std::string& key) {
-    ScoreOrder order{};
-    fields_from_json(fields[key], order, fields, key);
-    is_similarity = order == ScoreOrder::similarity;
-  }
-};
 
 }  // namespace
 
-template <class Visitor>
-void visit_fields(LabelCounts& counts, Visitor&& visit) {
-  visit("correct", counts.correct);
-  visit("incorrect", counts.incorrect);
-  visit("ignored", counts.ignored);
-}
+VPR_FIELDS(LabelCounts, correct, incorrect, ignored)
 
 template <class Visitor>
 void visit_fields(Counts& counts, Visitor&& visit) {
-  visit("recognitions", counts.recognitions);
+  visit("recognitions", Part{[&](auto& inner) {
+          visit_fields(counts.recognitions, inner);
+          inner("distinct", counts.distinct);
+        }});
   visit("places", IfSet{counts.clusters});
   if (counts.clusters) visit("mixed_places", counts.mixed_clusters);
-  visit("distinct", counts.distinct);
 }
 
 template <class Visitor>
@@ -234,35 +173,32 @@ void visit_fields(BestMatchCounts& counts, Visitor&& visit) {
   visit("queries", counts.queries);
   visit("correct", counts.correct);
   visit("ignored", counts.ignored);
-  visit("without_match", counts.without_match);
-  visit("unreachable", counts.unreachable);
+  visit("no_ground_truth", counts.no_ground_truth);
+  visit("no_valid_window", counts.no_valid_window);
   visit("unreadable", counts.unreadable);
   visit("rate", Derived{counts.rate()});
 }
 
-template <class Visitor>
-void visit_fields(ViewCounts& counts, Visitor&& visit) {
-  visit("correct", counts.correct);
-  visit("incorrect", counts.incorrect);
-  visit("mixed", counts.mixed);
-  visit("ignored", counts.ignored);
-}
+VPR_FIELDS(KeyframeCounts, correct, incorrect, mixed, ignored)
 
 template <class Visitor>
-void visit_fields(CountsByView& counts, Visitor&& visit) {
-  visit("query_views", counts.query_views);
-  visit("train_views", counts.train_views);
+void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
+  visit("query_keyframes", counts.query_keyframes);
+  visit("train_keyframes", counts.train_keyframes);
   visit("recognitions", counts.recognitions);
-  visit("best_match", ViewBestMatch{counts});
+  visit("best_match", Part{[&](auto& inner) {
+          visit_fields(counts.best_match, inner);
+          inner("rate", counts.best_match_rate);
+        }});
 }
 
 template <class Visitor>
 void visit_fields(ReportedPlace& place, Visitor&& visit) {
   visit("sequence", place.sequence);
   visit("query", place.query);
-  visit("query_range", RangeForm{place.query_range});
+  visit("query_range", range_form(place.query_range));
   visit("train", place.train);
-  visit("train_range", RangeForm{place.train_range});
+  visit("train_range", range_form(place.train_range));
   visit("label", place.judged.label);
   visit("recognitions", place.judged.recognitions);
 }
@@ -272,24 +208,18 @@ void visit_fields(CurveNumbers& numbers, Visitor&& visit) {
   visit("to_find", numbers.to_find);
   for (size_t m = 0; m < numbers.values.size(); ++m)
     visit(curve_metrics()[m].key, numbers.values[m].value);
-  visit("thresholds", CurveThresholds{numbers.values});
+  visit("thresholds", Part{[&](auto& inner) {
+          for (size_t m = 0; m < numbers.values.size(); ++m)
+            inner(curve_metrics()[m].key, IfSet{numbers.values[m].threshold});
+        }});
   visit("tied_queries", IfSet{numbers.tied_queries});
   visit("same_without_score", IfSet{numbers.same_without_score});
   visit("ignored", IfSet{numbers.ignored});
 }
 
-template <class Visitor>
-void visit_fields(ReportedPoint& point, Visitor&& visit) {
-  visit("threshold", point.threshold);
-  visit("correct", point.correct);
-  visit("incorrect", point.incorrect);
-}
+VPR_FIELDS(ReportedPoint, threshold, correct, incorrect)
 
-template <class Visitor>
-void visit_fields(ReportedCurve& curve, Visitor&& visit) {
-  visit("thresholds", curve.thresholds);
-  visit("points", curve.points);
-}
+VPR_FIELDS(ReportedCurve, thresholds, points)
 
 template <class T, class Visitor>
 void visit_fields(ByAcceptance<T>& all, Visitor&& visit) {
@@ -303,20 +233,23 @@ template <class Visitor>
 void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
   visit("stretch_frames", achievement.stretch_frames);
   visit("stretches", achievement.stretches);
-  visit("targets", AchievementTargets{achievement});
+  visit("reached", Part{[&](auto& inner) {
+          for (size_t t = 0; t < kRecallTargets.size(); ++t)
+            inner(fmt::format("{:g}", kRecallTargets[t]), achievement.shares[t]);
+        }});
 }
 
 template <class Visitor>
 void visit_fields(Localization& path, Visitor&& visit) {
   visit("frames", path.frames);
   visit("frames_with_match", path.frames_with_match);
-  visit("right", path.right);
-  visit("wrong", path.wrong);
+  visit("correct", path.correct);
+  visit("incorrect", path.incorrect);
   visit("share", Derived{path.share()});
   visit("longest_gap_frames", path.longest_gap_frames);
   visit("longest_gap_m", path.longest_gap_m);
-  visit("first_fix_frames", path.first_fix_frames);
-  visit("first_fix_m", path.first_fix_m);
+  visit("first_recognition_frames", path.first_recognition_frames);
+  visit("first_recognition_m", path.first_recognition_m);
 }
 
 template <class Visitor>
@@ -332,7 +265,14 @@ template <class Visitor>
 void visit_fields(Protocol& protocol, Visitor&& visit) {
   visit("ground_truth", protocol.ground_truth);
   visit("tolerance_frames", protocol.tolerance_frames);
-  visit("", DefinitionsForm{protocol});
+  visit("", Form{[&](Json& json, const std::string&) {
+                   for (const auto& [key, words] : protocol.definitions) json[key] = words;
+                 },
+                 [&](const Fields& fields, const std::string&) {
+                   for (const auto& item : fields.json().items())
+                     if (item.key() != "ground_truth" && item.key() != "tolerance_frames")
+                       protocol.definitions.emplace_back(item.key(), fields.text(item.key()));
+                 }});
 }
 
 template <class Visitor>
@@ -346,38 +286,25 @@ void visit_fields(ReportSources& sources, Visitor&& visit) {
 template <class Visitor>
 void visit_fields(ScoreSettings& settings, Visitor&& visit) {
   visit("method", settings.method);
-  visit("scores", OrderForm{settings.format.is_similarity});
-  visit("references_first", settings.format.references_first);
+  bool& is_similarity = settings.format.is_similarity;
+  visit("scores",
+        Form{[&](Json& json, const std::string& key) {
+               json[key] = enum_name(is_similarity ? ScoreOrder::similarity : ScoreOrder::distance);
+             },
+             [&](const Fields& fields, const std::string& key) {
+               ScoreOrder order{};
+               fields_from_json(fields[key], order, fields, key);
+               is_similarity = order == ScoreOrder::similarity;
+             }});
+  visit("train_first", settings.format.train_first);
   visit("missing", settings.format.missing);
   visit("window", settings.window_length);
   visit("threshold", settings.threshold);
 }
 
-template <class Visitor>
-void visit_fields(Report& report, Visitor&& visit) {
-  visit("schema", Derived{std::string("vpr.report/1")});
-  visit("method", report.method);
-  visit("query", report.query);
-  visit("", SelectionForm{report.selection});
-  visit("settings", SettingsForm{report});
-  if (report.query_settings() != nullptr) visit("counts", report.counts);
-  visit("best_match", report.counts.best_match);
-  visit("by_view", IfSet{report.by_view});
-  visit("recognitions", IfSet{report.recognitions});
-  visit("metrics", report.metrics);
-  visit("localization", report.localization);
-  visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
-  visit("oracle", Unless{report.is_oracle, false});
-  visit("curves", report.curves);
-  visit("outcomes", OutcomesForm{report.outcomes, report.fixes});
-  visit("protocol", report.protocol);
-  visit("provenance", report.provenance);
-  visit("name", IfSet{report.name});
-}
-
 namespace {
 
-void SettingsForm::read(const Fields& fields, const std::string& key) {
+void read_settings(const Fields& fields, const std::string& key, Report& report) {
   const Fields settings = fields.object(key);
   const auto read = [&](auto kind) {
     stored_settings_from_json(fields.json(), kind, fields.where());
@@ -391,12 +318,37 @@ void SettingsForm::read(const Fields& fields, const std::string& key) {
     read(SequenceQuerySettings{});
 }
 
-void add_run(Json& json, const RunInfo& run, double seconds) {
-  json["machine"] = machine_json(run);
-  json["timing"] = timing_json({{"evaluate", seconds}});
-}
-
 }  // namespace
+
+template <class Visitor>
+void visit_fields(Report& report, Visitor&& visit) {
+  visit("schema", Derived{std::string("vpr.report/3")});
+  visit("method", report.method);
+  visit("query", report.query);
+  visit("", Form{[&](Json& json, const std::string&) { add_selection(json, report.selection); },
+                 [&](const Fields& fields, const std::string&) {
+                   report.selection =
+                       read_selection(fields, [](const auto&) { return kMostFrames; });
+                 }});
+  visit("settings",
+        Form{[&](Json& json, const std::string& key) { json[key] = report.settings_json(); },
+             [&](const Fields& fields, const std::string& key) {
+               read_settings(fields, key, report);
+             }});
+  if (report.query_settings() != nullptr) visit("counts", report.counts);
+  visit("best_match", report.counts.best_match);
+  visit("by_keyframe", IfSet{report.by_keyframe});
+  visit("recognized_places", IfSet{report.recognitions});
+  visit("metrics", report.metrics);
+  visit("localization", report.localization);
+  visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
+  visit("oracle", Unless{report.is_oracle, false});
+  visit("curves", report.curves);
+  visit("outcomes", OutcomesForm{report.outcomes, report.verdicts});
+  visit("protocol", report.protocol);
+  visit("provenance", report.provenance);
+  visit("name", IfSet{report.name});
+}
 
 Json Report::settings_json() const {
   const QuerySettings* of_query = query_settings();
@@ -408,7 +360,7 @@ Json report_json(const Report& report) { return fields_to_json(report); }
 
 Json report_json(const Report& report, const RunInfo& run, double seconds) {
   Json json = report_json(report);
-  add_run(json, run, seconds);
+  add_run(json, run, {{"evaluate", seconds}});
   return json;
 }
 
@@ -441,28 +393,28 @@ std::string outcome_letters(const Outcomes& outcomes) {
   return letters;
 }
 
-Json curve_numbers_json(const CurveNumbers& numbers) { return fields_to_json(numbers); }
+Json curve_numbers_json(const Curve& curve) { return fields_to_json(numbers_of(curve)); }
 
-Json curve_json(const ReportedCurve& curve) { return fields_to_json(curve); }
+Json curve_json(const Curve& curve) { return fields_to_json(reported_curve(curve)); }
 
 Json counts_json(const Counts& counts) { return fields_to_json(counts); }
 
 Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
                   const RunInfo& run, double seconds) {
-  Json json = {{"schema", "vpr.reports/1"}, {"reports", Json::array()}};
+  Json json = {{"schema", "vpr.reports/3"}, {"reports", Json::array()}};
   for (size_t i = 0; i < reports.size(); ++i)
     json["reports"].push_back({{"name", names[i]}, {"report", report_json(reports[i])}});
-  add_run(json, run, seconds);
+  add_run(json, run, {{"evaluate", seconds}});
   return json;
 }
 
 Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run,
                     double seconds) {
-  Json json = {{"schema", "vpr.protocols/1"}, {"protocols", Json::array()}};
+  Json json = {{"schema", "vpr.protocols/3"}, {"protocols", Json::array()}};
   for (const auto& [preset, report] : reports)
     json["protocols"].push_back(
         {{"name", preset->name}, {"source", preset->source}, {"report", report_json(report)}});
-  add_run(json, run, seconds);
+  add_run(json, run, {{"evaluate", seconds}});
   return json;
 }
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "match/match.h"
-#include "truth/check.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
 namespace {
@@ -16,8 +16,7 @@ constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
 constexpr const char* kUnreachableProtocol =
     "neither is one whose anchor has matches only where no training window ends";
 
-/// Every place with what its recognitions are: the place is judged at its mean, whatever they say.
-std::vector<ReportedPlace> places_of(const JudgedResult& judged) {
+std::vector<ReportedPlace> places_of(const EvaluatedResult& judged) {
   std::vector<ReportedPlace> places;
   const Result& result = judged.result;
   const auto anchor = [&](size_t window) { return anchor_of(window, result.window_length()); };
@@ -51,9 +50,9 @@ void define_windows(Definitions& define, const Result& result) {
        {"best_match", fmt::format("the window with the lowest {}, ties to the first; rate = "
                                   "correct / (queries - ignored)",
                                   measure)},
-       {"without_match",
+       {"no_ground_truth",
         "a query window whose anchor has no match in the ground truth is not among the queries"},
-       {"unreachable", kUnreachableProtocol}});
+       {"no_valid_window", kUnreachableProtocol}});
 }
 
 void define_places(Definitions& define) {
@@ -62,9 +61,10 @@ void define_places(Definitions& define) {
       {{"recognitions", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
        {"distinct", "places recognized correctly at least once"},
        {"best_match",
-        "the place of the likeliest view, the new place left out, ties to the first; a frame "
-        "without words is wrong; rate = correct / (queries - ignored)"},
-       {"without_match", "a frame without a match in the ground truth is not among the queries"}});
+        "the place of the likeliest view, the new place omitted, ties to the first; a frame "
+        "without words is incorrect; rate = correct / (queries - ignored)"},
+       {"no_ground_truth",
+        "a frame without a match in the ground truth is not among the queries"}});
 }
 
 void define_scores(Definitions& define, size_t window_length) {
@@ -74,20 +74,20 @@ void define_scores(Definitions& define, size_t window_length) {
       "best_match",
       "the reference with the best score, ties to the first; rate = correct / (queries - ignored)");
   define.emplace_back(
-      "without_match",
+      "no_ground_truth",
       "a query without a match in the ground truth is not among the queries of rate and recall");
-  if (has_windows) define.emplace_back("unreachable", kUnreachableProtocol);
+  if (has_windows) define.emplace_back("no_valid_window", kUnreachableProtocol);
   define.emplace_back("unreadable", "a query without any score");
 }
 
 constexpr const char* kViewProtocol =
-    "frames in a row that look alike are one view; a pair of views with recognitions, and a query "
+    "consecutive frames that look alike are one view; a pair of views with recognitions, and a "
+    "query "
     "view "
     "with best matches, counts once: correct or incorrect if all of its windows are, else mixed; "
     "rate = "
     "mean over query views of the share of their windows that is right";
 
-/// In words, what the metrics count.
 void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
   const bool has_ranks = judgment.outcomes.has_ranks;
   define.emplace_back(
@@ -98,7 +98,7 @@ void define_metrics(Definitions& define, const Judgment& judgment, bool is_resul
                       ? "margin accepts best matches that have at least this margin"
                       : "threshold accepts best matches that score at least as good",
                   has_ranks ? "references labeled ignore are passed over"
-                            : "a query whose best match is labeled ignore is left out"));
+                            : "a query whose best match is labeled ignore is omitted"));
   if (judgment.outcomes.has_margins)
     define.emplace_back(
         "margin",
@@ -108,7 +108,7 @@ void define_metrics(Definitions& define, const Judgment& judgment, bool is_resul
     define.emplace_back(
         "all_pairs",
         "a threshold accepts pairs that score at least as good; recall is over all pairs of the "
-        "same place; pairs labeled ignore, and queries without any score, are left out");
+        "same place; pairs labeled ignore, and queries without any score, are omitted");
   if (has_ranks)
     define.emplace_back(
         "precision_at",
@@ -122,16 +122,15 @@ void define_metrics(Definitions& define, const Judgment& judgment, bool is_resul
       "ties", "equal scores are accepted together; the best match, and ranks, take the first");
   define.emplace_back(
       "localization",
-      is_result
-          ? "a frame's fix is its closest recognition"
-          : fmt::format("a frame's fix is its best match where it scores at least as good as "
-                        "{}{}",
-                        judgment.threshold ? fmt::format("{:.6g}", *judgment.threshold)
-                                           : "any correct one before the first mistake",
-                        judgment.is_oracle ? ", a threshold chosen from the ground truth" : ""));
+      is_result ? "a frame is recognized by its closest recognition"
+                : fmt::format(
+                      "a frame is recognized by its best match where it scores at least as good as "
+                      "{}{}",
+                      judgment.threshold ? fmt::format("{:.6g}", *judgment.threshold)
+                                         : "any correct one before the first mistake",
+                      judgment.is_oracle ? ", a threshold chosen from the ground truth" : ""));
 }
 
-/// The same function of each curve.
 template <class T>
 ByAcceptance<T> by_acceptance(const Judgment& judgment, T (*function)(const Curve&)) {
   ByAcceptance<T> all{function(judgment.single_best), {}, {}, {}};
@@ -157,7 +156,7 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
   }
   for (const size_t k : judgment.recall_at) {
     if (k == 1 || outcomes.has_ranks) found.recall_at[k] = recall_at(outcomes, k);
-    if (!outcomes.has_ranks || k > kMostRanked) continue;
+    if (!outcomes.has_ranks || k > kMaxRank) continue;
     found.precision_at->emplace(k, precision_at(outcomes, k));
     found.map_at->emplace(k, mean_average_precision_at(outcomes, k));
   }
@@ -171,21 +170,21 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
   return found;
 }
 
-/// What is a result's, and not a matrix's.
-void add_result(Report& report, const JudgedResult& judged) {
+/// The parts that scores do not have.
+void add_result(Report& report, const EvaluatedResult& judged) {
   const Result& result = judged.result;
   report.method = method_of(result.settings);
   report.selection = result.query.selection;
   report.settings = result.settings;
   report.counts = judged.counts;
-  report.by_view = judged.by_view;
+  report.by_keyframe = judged.by_keyframe;
   if (result.clusters) report.recognitions = places_of(judged);
   Definitions& define = report.protocol.definitions;
   if (result.places)
     define_places(define);
   else
     define_windows(define, result);
-  if (judged.by_view) define.emplace_back("by_view", kViewProtocol);
+  if (judged.by_keyframe) define.emplace_back("by_keyframe", kViewProtocol);
 }
 
 }  // namespace
@@ -201,11 +200,12 @@ bool Report::has_places() const {
   return of_query != nullptr && std::holds_alternative<FabmapQuerySettings>(*of_query);
 }
 
-std::string Report::walk() const {
+std::string Report::selection_words() const {
   std::string words;
-  if (selection.thinned_fps > 0) words = fmt::format("{} frames a second", selection.thinned_fps);
-  if (selection.warp.empty()) return words;
-  return words + fmt::format("{}replayed: {}, seed {}", words.empty() ? "" : ", ", selection.warp,
+  if (selection.selected_fps > 0)
+    words = fmt::format("{} frames per second", selection.selected_fps);
+  if (selection.speed.empty()) return words;
+  return words + fmt::format("{}speed {}, seed {}", words.empty() ? "" : ", ", selection.speed,
                              selection.seed);
 }
 
@@ -235,7 +235,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   report.is_oracle = judgment.is_oracle;
   report.curves = by_acceptance(judgment, reported_curve);
   report.outcomes = judgment.outcomes;
-  report.fixes = judgment.fixes;
+  report.verdicts = judgment.verdicts;
   return report;
 }
 

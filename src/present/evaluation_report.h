@@ -1,5 +1,5 @@
-// Evaluation reports: one (vpr.report/1), those of several results (vpr.reports/1), and those of
-// one result under several protocols (vpr.protocols/1).
+// Evaluation reports: of one result (vpr.report/3), of several results (vpr.reports/3), and of one
+// result under several protocols (vpr.protocols/3); as JSON, sentences and tables.
 #pragma once
 
 #include <array>
@@ -13,33 +13,34 @@
 #include <vector>
 
 #include "base/json_fwd.h"
+#include "evaluate/judgment.h"
 #include "present/run_info.h"
+#include "present/table.h"
 #include "run/evaluate.h"
-#include "truth/presets.h"
+#include "truth/formats.h"
 
 namespace vpr {
 
-/// The query of scores of which nobody says what the query is.
+/// The query of scores without --query.
 inline constexpr const char* kUnnamedQuery = "queries";
 
-/// A place of a result, in frames: the anchors of its windows.
+/// A cluster of recognitions. All frames are anchors.
 struct ReportedPlace {
   std::string sequence;
   size_t query = 0;
-  std::array<size_t, 2> query_range = {};  ///< first and last
+  std::array<size_t, 2> query_range = {};  ///< first, last
   size_t train = 0;
   std::array<size_t, 2> train_range = {};
   JudgedCluster judged;
 };
 
-/// The metrics of a precision-recall curve.
 struct CurveNumbers {
   uint64_t to_find = 0;
-  /// One for each of curve_metrics().
+  /// One per entry of curve_metrics().
   std::vector<MetricValue> values = std::vector<MetricValue>(curve_metrics().size());
-  std::optional<uint64_t> tied_queries;        ///< of best matches in a matrix
-  std::optional<uint64_t> same_without_score;  ///< of all pairs
-  std::optional<uint64_t> ignored;             ///< of all pairs
+  std::optional<uint64_t> tied_queries;        ///< best matches of a matrix only
+  std::optional<uint64_t> same_without_score;  ///< all pairs only
+  std::optional<uint64_t> ignored;             ///< all pairs only
 };
 
 struct ReportedPoint {
@@ -50,17 +51,17 @@ struct ReportedPoint {
 
 /// At most 100 points of a curve.
 struct ReportedCurve {
-  size_t thresholds = 0;  ///< points of the whole curve
+  size_t thresholds = 0;  ///< number of points of the whole curve
   std::vector<ReportedPoint> points;
 };
 
-/// Values of one kind for each way to accept matches.
+/// A value for each way to accept matches.
 template <class T>
 struct ByAcceptance {
-  T single_best;               ///< best matches, by the confidence in force
-  std::optional<T> by_margin;  ///< by the other confidence, where margins are known
+  T single_best;               ///< best matches by the outcomes' confidence
+  std::optional<T> by_margin;  ///< best matches by the other confidence, if margins are known
   std::optional<T> by_score;
-  std::optional<T> all_pairs;  ///< of a matrix
+  std::optional<T> all_pairs;  ///< with a matrix only
 };
 
 /// A metric by K.
@@ -68,104 +69,147 @@ using RankValues = std::map<size_t, std::optional<double>>;
 
 struct ReportedAchievement {
   size_t stretch_frames = 0;
-  size_t stretches = 0;  ///< with a query to find
+  size_t stretches = 0;  ///< with a query that has a match
   std::array<std::optional<double>, kRecallTargets.size()> shares = {};
 };
 
 struct ReportedMetrics {
   ByAcceptance<CurveNumbers> curves;
   RankValues recall_at;
-  std::optional<RankValues> precision_at;  ///< where ranks are known
+  std::optional<RankValues> precision_at;  ///< if ranks are known
   std::optional<RankValues> map_at;
   ReportedAchievement recall_achievement;
 };
 
-/// What is counted, in words.
+/// Definitions of the metrics, in words.
 struct Protocol {
   std::string ground_truth;
   int64_t tolerance_frames = 0;
-  std::vector<std::pair<std::string, std::string>> definitions;  ///< of keys of the report
+  std::vector<std::pair<std::string, std::string>> definitions;  ///< key of the report, definition
 
-  /// The definition of a key; empty where there is none.
+  /// Empty for a key without definition.
   std::string definition(const std::string& key) const;
 };
 
-/// Fingerprints of what a report is of.
+/// Fingerprints of the inputs of a report.
 struct ReportSources {
   Provenance made_by;
-  std::optional<std::string> result;  ///< either this
-  std::optional<std::string> scores;  ///< or that
-  std::string ground_truth;           ///< of the labels of all pairs
+  std::optional<std::string> result;  ///< or scores
+  std::optional<std::string> scores;
+  std::string ground_truth;  ///< of the labels of all pairs
 
   const std::string& evaluated() const { return result ? *result : *scores; }
 };
 
-/// An evaluation as a file holds it.
+/// The content of a report file.
 struct Report {
   std::string method;
   std::string query;
-  Selection selection;  ///< of the query, without the frames if it was read
-  std::variant<QuerySettings, ScoreSettings> settings;  ///< of a result, or of scores alone
-  Counts counts;                                        ///< of scores alone: best matches only
-  std::optional<CountsByView> by_view;
+  Selection selection;  ///< of the query; without sources if it was read from a file
+  std::variant<QuerySettings, ScoreSettings> settings;  ///< of a result, or of scores
+  Counts counts;                                        ///< for scores, best matches only
+  std::optional<CountsByKeyframe> by_keyframe;
   std::optional<std::vector<ReportedPlace>> recognitions;
   ReportedMetrics metrics;
   Localization localization;
-  bool is_oracle = false;  ///< fixes are by a threshold from the ground truth
+  bool is_oracle = false;  ///< the threshold of verdicts is from the ground truth
   ByAcceptance<ReportedCurve> curves;
-  Outcomes outcomes;  ///< if it was read: without the references of best matches
-  std::vector<Fix> fixes;
+  Outcomes outcomes;  ///< without the references of best matches if it was read from a file
+  std::vector<FrameVerdict> verdicts;
   Protocol protocol;
   ReportSources provenance;
-  std::optional<std::string> name;  ///< that the user gave
+  std::optional<std::string> name;  ///< set by the user
 
-  /// The settings of a result; null for scores alone.
+  /// Null for scores.
   const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }
-  /// The settings as the file has them.
   Json settings_json() const;
-  /// Whether references are places of FAB-MAP, and not frames.
+  /// Whether references are places of FAB-MAP instead of frames.
   bool has_places() const;
-  /// "5 frames a second, replayed: varying, seed 1"; empty for a query as it was recorded.
-  std::string walk() const;
+  /// The selection of the query, as in "speed varying, seed 1"; empty for all frames.
+  std::string selection_words() const;
 };
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
 
 /// The file without "machine" and "timing".
 Json report_json(const Report& report);
-/// The same with them.
 Json report_json(const Report& report, const RunInfo& run, double seconds);
 
-/// Reads a report. Throws Error(input) if the file can't be read, Error(usage) for a result,
-/// Error(data) if it is something else, or damaged.
+/// Throws Error(input) if the file cannot be read, Error(usage) for a result, and Error(data) for
+/// any other file and for damage.
 Report read_report(const std::filesystem::path& path);
-/// The same of a report that was parsed; `where` is what messages call it.
+/// `where`: the name of the file in messages.
 Report parse_report(const Json& json, const std::string& where);
 
 /// A letter per query: c(orrect), w(rong), n(o match), b(eyond reach), i(gnored), u(nreadable).
 std::string outcome_letters(const Outcomes& outcomes);
 
 CurveNumbers numbers_of(const Curve& curve);
-Json curve_numbers_json(const CurveNumbers& numbers);
+Json curve_numbers_json(const Curve& curve);
 ReportedCurve reported_curve(const Curve& curve);
-Json curve_json(const ReportedCurve& curve);
+Json curve_json(const Curve& curve);
 
-/// At most `most` points, evenly spaced by their place, first and last among them.
+/// At most `most` points with evenly spaced indices, including the first and the last.
 std::vector<CurvePoint> thinned(const Curve& curve, size_t most);
 
-/// "counts" of a report, or of a cell of a sweep.
+/// "counts" of a report, and of a cell of a sweep.
 Json counts_json(const Counts& counts);
 
-/// `names`: one for each.
+/// `names`: one per report.
 Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
                   const RunInfo& run, double seconds);
 
-/// One result as one of the presets judges it.
+/// The report of a result with the ground truth of a preset.
 struct ProtocolReport {
   const GroundTruthPreset* preset = nullptr;
   Report report;
 };
 
 Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run, double seconds);
+
+/// right, mixed, wrong or ignored.
+std::string_view verdict_text(const JudgedCluster& judged);
+
+/// "-" without a value.
+std::string metric_cell(const Metric& metric, std::optional<double> value);
+
+/// "name on query": the name set by the user, or the method, with the score if it is not raw.
+std::string evaluation_title(const Report& report);
+/// The same with c_l and the threshold.
+std::string title_with_settings(const Report& report);
+
+/// "training frame", or "training place" for FAB-MAP.
+std::string reference_word(const Report& report);
+
+/// The scores of a report's matches and their unit.
+std::string score_words(const Report& report);
+
+/// For a result: "Recognized in 17 of 111 frames, 3 of them incorrect; the first correct one at
+/// frame 21 (2.1 s)." The time since the first frame needs frames_per_second, which is above 0.
+/// Without ground truth, all recognitions count. For scores: "Best match correct in 53 of 111
+/// frames (47.7 %)", with recognitions only at a threshold of the user; a threshold from the ground
+/// truth is marked.
+std::string summary_sentence(const Judgment& judgment, bool is_judged,
+                             std::optional<double> frames_per_second);
+
+/// One row: settings and counts.
+Table report_table(const Report& report);
+
+/// One row: counts without ground truth.
+Table unjudged_table(const Report& report);
+
+/// Metrics of curves, ranks (if known), stretches and localization. Titles state what is counted.
+std::vector<Table> metrics_tables(const Report& report);
+
+/// All tables of the reports. Several reports share each table, with `names` in the first column.
+/// CSV is one table.
+std::string reports_text(std::span<const Report> reports, const std::vector<std::string>& names,
+                         TableFormat format);
+
+/// One row per protocol. `reports` must not be empty.
+Table protocols_table(const std::vector<ProtocolReport>& reports);
+
+/// The description of each ground truth, one per line.
+std::string protocols_notes(const std::vector<ProtocolReport>& reports);
 
 }  // namespace vpr

@@ -1,5 +1,3 @@
-#include "present/evaluation_tables.h"
-
 #include <algorithm>
 #include <array>
 
@@ -7,15 +5,16 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "decide/score_kind.h"
+#include "decide/query_settings.h"
 #include "match/match.h"
+#include "present/evaluation_report.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kMostPlaces = 20;  // in a printed list
 
-// What recognitions were decided by: t_r, t_p, or the setting of another decision.
+// t_r, t_p, or the setting of another decision.
 std::string_view decided_by(const QuerySettings& settings) {
   const auto* of_sequence = std::get_if<SequenceQuerySettings>(&settings);
   return of_sequence != nullptr ? decision_kind(of_sequence->decision).symbol
@@ -31,19 +30,11 @@ std::string range_text(const std::array<size_t, 2>& range) {
                               : fmt::format("{} to {}", range[0], range[1]);
 }
 
-std::string_view verdict_text(const JudgedCluster& judged) {
-  if (judged.label == PlaceLabel::different) return "wrong";
-  if (judged.label == PlaceLabel::ignore) return "ignored";
-  return judged.is_mixed() ? "mixed" : "right";
-}
-
-// "80.4", or "-" where nothing is judged.
-std::string per_cent(std::optional<double> rate) {
+// "80.4", or "-" without a value.
+std::string percent(std::optional<double> rate) {
   return rate ? fmt::format("{:.1f}", 100 * *rate) : "-";
 }
 
-// What a report is of, for titles: the name that the user gave; else the method, and the score
-// where it is not raw distances.
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
   const Json settings = report.settings_json();
@@ -56,57 +47,54 @@ std::string setting_text(const Json& settings, std::string_view symbol) {
   return found == settings.end() ? "" : fmt::format(", {} {}", symbol, text(*found));
 }
 
-size_t count_of(const Judgment& judgment, Fix fix) {
-  return static_cast<size_t>(std::count(judgment.fixes.begin(), judgment.fixes.end(), fix));
-}
-
-std::string time_of(size_t frame, std::optional<double> frames_per_second) {
-  if (!frames_per_second) return "";
-  return fmt::format(" ({:.1f} s)", static_cast<double>(frame) / *frames_per_second);
+size_t count_of(const Judgment& judgment, FrameVerdict verdict) {
+  return static_cast<size_t>(
+      std::count(judgment.verdicts.begin(), judgment.verdicts.end(), verdict));
 }
 
 std::string first_of(const Judgment& judgment, bool is_judged,
                      std::optional<double> frames_per_second) {
-  const auto& fixes = judgment.fixes;
-  const auto first = std::find_if(fixes.begin(), fixes.end(), [&](Fix fix) {
-    return is_judged ? fix == Fix::right : fix != Fix::none;
+  const auto& verdicts = judgment.verdicts;
+  const auto first = std::find_if(verdicts.begin(), verdicts.end(), [&](FrameVerdict verdict) {
+    return is_judged ? verdict == FrameVerdict::correct : verdict != FrameVerdict::none;
   });
-  if (first == fixes.end()) return "";
-  const auto frame = static_cast<size_t>(first - fixes.begin());
-  return fmt::format("; the first {}one at frame {}{}", is_judged ? "right " : "", frame,
-                     time_of(frame, frames_per_second));
+  if (first == verdicts.end()) return "";
+  const auto frame = first - verdicts.begin();
+  return fmt::format("; the first {}one at frame {}{}", is_judged ? "correct " : "", frame,
+                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(frame) /
+                                                                        *frames_per_second)
+                                       : "");
 }
 
-// "12 before the first mistake, at a threshold chosen from the ground truth"; empty where there is
-// no mistake, or all best matches score the same.
+// "; 12 before the first mistake, ..."; empty without a mistake, and if all best matches have the
+// same score.
 std::string oracle_words(const Judgment& judgment) {
   const auto& points = judgment.single_best.points;
   if (points.size() < 2 || points.back().incorrect == 0) return "";
-  const size_t right = count_of(judgment, Fix::right);
+  const size_t correct = count_of(judgment, FrameVerdict::correct);
   return fmt::format("; {} before the first mistake, at a threshold chosen from the ground truth",
-                     right == 0 ? "none" : std::to_string(right));
+                     correct == 0 ? "none" : std::to_string(correct));
 }
 
-// Of scores: "Best match right in 106 of 200 frames (53.0 %)".
+// "Best match correct in 106 of 200 frames (53.0 %)".
 std::string best_match_words(const Judgment& judgment) {
   const BestMatchCounts counts = best_match_counts(judgment.outcomes);
   const std::string unit = judgment.layout.window_length > 1 ? "window" : "frame";
   if (!counts.rate()) return fmt::format("No {} has a match in the ground truth", unit);
-  const bool all_match = counts.without_match + counts.unreachable == 0;
+  const bool all_match = counts.no_ground_truth + counts.no_valid_window == 0;
   const std::string more = all_match ? "" : " with a match";
-  return fmt::format("Best match right in {} of {} ({:.1f} %)", counts.correct,
+  return fmt::format("Best match correct in {} of {} ({:.1f} %)", counts.correct,
                      counted(counts.queries - counts.ignored, unit + more, unit + "s" + more),
                      100 * *counts.rate());
 }
 
-// A metric by K.
 void add_columns(Table& table, std::string_view key, const RankValues& values) {
   const Metric& metric = find_metric(key);
   for (const auto& [k, value] : values)
     add_column(table, fmt::format("{}{}", metric.symbol, k), metric_cell(metric, value));
 }
 
-/// The metrics of one way to accept matches.
+/// The metrics of a curve.
 struct NamedNumbers {
   std::string name;    ///< in the first column
   std::string prefix;  ///< of columns in CSV
@@ -133,13 +121,13 @@ Table curve_table(const Report& report) {
   const auto& tied = report.metrics.curves.single_best.tied_queries;
   Table table;
   table.title = fmt::format(
-      "Metrics ({} with a match; {} without one, wrong if accepted{}; {} ignored, {} "
-      "unreadable, left out{})",
-      counted(best.queries, "query", "queries"), best.without_match,
-      best.unreachable == 0
+      "Metrics ({} with a match; {} without one, incorrect if accepted{}; {} ignored, {} "
+      "unreadable, omitted{})",
+      counted(best.queries, "query", "queries"), best.no_ground_truth,
+      best.no_valid_window == 0
           ? ""
           : fmt::format("; {} whose place lies where no training window ends, likewise",
-                        best.unreachable),
+                        best.no_valid_window),
       best.ignored, best.unreadable, tied ? fmt::format("; {} tied, to the first", *tied) : "");
   table.columns = {"of", "to find"};
   for (const Metric& metric : curve_metrics()) table.columns.emplace_back(metric.symbol);
@@ -152,20 +140,18 @@ Table curve_table(const Report& report) {
   return table;
 }
 
+constexpr const char* kRankTitle =
+    "{} (queries with a match; ties to the first; ignored references passed over)";
+
 Table recall_table(const Report& report) {
-  Table table{
-      "Recall@K (queries with a match; ties to the first; ignored references passed over)", {}, {}};
+  Table table{fmt::format(kRankTitle, "Recall@K"), {}, {}};
   add_columns(table, "recall_at", report.metrics.recall_at);
   return table;
 }
 
-// No columns where ranks are unknown.
+// No columns if ranks are unknown.
 Table ranking_table(const Report& report) {
-  Table table{
-      "Precision@K and mAP@K (queries with a match; ties to the first; ignored references passed "
-      "over)",
-      {},
-      {}};
+  Table table{fmt::format(kRankTitle, "Precision@K and mAP@K"), {}, {}};
   if (report.metrics.precision_at) add_columns(table, "precision_at", *report.metrics.precision_at);
   if (report.metrics.map_at) add_columns(table, "map_at", *report.metrics.map_at);
   return table;
@@ -194,41 +180,37 @@ Table localization_table(const Report& report) {
   return table;
 }
 
-// The counts by view; none for a report without them.
-Table view_table(const CountsByView& counts) {
-  const auto& [query_views, train_views, recognitions, best, rate] = counts;
+Table view_table(const CountsByKeyframe& counts) {
+  const auto& [query_keyframes, train_keyframes, recognitions, best, rate] = counts;
   Table table;
-  table.title =
-      fmt::format("By view (frames in a row that look alike count once: {} and {})",
-                  counted(query_views, "query view"), counted(train_views, "training view"));
-  add_column(table, "view pairs right", recognitions.correct);
-  add_column(table, "view pairs wrong", recognitions.incorrect);
-  add_column(table, "view pairs mixed", recognitions.mixed);
-  add_column(table, "views right", best.correct);
-  add_column(table, "views wrong", best.incorrect);
-  add_column(table, "views mixed", best.mixed);
-  add_column(table, "views per cent", per_cent(rate));
+  table.title = fmt::format(
+      "By keyframe (consecutive frames that look alike count once: {} and {})",
+      counted(query_keyframes, "query view"), counted(train_keyframes, "training view"));
+  add_column(table, "keyframe pairs correct", recognitions.correct);
+  add_column(table, "keyframe pairs incorrect", recognitions.incorrect);
+  add_column(table, "keyframe pairs mixed", recognitions.mixed);
+  add_column(table, "keyframes correct", best.correct);
+  add_column(table, "keyframes incorrect", best.incorrect);
+  add_column(table, "keyframes mixed", best.mixed);
+  add_column(table, "keyframes %", percent(rate));
   return table;
 }
 
-// The first kMostPlaces places of a sequence result, with the right and wrong recognitions of each;
-// empty for other reports, and where there is none.
+// The first kMostPlaces places; empty without places.
 std::string recognitions_text(const Report& report) {
   if (!report.recognitions || report.recognitions->empty()) return "";
   const std::vector<ReportedPlace>& places = *report.recognitions;
   Table table;
   table.title = fmt::format(
-      "Places, judged at their {} (mixed: right there, but some recognitions are wrong)",
+      "Places, judged at their {} (mixed: correct there, but some recognitions are incorrect)",
       has_paths(report.method) ? "middle frame" : "mean");
-  table.columns = {"sequence", "query frames",       "train frames",
-                   "place",    "recognitions right", "recognitions wrong"};
+  table.columns = {"sequence", "query frames",         "train frames",
+                   "place",    "recognitions correct", "recognitions incorrect"};
   for (const ReportedPlace& place : places) {
     if (table.rows.size() == kMostPlaces) break;
     const LabelCounts& recognitions = place.judged.recognitions;
-    table.rows.push_back({place.sequence, range_text(place.query_range),
-                          range_text(place.train_range), std::string(verdict_text(place.judged)),
-                          std::to_string(recognitions.correct),
-                          std::to_string(recognitions.incorrect)});
+    add_row(table, place.sequence, range_text(place.query_range), range_text(place.train_range),
+            verdict_text(place.judged), recognitions.correct, recognitions.incorrect);
   }
   return render_table(table, TableFormat::text) +
          (places.size() > kMostPlaces
@@ -236,8 +218,8 @@ std::string recognitions_text(const Report& report) {
               : "");
 }
 
-// The first table, with best matches over all frames that have a match: results with windows of
-// different lengths are compared by that, as a frame without a window is not right.
+// The first table with the share of best matches that are correct over all frames with a match.
+// Frames without a window count as incorrect, so that different window lengths are comparable.
 Table comparable_table(const Report& report) {
   Table table = report_table(report);
   const BestMatchCounts& best = report.counts.best_match;
@@ -249,14 +231,6 @@ Table comparable_table(const Report& report) {
   return table;
 }
 
-std::vector<Table> tables_of(const Report& report, bool is_one) {
-  std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
-  if (report.by_view) tables.push_back(view_table(*report.by_view));
-  for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
-  return tables;
-}
-
-// One row that says of what it is.
 Table csv_row(const Report& report) {
   Table table;
   add_column(table, "method", report.method);
@@ -264,7 +238,7 @@ Table csv_row(const Report& report) {
   const Table counts = comparable_table(report);
   table.title = counts.title;
   add_columns(table, counts);
-  if (report.by_view) add_columns(table, view_table(*report.by_view));
+  if (report.by_keyframe) add_columns(table, view_table(*report.by_keyframe));
   for (const NamedNumbers& curve : curves_of(report))
     for (size_t m = 0; m < curve_metrics().size(); ++m)
       add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
@@ -276,6 +250,12 @@ Table csv_row(const Report& report) {
 }
 
 }  // namespace
+
+std::string_view verdict_text(const JudgedCluster& judged) {
+  if (judged.label == PlaceLabel::different) return "incorrect";
+  if (judged.label == PlaceLabel::ignore) return "ignored";
+  return judged.is_mixed() ? "mixed" : "correct";
+}
 
 std::string metric_cell(const Metric& metric, std::optional<double> value) {
   return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
@@ -310,15 +290,16 @@ std::string score_words(const Report& report) {
 std::string summary_sentence(const Judgment& judgment, bool is_judged,
                              std::optional<double> frames_per_second) {
   if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
-  const size_t right = count_of(judgment, Fix::right);
-  const size_t wrong = count_of(judgment, Fix::wrong);
-  const size_t unjudged = count_of(judgment, Fix::unjudged);
-  const size_t all = right + wrong + unjudged;
+  const size_t correct = count_of(judgment, FrameVerdict::correct);
+  const size_t incorrect = count_of(judgment, FrameVerdict::incorrect);
+  const size_t unjudged = count_of(judgment, FrameVerdict::unjudged);
+  const size_t all = correct + incorrect + unjudged;
   const auto some = [](size_t count) { return count == 0 ? "none" : std::to_string(count); };
   std::string text = judgment.threshold ? best_match_words(judgment) + ". " : "";
-  text += fmt::format("Recognized in {} of {}", some(all), counted(judgment.fixes.size(), "frame"));
+  text +=
+      fmt::format("Recognized in {} of {}", some(all), counted(judgment.verdicts.size(), "frame"));
   if (all > 0 && is_judged) {
-    text += fmt::format(", {} of them wrong", some(wrong));
+    text += fmt::format(", {} of them incorrect", some(incorrect));
     if (unjudged > 0) text += fmt::format(", {} to be ignored", unjudged);
   }
   text += first_of(judgment, is_judged, frames_per_second) + ".";
@@ -342,21 +323,21 @@ Table report_table(const Report& report) {
       add_column(table, "scale",
                  settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
                                              : text(settings["t_r_scale"]));
-    add_column(table, "recognitions right", recognitions.correct);
-    add_column(table, "recognitions wrong", recognitions.incorrect);
+    add_column(table, "recognitions correct", recognitions.correct);
+    add_column(table, "recognitions incorrect", recognitions.incorrect);
     if (places) {
-      add_column(table, "places right", places->correct);
+      add_column(table, "places correct", places->correct);
       add_column(table, "of these mixed", mixed);
-      add_column(table, "places wrong", places->incorrect);
+      add_column(table, "places incorrect", places->incorrect);
     }
     add_column(table, "distinct", distinct);
   } else {
     add_column(table, "scores", text(settings["scores"]));
     add_column(table, "window", text(settings["window"]));
   }
-  add_column(table, "best right", best.correct);
+  add_column(table, "best correct", best.correct);
   add_column(table, "of", best.queries - best.ignored);
-  add_column(table, "per cent", per_cent(best.rate()));
+  add_column(table, "%", percent(best.rate()));
   return table;
 }
 
@@ -365,9 +346,8 @@ Table unjudged_table(const Report& report) {
   table.title = evaluation_title(report) + ", not judged";
   add_column(table, "recognitions", report.counts.recognitions.ignored);
   if (report.counts.clusters) add_column(table, "places", report.counts.clusters->ignored);
-  const auto best =
-      std::ranges::count(report.outcomes.queries, Verdict::ignored, &QueryOutcome::verdict);
-  add_column(table, "best matches", static_cast<uint64_t>(best));
+  add_column(table, "best matches",
+             std::ranges::count(report.outcomes.queries, Verdict::ignored, &QueryOutcome::verdict));
   return table;
 }
 
@@ -388,10 +368,13 @@ std::string reports_text(std::span<const Report> reports, const std::vector<std:
     return render_table(stack_tables(rows, "name", names), format);
   }
   const bool is_one = reports.size() == 1;
-  std::vector<std::vector<Table>> kinds;  // tables that are of one kind in all reports
+  std::vector<std::vector<Table>> kinds;  // the same table of all reports
   std::vector<std::vector<std::string>> named;
   for (size_t r = 0; r < reports.size(); ++r) {
-    std::vector<Table> tables = tables_of(reports[r], is_one);
+    const Report& report = reports[r];
+    std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
+    if (report.by_keyframe) tables.push_back(view_table(*report.by_keyframe));
+    for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
     kinds.resize(std::max(kinds.size(), tables.size()));
     named.resize(kinds.size());
     for (size_t t = 0; t < tables.size(); ++t) {

@@ -22,11 +22,10 @@ Json evidence_json(const std::vector<WordEvidence>& words) {
   return list;
 }
 
-void add_rows(Table& table, const std::string& side, const std::vector<WordEvidence>& words) {
-  const auto yes_no = [](bool yes) { return std::string(yes ? "yes" : "no"); };
+void add_rows(Table& table, const char* side, const std::vector<WordEvidence>& words) {
   for (const WordEvidence& word : words)
-    table.rows.push_back({side, std::to_string(word.word), yes_no(word.in_frame),
-                          yes_no(word.in_view), fmt::format("{:+.3f}", word.log_odds)});
+    add_row(table, side, word.word, word.in_frame ? "yes" : "no", word.in_view ? "yes" : "no",
+            fmt::format("{:+.3f}", word.log_odds));
 }
 
 std::string place_title(const PlaceExplanation& place) {
@@ -45,7 +44,7 @@ cv::Scalar color_of_point(bool speaks_for) {
   return {static_cast<double>(bgr[0]), static_cast<double>(bgr[1]), static_cast<double>(bgr[2])};
 }
 
-/// Where an image stands on the canvas, in its pixels.
+/// The position of an image on the canvas.
 struct Placement {
   double scale = 1;
   cv::Point2d origin;
@@ -82,7 +81,7 @@ void mark(cv::Mat& canvas, const MarkedImage& image, const Placement& placement)
   }
 }
 
-// One line a word: from its first point here to its first point there.
+// One line per word, between its first points in both images.
 void join(cv::Mat& canvas, const ImagePair& pair, const Placement& query, const Placement& view) {
   std::vector<uint32_t> joined;
   for (const MarkedPoint& from : pair.query.points) {

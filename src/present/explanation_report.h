@@ -1,5 +1,4 @@
-// Why a frame was taken for a place of FAB-MAP: as JSON ("explanation" of a result), for people,
-// and as pictures.
+// Explanations of FAB-MAP's matches as JSON ("explanation" of a result), text and images.
 #pragma once
 
 #include <string>
@@ -15,32 +14,31 @@ namespace vpr {
 Json explanation_json(const Explanation& explanation);
 std::string explanation_text(const Explanation& explanation);
 
-/// A place in an image where a word was seen.
+/// A word at its position in an image.
 struct MarkedPoint {
   cv::Point2f at;
   uint32_t word = 0;
-  bool speaks_for = true;
+  bool speaks_for = true;  ///< increases the probability of the place
 };
 
-/// A frame, and where on it words were seen.
+/// A frame and its words.
 struct MarkedImage {
-  cv::Mat gray;  ///< 8 bits; empty: left blank
+  cv::Mat gray;  ///< 8 bits; empty: blank
   std::vector<MarkedPoint> points;
   std::string title;
 };
 
-/// A query frame and a view, side by side.
 struct ImagePair {
   MarkedImage query;
   MarkedImage view;
 };
 
-/// The words of a frame that speak for and against the place, marked where they are.
+/// Marks the words of a frame that speak for and against the place.
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
                        const std::string& title);
 
-/// One row a pair. Words that speak for the place have the color of what is right, and are joined
-/// by a line where both images show them; those against have that of what is wrong. BGR, 8 bits.
+/// One row per pair, BGR, 8 bits. Words have the color of Meaning::right if they speak for the
+/// place, else of Meaning::wrong. Lines connect words for the place that are in both images.
 cv::Mat draw_word_pairs(const std::vector<ImagePair>& pairs);
 
 }  // namespace vpr

@@ -5,7 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/csv.h"
+#include "base/text.h"
+#include "present/evaluation_report.h"
 #include "present/html_page.h"
 #include "run/evaluate.h"
 #include "truth/times.h"
@@ -13,26 +14,27 @@
 namespace vpr {
 namespace {
 
-// By Verdict and Fix.
-constexpr std::array<std::string_view, 4> kVerdictWords = {"right", "wrong", "ignored",
+// By Verdict and FrameVerdict.
+constexpr std::array<std::string_view, 4> kVerdictWords = {"correct", "incorrect", "ignored",
                                                            "unreadable"};
-constexpr std::array<std::string_view, 4> kFixWords = {"none", "right", "wrong", "ignored"};
+constexpr std::array<std::string_view, 4> kFrameVerdictWords = {"none", "correct", "incorrect",
+                                                                "ignored"};
 
 std::string prefix(const std::string& name, const std::string& query) {
   return csv_field(name) + "," + csv_field(query) + ",";
 }
 
-/// Where each query frame is said to be; nothing for frames without a fix.
-std::vector<std::optional<FrameMatch>> fix_matches(const Evaluation& evaluation) {
+/// The match of each recognized query frame.
+std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& evaluation) {
   const Judgment& judgment = evaluation.judgment;
-  std::vector<std::optional<FrameMatch>> matches(judgment.fixes.size());
+  std::vector<std::optional<FrameMatch>> matches(judgment.verdicts.size());
   if (!evaluation.result) {
     for (const QueryOutcome& query : judgment.outcomes.queries)
-      if (judgment.fixes[query.frame] != Fix::none) matches[query.frame] = query.best;
+      if (judgment.verdicts[query.frame] != FrameVerdict::none) matches[query.frame] = query.best;
     return matches;
   }
   const Result& result = evaluation.result->result;
-  const std::vector<const Match*> recognitions = fixing_recognitions(result);
+  const std::vector<const Match*> recognitions = recognitions_by_frame(result);
   for (size_t frame = 0; frame < recognitions.size(); ++frame) {
     if (recognitions[frame] == nullptr) continue;
     const uint32_t sequence = result.places ? 0 : recognitions[frame]->target;
@@ -59,13 +61,15 @@ std::string time_of(const FrameClock& clock, size_t frame) {
 }  // namespace
 
 std::string outcomes_csv_header() {
-  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank,"
+  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,recognition,"
+         "rank,"
          "margin\n";
 }
 
 std::string recognitions_csv_header() {
   return "name,query,sequence,first_frame,frame,last_frame,train_first_frame,train_frame,"
-         "train_last_frame,recognitions,recognitions_right,recognitions_wrong,score,outcome\n";
+         "train_last_frame,recognitions,recognitions_correct,recognitions_incorrect,score,"
+         "outcome\n";
 }
 
 std::string outcomes_csv(const Judgment& judgment, const std::string& name,
@@ -85,16 +89,16 @@ std::string outcomes_csv(const Judgment& judgment, const std::string& name,
         fmt::format("{}{},{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length,
                     query.frame, best, kVerdictWords[static_cast<size_t>(query.verdict)],
                     query.has_match        ? "yes"
-                    : query.is_unreachable ? "unreachable"
+                    : query.is_unreachable ? "no_valid_window"
                                            : "no",
-                    kFixWords[static_cast<size_t>(judgment.fixes[query.frame])],
+                    kFrameVerdictWords[static_cast<size_t>(judgment.verdicts[query.frame])],
                     query.rank ? std::to_string(*query.rank) : "",
                     query.margin ? fmt::format("{}", *query.margin) : "");
   }
   return text;
 }
 
-std::string recognitions_csv(const JudgedResult& judged, const std::string& name) {
+std::string recognitions_csv(const EvaluatedResult& judged, const std::string& name) {
   const Result& result = judged.result;
   const std::string start = prefix(name, result.query.name);
   const size_t length = result.window_length();
@@ -105,25 +109,21 @@ std::string recognitions_csv(const JudgedResult& judged, const std::string& name
     const JudgedCluster& one = judged.clusters[c];
     const std::string& target = result.places ? result.places->names[cluster.train_window]
                                               : result.targets[cluster.target].sequence.name;
-    text += fmt::format("{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target),
-                        cluster.query_first, anchor_of(cluster.query_window, length),
-                        anchor_of(cluster.query_last, length), cluster.train_first,
-                        anchor_of(cluster.train_window, length),
-                        anchor_of(cluster.train_last, length), cluster.recognitions,
-                        one.recognitions.correct, one.recognitions.incorrect, cluster.best_score,
-                        one.is_mixed()                       ? "mixed"
-                        : one.label == PlaceLabel::same      ? "right"
-                        : one.label == PlaceLabel::different ? "wrong"
-                                                             : "ignored");
+    text += fmt::format(
+        "{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target), cluster.query_first,
+        anchor_of(cluster.query_window, length), anchor_of(cluster.query_last, length),
+        cluster.train_first, anchor_of(cluster.train_window, length),
+        anchor_of(cluster.train_last, length), cluster.recognitions, one.recognitions.correct,
+        one.recognitions.incorrect, cluster.best_score, verdict_text(one));
   }
   return text;
 }
 
-std::string fix_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
-                           const FrameClock& clock) {
+std::string recognized_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
+                                  const FrameClock& clock) {
   const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
   std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
-  const auto matches = fix_matches(evaluation);
+  const auto matches = recognized_matches(evaluation);
   for (size_t frame = 0; frame < matches.size(); ++frame) {
     if (!matches[frame]) continue;
     const Pose* pose = position_of(positions, *matches[frame]);

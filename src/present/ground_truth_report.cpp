@@ -18,7 +18,7 @@ Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
   const auto finding = [&](FindingKind kind) {
     return finding_json(ground_truth.findings[static_cast<size_t>(kind)]);
   };
-  Json json = {{"schema", "vpr.ground-truth-check/1"},
+  Json json = {{"schema", "vpr.ground-truth-check/3"},
                {"format", ground_truth.format},
                {"protocol", ground_truth.truth.protocol}};
   json["frames"] = {{"query", summary.query_frames}, {"train", summary.train_frames}};
@@ -28,7 +28,7 @@ Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
                       {"contradiction", finding(FindingKind::contradiction)},
                       {"duplicate", finding(FindingKind::duplicate)},
                       {"queries_without_match", summary.queries_without_match},
-                      {"references_without_match", summary.references_without_match},
+                      {"train_frames_without_match", summary.train_frames_without_match},
                       {"one_sided", nullptr}};
   if (summary.one_sided)
     json["findings"]["one_sided"] = finding_json({*summary.one_sided, summary.one_sided_examples});
@@ -43,21 +43,18 @@ Table ground_truth_table(const InspectedGroundTruth& ground_truth,
     return ground_truth.findings[static_cast<size_t>(kind)].count;
   };
   Table table{ground_truth.truth.protocol, {"what", "count"}, {}};
-  const auto add = [&](const char* what, uint64_t count) {
-    table.rows.push_back({what, std::to_string(count)});
-  };
-  add("query frames", summary.query_frames);
-  add("training frames", summary.train_frames);
-  add("pairs of the same place, tolerance applied", summary.same);
-  add("pairs to ignore", summary.ignored);
-  add("most matches of one query", summary.most_matches);
-  add("pairs out of range: damage", finding(FindingKind::out_of_range));
-  add("pairs labeled both same and ignore: damage", finding(FindingKind::contradiction));
-  add("pairs given more than once; they count once", finding(FindingKind::duplicate));
-  add("queries without a match; counted apart", summary.queries_without_match);
-  add("training frames that no query matches", summary.references_without_match);
-  table.rows.push_back({"pairs (i, j) without (j, i); usual between two walks",
-                        summary.one_sided ? std::to_string(*summary.one_sided) : "-"});
+  add_row(table, "query frames", summary.query_frames);
+  add_row(table, "training frames", summary.train_frames);
+  add_row(table, "pairs of the same place, tolerance applied", summary.same);
+  add_row(table, "pairs to ignore", summary.ignored);
+  add_row(table, "most matches of one query", summary.most_matches);
+  add_row(table, "pairs out of range: damage", finding(FindingKind::out_of_range));
+  add_row(table, "pairs labeled both same and ignore: damage", finding(FindingKind::contradiction));
+  add_row(table, "pairs given more than once; they count once", finding(FindingKind::duplicate));
+  add_row(table, "queries without a match; counted apart", summary.queries_without_match);
+  add_row(table, "training frames that no query matches", summary.train_frames_without_match);
+  add_row(table, "pairs (i, j) without (j, i); usual between two walks",
+          summary.one_sided ? std::to_string(*summary.one_sided) : "-");
   return table;
 }
 
@@ -75,7 +72,7 @@ std::string ground_truth_examples(const InspectedGroundTruth& ground_truth,
 
 Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruthSummary& summary,
                      std::string_view target) {
-  return {{"schema", "vpr.conversion/1"},
+  return {{"schema", "vpr.conversion/3"},
           {"from", ground_truth.format},
           {"to", target},
           {"query_frames", summary.query_frames},

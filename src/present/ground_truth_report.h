@@ -1,4 +1,4 @@
-// What vpr-eval check finds, as JSON (vpr.ground-truth-check/1) and for people.
+// The results of vpr-eval check (vpr.ground-truth-check/3) and convert (vpr.conversion/3).
 #pragma once
 
 #include <string>
@@ -6,23 +6,22 @@
 #include "base/json_fwd.h"
 #include "present/run_info.h"
 #include "present/table.h"
-#include "truth/check.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
 
-/// A ground truth's counts and findings as vpr.ground-truth-check holds them.
 Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
                               const GroundTruthSummary& summary, const RunInfo& run);
 
-/// A row for everything that is counted, and what it means.
+/// A row per count, with its meaning.
 Table ground_truth_table(const InspectedGroundTruth& ground_truth,
                          const GroundTruthSummary& summary);
 
-/// The first pairs of everything that is odd, one a line.
+/// The first pairs of each finding, one per line.
 std::string ground_truth_examples(const InspectedGroundTruth& ground_truth,
                                   const GroundTruthSummary& summary);
 
-/// What was turned into another format, `target` (vpr.conversion/1).
+/// `target`: the other format.
 Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruthSummary& summary,
                      std::string_view target);
 

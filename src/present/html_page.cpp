@@ -6,16 +6,18 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "present/chart.h"
 
 namespace vpr {
 namespace {
 
+// The files of src/present/html as string constants.
 #include "html_parts.inc"
 
 }  // namespace
 
 std::string html_escaped(std::string_view text) {
-  // The JSON writer knows UTF-8: what it would replace is replaced here, too.
+  // The JSON writer replaces invalid UTF-8.
   const std::string clean =
       Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace))
           .get<std::string>();
@@ -76,21 +78,14 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
   }
 }
 
-const HtmlParts& html_parts() {
-  static constexpr HtmlParts kParts = {kPage,   kComparisonPage, kStyle,
-                                       kScript, kHoverScript,    kLabelScript};
-  return kParts;
-}
-
-std::string scroll_begin(const std::string& escaped_title) {
+std::string scrolling_html(const std::string& escaped_title, const std::string& content) {
   return "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped_title +
-         "\">";
+         "\">" + content + "</div>";
 }
 
 std::string table_html(const Table& table) {
   const std::string title = html_escaped(table.title);
-  std::string html = "<p class=\"note\">" + title + "</p>" + scroll_begin(title) +
-                     "<table aria-label=\"" + title + "\"><thead><tr>";
+  std::string html = "<table aria-label=\"" + title + "\"><thead><tr>";
   for (const std::string& column : table.columns)
     html += "<th scope=\"col\">" + html_escaped(column) + "</th>";
   html += "</tr></thead><tbody>";
@@ -103,7 +98,8 @@ std::string table_html(const Table& table) {
     }
     html += "</tr>";
   }
-  return html + "</tbody></table></div>\n";
+  return "<p class=\"note\">" + title + "</p>" + scrolling_html(title, html + "</tbody></table>") +
+         "\n";
 }
 
 std::string list_html(const Json& object) {
@@ -121,20 +117,21 @@ std::string list_html(const Json& object) {
   return html;
 }
 
+std::string legend_entry(std::string_view color, std::string_view words) {
+  return fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ", color,
+                     words);
+}
+
 std::string legend_html(const std::vector<Meaning>& meanings) {
   std::string html;
   for (const Meaning meaning : meanings)
-    html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
-                        color_of(meaning).name, color_of(meaning).words);
+    html += legend_entry(color_of(meaning).name, color_of(meaning).words);
   return html;
 }
 
-std::string legend_html(const std::vector<std::string>& series) {
-  std::string html;
-  for (size_t i = 0; i < series.size(); ++i)
-    html += fmt::format("<span class=\"entry\"><span class=\"key series-{}\"></span>{}</span> ",
-                        i % series_colors().size(), html_escaped(series[i]));
-  return html;
+std::string figure_html(const std::string& caption, const Chart& chart, const std::string& legend) {
+  return "<figure><figcaption>" + caption + "</figcaption>" + page_svg(chart) +
+         "<p class=\"legend\">" + legend + "</p></figure>";
 }
 
 std::string section_html(const std::string& title, const std::string& content) {
@@ -144,14 +141,13 @@ std::string section_html(const std::string& title, const std::string& content) {
 std::string sections_page(const std::string& title, const std::string& summary,
                           const std::string& subtitle, const std::string& sections,
                           const Json& protocol, const Json& provenance) {
-  return fill_page(html_parts().comparison_page,
-                   {{"title", html_escaped(title)},
-                    {"summary", html_escaped(summary)},
-                    {"subtitle", html_escaped(subtitle)},
-                    {"style", palette_css() + std::string(html_parts().style)},
-                    {"sections", sections},
-                    {"protocol", list_html(protocol)},
-                    {"provenance", list_html(provenance)}});
+  return fill_page(kComparisonPage, {{"title", html_escaped(title)},
+                                     {"summary", html_escaped(summary)},
+                                     {"subtitle", html_escaped(subtitle)},
+                                     {"style", palette_css() + std::string(kStyle)},
+                                     {"sections", sections},
+                                     {"protocol", list_html(protocol)},
+                                     {"provenance", list_html(provenance)}});
 }
 
 }  // namespace vpr

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,9 +12,8 @@
 #include "base/text.h"
 #include "evaluate/metrics.h"
 #include "present/evaluation_charts.h"
-#include "present/evaluation_tables.h"
+#include "present/evaluation_report.h"
 #include "present/html_page.h"
-#include "present/route_map.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -27,8 +27,8 @@ std::optional<double> share(uint64_t part, uint64_t whole) {
 }
 
 std::optional<double> precision(const LoopJudgment& judgment) {
-  const uint64_t right = judgment.count(PlaceLabel::same);
-  return share(right, right + judgment.count(PlaceLabel::different));
+  const uint64_t correct = judgment.count(PlaceLabel::same);
+  return share(correct, correct + judgment.count(PlaceLabel::different));
 }
 
 std::optional<double> recall(const LoopJudgment& judgment) {
@@ -49,15 +49,16 @@ Json protocol_json(const LoopsEvaluation& evaluation) {
       {"gap_s", rules.gap.nanoseconds ? seconds(*rules.gap.nanoseconds) : Json()},
       {"gap_frames", rules.gap.nanoseconds ? Json() : Json(rules.gap.frames)},
       {"loop",
-       fmt::format("a loop is right if its two positions are within {} m, and one is at least {} "
-                   "before the other; closer in time it is left out, neither right nor wrong",
+       fmt::format("a loop is correct if its two positions are within {} m, and one is at least {} "
+                   "before the other; closer in time it is omitted, neither correct nor incorrect",
                    rules.radius_m, gap_words(rules.gap))},
       {"frames",
-       "a frame has a loop if any frame so long before it is that near; recall is the share of "
-       "these frames of which a right loop is listed, and precision the share of right loops"},
-      {"revisits", "consecutive frames with a loop are one revisit, found by one right loop"}};
+       "a frame has a loop if an earlier frame, by at least the gap, is within the radius; recall "
+       "is the share of "
+       "these frames of which a correct loop is listed, and precision the share of correct loops"},
+      {"revisits", "consecutive frames with a loop are one revisit, found by one correct loop"}};
   if (evaluation.judgment.curve) {
-    protocol["scores_are"] = enum_name(rules.order);
+    protocol["score_order"] = enum_name(rules.order);
     protocol["curve"] =
         "a threshold accepts the best loop of each frame if it scores at least as good; equal "
         "scores are accepted together; of equals the best is the first that is listed";
@@ -66,9 +67,7 @@ Json protocol_json(const LoopsEvaluation& evaluation) {
 }
 
 Json trajectory_json(const Trajectory& trajectory) {
-  const auto known =
-      static_cast<size_t>(std::count_if(trajectory.poses.begin(), trajectory.poses.end(),
-                                        [](const auto& pose) { return pose.has_value(); }));
+  const auto known = std::ranges::count_if(trajectory.poses, &std::optional<Pose>::has_value);
   return {{"frames", trajectory.poses.size()},
           {"poses", known},
           {"duration_s", trajectory.times_ns.empty()
@@ -76,16 +75,17 @@ Json trajectory_json(const Trajectory& trajectory) {
                              : seconds(trajectory.times_ns.back() - trajectory.times_ns.front())}};
 }
 
-std::vector<JudgedLoop> wrong_loops(const LoopJudgment& judgment) {
+std::vector<JudgedLoop> incorrect_loops(const LoopJudgment& judgment) {
   std::vector<JudgedLoop> wrong;
-  for (const JudgedLoop& judged : judgment.loops)
-    if (judged.label == PlaceLabel::different) wrong.push_back(judged);
+  std::ranges::copy_if(judgment.loops, std::back_inserter(wrong), [](const JudgedLoop& judged) {
+    return judged.label == PlaceLabel::different;
+  });
   return wrong;
 }
 
-Json wrong_loops_json(const LoopJudgment& judgment) {
+Json incorrect_loops_json(const LoopJudgment& judgment) {
   Json wrong = Json::array();
-  for (const JudgedLoop& judged : wrong_loops(judgment)) {
+  for (const JudgedLoop& judged : incorrect_loops(judgment)) {
     Json row = {{"line", judged.loop.line},
                 {"query", judged.loop.query},
                 {"match", judged.loop.match},
@@ -96,21 +96,15 @@ Json wrong_loops_json(const LoopJudgment& judgment) {
   return wrong;
 }
 
-Json stretch_json(const Revisit& stretch) {
-  return {{"first", stretch.first}, {"last", stretch.last}};
-}
-
 std::vector<Revisit> missed_revisits(const LoopJudgment& judgment) {
   std::vector<Revisit> missed;
-  for (const Revisit& revisit : judgment.revisits)
-    if (!revisit.is_found) missed.push_back(revisit);
+  std::ranges::copy_if(judgment.revisits, std::back_inserter(missed),
+                       [](const Revisit& revisit) { return !revisit.is_found; });
   return missed;
 }
 
-Json missed_json(const LoopJudgment& judgment) {
-  Json missed = Json::array();
-  for (const Revisit& revisit : missed_revisits(judgment)) missed.push_back(stretch_json(revisit));
-  return missed;
+Json revisit_json(const Revisit& revisit) {
+  return {{"first", revisit.first}, {"last", revisit.last}};
 }
 
 size_t longest_missed_frames(const LoopJudgment& judgment) {
@@ -118,10 +112,10 @@ size_t longest_missed_frames(const LoopJudgment& judgment) {
   return longest ? longest->last - longest->first + 1 : 0;
 }
 
-constexpr size_t kMostDrawn = 2000;  // librsvg takes minutes for 100 000 that cross each other
+constexpr size_t kMostDrawn = 2000;  // librsvg needs minutes for 100 000 crossing lines
 
-/// The two coordinates with the largest extents, in their order: x and z of a camera that looks
-/// ahead, x and y of a map.
+/// The two coordinates with the largest extents, in their order: x and z for a camera that looks
+/// ahead, x and y for a map.
 std::array<size_t, 2> plan_axes(const Poses& poses) {
   const std::array<double, 3> extents = extents_of(poses);
   const auto flat = static_cast<size_t>(std::min_element(extents.rbegin(), extents.rend()).base() -
@@ -141,7 +135,7 @@ Series path_series(const Poses& poses, const std::array<size_t, 2>& axes) {
   return path;
 }
 
-// Of more than kMostDrawn loops, those at even distances in the list; the legend says so.
+// At most kMostDrawn loops, evenly spaced in the list; the legend states their number.
 Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
                    PlaceLabel label, const std::string& name) {
   std::vector<const ListedLoop*> loops;
@@ -160,26 +154,23 @@ Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2
   return lines;
 }
 
-Series found_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
-  Series found{
-      "frame with a right loop", {}, SeriesStyle::points, Meaning::right, SeriesMark::disc};
-  for (size_t frame = 0; frame < evaluation.judgment.is_found.size(); ++frame)
-    if (evaluation.judgment.is_found[frame])
-      found.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
-  return found;
-}
-
-Series missed_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
-  Series missed{
-      "frame with a loop, none listed", {}, SeriesStyle::points, Meaning::missed, SeriesMark::dot};
+Series frame_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
+                    bool is_found) {
+  Series frames{"frame with a correct loop", {}, SeriesStyle::points, Meaning::right};
+  if (!is_found)
+    frames = {"frame with a loop, none listed",
+              {},
+              SeriesStyle::points,
+              Meaning::missed,
+              SeriesMark::dot};
   const LoopJudgment& judgment = evaluation.judgment;
   for (size_t frame = 0; frame < judgment.has_loop.size(); ++frame)
-    if (judgment.has_loop[frame] && !judgment.is_found[frame])
-      missed.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
-  return missed;
+    if (judgment.is_found[frame] == is_found && (is_found || judgment.has_loop[frame]))
+      frames.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
+  return frames;
 }
 
-/// Precision against recall of every frame's best loop. No series where the list has no scores.
+/// Precision against recall of the best loop per frame. No series without scores.
 Chart curve_chart(const LoopsEvaluation& evaluation) {
   Chart chart = precision_recall_chart(evaluation.name);
   if (!evaluation.judgment.curve || evaluation.judgment.curve->points.empty()) return chart;
@@ -190,19 +181,12 @@ Chart curve_chart(const LoopsEvaluation& evaluation) {
   return chart;
 }
 
-/// The names of a chart's series, beside their colors.
-std::string legend_of(const Chart& chart) {
-  std::string html;
+std::string figure(const Chart& chart) {
+  std::string legend;
   for (const Series& series : chart.series)
     if (!series.name.empty() && series.meaning)
-      html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
-                          color_of(*series.meaning).name, html_escaped(series.name));
-  return html;
-}
-
-std::string figure(const Chart& chart) {
-  return fmt::format("<figure><figcaption>{}</figcaption>{}<p class=\"legend\">{}</p></figure>",
-                     chart.title, page_svg(chart), legend_of(chart));
+      legend += legend_entry(color_of(*series.meaning).name, html_escaped(series.name));
+  return figure_html(chart.title, chart, legend);
 }
 
 std::string charts_html(const LoopsEvaluation& evaluation) {
@@ -222,38 +206,40 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
   const LoopJudgment& judgment = evaluation.judgment;
   const auto longest = judgment.longest_missed();
-  Json json = {{"schema", "vpr.loops/1"}, {"name", evaluation.name}};
+  Json json = {{"schema", "vpr.loops/3"}, {"name", evaluation.name}};
   json["protocol"] = protocol_json(evaluation);
   json["trajectory"] = trajectory_json(evaluation.trajectory);
   json["loops"] = {{"listed", evaluation.list.loops.size()},
                    {"repeated", judgment.repeated},
                    {"too_near", judgment.count(PlaceLabel::ignore)},
-                   {"right", judgment.count(PlaceLabel::same)},
-                   {"wrong", judgment.count(PlaceLabel::different)},
+                   {"correct", judgment.count(PlaceLabel::same)},
+                   {"incorrect", judgment.count(PlaceLabel::different)},
                    {"precision", or_null(precision(judgment))}};
   json["frames"] = {{"with_loop", judgment.frames_with_loop()},
                     {"found", judgment.frames_found()},
                     {"recall", or_null(recall(judgment))},
-                    {"longest_missed", longest ? stretch_json(*longest) : Json()}};
+                    {"longest_missed", longest ? revisit_json(*longest) : Json()}};
   json["revisits"] = {{"count", judgment.revisits.size()},
                       {"found", judgment.revisits_found()},
-                      {"missed", missed_json(judgment)}};
-  json["wrong_loops"] = wrong_loops_json(judgment);
-  json["metrics"] = judgment.curve ? curve_numbers_json(numbers_of(*judgment.curve)) : Json();
-  json["curve"] = judgment.curve ? curve_json(reported_curve(*judgment.curve)) : Json();
+                      {"missed", Json::array()}};
+  for (const Revisit& revisit : missed_revisits(judgment))
+    json["revisits"]["missed"].push_back(revisit_json(revisit));
+  json["incorrect_loops"] = incorrect_loops_json(judgment);
+  json["metrics"] = judgment.curve ? curve_numbers_json(*judgment.curve) : Json();
+  json["curve"] = judgment.curve ? curve_json(*judgment.curve) : Json();
   json["provenance"] = provenance_json(run);
   return json;
 }
 
 std::string loops_sentence(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
-  const uint64_t wrong = judgment.count(PlaceLabel::different);
-  const uint64_t judged = judgment.count(PlaceLabel::same) + wrong;
+  const uint64_t incorrect = judgment.count(PlaceLabel::different);
+  const uint64_t judged = judgment.count(PlaceLabel::same) + incorrect;
   const std::string of_loops =
-      fmt::format("{} of {} wrong.", wrong == 0 ? "None" : fmt::to_string(wrong),
+      fmt::format("{} of {} incorrect.", incorrect == 0 ? "None" : fmt::to_string(incorrect),
                   judged == 1 ? "1 loop is" : fmt::format("{} loops are", judged));
   if (judgment.frames_with_loop() == 0) return "No frame is near an earlier one. " + of_loops;
-  return fmt::format("{} {} of {} have a right loop; the longest stretch without one has {}.",
+  return fmt::format("{} {} of {} have a correct loop; the longest stretch without one has {}.",
                      of_loops, judgment.frames_found(),
                      counted(judgment.frames_with_loop(), "frame near an earlier one",
                              "frames near an earlier one"),
@@ -264,27 +250,23 @@ Table loops_table(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
   const LoopGap& gap = evaluation.rules.gap;
   Table table;
-  // Numbers as in JSON: 2.0 m.
   table.title = fmt::format(
       "{} (within {} m, {} apart)", evaluation.name, Json(evaluation.rules.radius_m).dump(),
       gap.nanoseconds ? seconds(*gap.nanoseconds).dump() + " s" : counted(gap.frames, "frame"));
-  const auto count = [&](const std::string& column, uint64_t number) {
-    add_column(table, column, number);
+  const auto share = [](std::optional<double> value) {
+    return value ? fmt::format("{:.4f}", *value) : "-";
   };
-  const auto share = [&](const std::string& column, std::optional<double> value) {
-    add_column(table, column, value ? fmt::format("{:.4f}", *value) : "-");
-  };
-  count("listed", evaluation.list.loops.size());
-  count("right", judgment.count(PlaceLabel::same));
-  count("wrong", judgment.count(PlaceLabel::different));
-  count("too near", judgment.count(PlaceLabel::ignore));
-  share("precision", precision(judgment));
-  count("frames with a loop", judgment.frames_with_loop());
-  count("found", judgment.frames_found());
-  share("recall", recall(judgment));
-  count("longest missed", longest_missed_frames(judgment));
-  count("revisits", judgment.revisits.size());
-  count("revisits found", judgment.revisits_found());
+  add_column(table, "listed", evaluation.list.loops.size());
+  add_column(table, "correct", judgment.count(PlaceLabel::same));
+  add_column(table, "incorrect", judgment.count(PlaceLabel::different));
+  add_column(table, "too near", judgment.count(PlaceLabel::ignore));
+  add_column(table, "precision", share(precision(judgment)));
+  add_column(table, "frames with a loop", judgment.frames_with_loop());
+  add_column(table, "found", judgment.frames_found());
+  add_column(table, "recall", share(recall(judgment)));
+  add_column(table, "longest missed", longest_missed_frames(judgment));
+  add_column(table, "revisits", judgment.revisits.size());
+  add_column(table, "revisits found", judgment.revisits_found());
   if (judgment.curve)
     for (const Metric& metric : curve_metrics())
       add_column(table, metric.symbol, metric_cell(metric, metric.of_curve(*judgment.curve).value));
@@ -300,31 +282,25 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation) {
       text += "  " + line(rows[i]) + "\n";
     if (rows.size() > kMostLines) text += fmt::format("  and {} more\n", rows.size() - kMostLines);
   };
-  add(wrong_loops(evaluation.judgment), "Wrong loops:", [](const JudgedLoop& judged) {
+  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
     const ListedLoop& loop = judged.loop;
     return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
                        loop.match, judged.distance_m);
   });
   add(missed_revisits(evaluation.judgment),
-      "Revisits without a right loop:", [](const Revisit& revisit) {
+      "Revisits without a correct loop:", [](const Revisit& revisit) {
         return fmt::format("frames {} to {}", revisit.first, revisit.last);
       });
   return text;
 }
 
 Chart loops_map_chart(const LoopsEvaluation& evaluation) {
-  Chart chart{"loops", evaluation.name};
-  chart.is_plan = true;
-  chart.y.from_zero = false;
-  chart.width = 675;
   const auto axes = plan_axes(evaluation.trajectory.poses);
-  Series right_lines = loop_series(evaluation, axes, PlaceLabel::same, "");
-  chart.series = {path_series(evaluation.trajectory.poses, axes), missed_series(evaluation, axes),
-                  right_lines, found_series(evaluation, axes),
-                  loop_series(evaluation, axes, PlaceLabel::different, "wrong loop")};
-  chart.series.push_back(scale_bar(chart.series));
-  std::erase_if(chart.series, [](const Series& drawn) { return drawn.points.empty(); });
-  return chart;
+  return plan_chart(
+      "loops", evaluation.name,
+      {path_series(evaluation.trajectory.poses, axes), frame_series(evaluation, axes, false),
+       loop_series(evaluation, axes, PlaceLabel::same, ""), frame_series(evaluation, axes, true),
+       loop_series(evaluation, axes, PlaceLabel::different, "incorrect loop")});
 }
 
 void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder) {

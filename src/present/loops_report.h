@@ -1,4 +1,4 @@
-// Loop closures against a trajectory: as JSON (vpr.loops/1), tables, charts and a page.
+// Loop closures evaluated by a trajectory: as JSON (vpr.loops/3), tables, charts and a page.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,6 @@
 
 namespace vpr {
 
-/// Everything that was judged, with what it was called and judged by.
 struct LoopsEvaluation {
   std::string name;
   LoopList list;
@@ -22,29 +21,26 @@ struct LoopsEvaluation {
   LoopJudgment judgment;
 };
 
-/// Everything of a report but "machine" and "timing".
+/// The report without "machine" and "timing".
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run);
 
-/// "17 of 20 revisits are found, and 3 of 190 loops are wrong."
+/// "3 of 190 loops are wrong. 17 of 20 frames near an earlier one have a correct loop; ..."
 std::string loops_sentence(const LoopsEvaluation& evaluation);
 
-/// One row: loops, frames and revisits, and with scores the metrics of the curve.
+/// One row: counts of loops, frames and revisits and, if there are scores, metrics of the curve.
 Table loops_table(const LoopsEvaluation& evaluation);
 
-/// The revisits that nobody found and the loops that are wrong, the first 20 of each; empty where
-/// there are none.
+/// The first 20 wrong loops and the first 20 revisits without a correct loop; may be empty.
 std::string loops_mistakes(const LoopsEvaluation& evaluation);
 
-/// The trajectory seen along its shortest extent, as a plan: a line from frame to frame for every
-/// right and every wrong loop, and dots at the frames that have one, listed or not.
+/// The trajectory without its shortest extent, with a line per correct and incorrect loop, and the
+/// frames that have a loop.
 Chart loops_map_chart(const LoopsEvaluation& evaluation);
 
-/// Writes loops and, with scores, precision-recall as SVG and PNG into the folder of an output.
-/// Throws Error(output).
+/// Writes loops and, if there are scores, precision-recall as SVG and PNG into the folder of an
+/// output. Throws Error(output).
 void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder);
 
-/// The page: a sentence, the table, the trajectory with what is right, wrong and missing, the curve
-/// where the list has scores, and the first wrong loops.
 std::string loops_page(const LoopsEvaluation& evaluation, const RunInfo& run);
 
 }  // namespace vpr

@@ -15,12 +15,12 @@ constexpr std::array<PaletteColor, 18> kPalette = {{
     {Meaning::right, "right", "recognized, right", 0x1668c7, 0x5aa5f5},
     {Meaning::wrong, "wrong", "recognized, wrong", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognized, not judged", 0xc2268f, 0xffc4ec},
-    {Meaning::weak_right, "weak-right", "best match right, not recognized", 0x8fbcec, 0x3c6ea8},
+    {Meaning::weak_right, "weak-right", "best match correct, not recognized", 0x8fbcec, 0x3c6ea8},
     {Meaning::weak_wrong, "weak-wrong", "best match wrong, not recognized", 0xefaa86, 0xa3593c},
     {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognized", 0xdba3c9, 0x7d4a70},
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
     {Meaning::missed, "missed", "not recognized", 0xd9a400, 0xe0b030},
-    {Meaning::unreachable, "unreachable", "not recognized: no window ends there", 0xe8cf7a,
+    {Meaning::no_valid_window, "no_valid_window", "not recognized: no window ends there", 0xe8cf7a,
      0x7a6f45},
     {Meaning::unmapped, "unmapped", "nothing to recognize", 0x8b95a3, 0x8b95a3},
     {Meaning::train_path, "train-path", "training path", 0xc9cfd8, 0x454f5c},
@@ -30,14 +30,14 @@ constexpr std::array<PaletteColor, 18> kPalette = {{
     {Meaning::best_matches, "best-matches", "best matches", 0x334155, 0xcbd5e1},
     {Meaning::all_pairs, "all-pairs", "all pairs", 0x0f8a7a, 0x12a08d},
     {Meaning::by_margin, "by-margin", "best matches by margin", 0xb45309, 0xfbbf24},
-    {Meaning::asked_margin, "asked-margin", "margin asked for", 0x111827, 0x8a8f98},
+    {Meaning::required_margin, "asked-margin", "required margin", 0x111827, 0x8a8f98},
 }};
 
-// From dark to light, so that neighbors differ in brightness, too.
+// From dark to light, so that neighbors also differ in brightness.
 constexpr std::array<std::string_view, 8> kSeries = {"#440154", "#31688e", "#21918c", "#5ec962",
                                                      "#c9a400", "#8c564b", "#7f7f7f", "#e377c2"};
 
-// The same on dark paper.
+// For dark pages.
 constexpr std::array<std::string_view, 8> kDarkSeries = {
     "#c58ae0", "#6fb1e8", "#35c9bd", "#90e27f", "#f2d04a", "#d69a8a", "#b5b5b5", "#f7a8de"};
 
@@ -70,10 +70,10 @@ cv::Vec3b bgr_of(Meaning meaning) {
 
 std::span<const std::string_view> series_colors() { return kSeries; }
 
-Meaning meaning_of(Fix fix) {
-  return fix == Fix::right   ? Meaning::right
-         : fix == Fix::wrong ? Meaning::wrong
-                             : Meaning::unjudged;
+Meaning meaning_of(FrameVerdict verdict) {
+  return verdict == FrameVerdict::correct     ? Meaning::right
+         : verdict == FrameVerdict::incorrect ? Meaning::wrong
+                                              : Meaning::unjudged;
 }
 
 Meaning meaning_of(PlaceLabel label) {

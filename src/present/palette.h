@@ -1,4 +1,4 @@
-// What a color means: the one table of colors for pages, plots, maps, matrices and heat maps.
+// The colors of pages, charts, maps and matrices, by meaning.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,20 @@ class Vec;
 
 namespace vpr {
 
-enum class Fix;
+enum class FrameVerdict;
 enum class PlaceLabel;
 
-/// What is drawn.
 enum class Meaning {
-  right,  ///< recognized, by the ground truth
+  right,  ///< recognized, correct by the ground truth
   wrong,
-  unjudged,    ///< recognized, and the pair is to be ignored or there is no ground truth
+  unjudged,    ///< recognized, but labeled ignore or without ground truth
   weak_right,  ///< a best match that is not recognized
   weak_wrong,
   weak_unjudged,
   truth,
-  missed,       ///< not recognized on a map, though the ground truth has the place
-  unreachable,  ///< not recognized on a map, and the place is only where no window ends
-  unmapped,     ///< not recognized on a map, and the ground truth has no match
+  missed,           ///< on a map: not recognized, with a match in the ground truth
+  no_valid_window,  ///< on a map: not recognized, with matches only where no window ends
+  unmapped,         ///< on a map: not recognized, without a match in the ground truth
   train_path,
   place,  ///< of FAB-MAP
   wall,
@@ -35,40 +34,40 @@ enum class Meaning {
   best_matches,
   all_pairs,
   by_margin,
-  asked_margin
+  required_margin
 };
 
-/// A row of the palette: 0xrrggbb on white and on dark paper.
+/// An entry of the palette; colors are 0xrrggbb for light and dark pages.
 struct PaletteColor {
   Meaning meaning = Meaning::right;
-  std::string_view name;   ///< of its CSS variable and class
-  std::string_view words;  ///< what a legend says
+  std::string_view name;   ///< of the CSS variable and class
+  std::string_view words;  ///< in a legend
   uint32_t light = 0;
   uint32_t dark = 0;
 };
 
-/// Every meaning, in the order of Meaning. Colors that stand side by side in one picture can be
-/// told apart by people who do not see red, green or blue.
+/// One entry per Meaning, in its order. Colors of one image are distinguishable for people with
+/// any color vision deficiency.
 std::span<const PaletteColor> palette();
 
 const PaletteColor& color_of(Meaning meaning);
 
-/// "#rrggbb" on white.
+/// "#rrggbb" for light pages.
 std::string hex_of(Meaning meaning);
 
-/// Blue, green, red on white, as OpenCV stores pixels.
+/// Blue, green and red for light pages, as in OpenCV's pixels.
 cv::Vec<uint8_t, 3> bgr_of(Meaning meaning);
 
-/// What the fix of a frame means; it is not none.
-Meaning meaning_of(Fix fix);
+/// `verdict` must not be none.
+Meaning meaning_of(FrameVerdict verdict);
 
-/// What a recognized pair means.
+/// For a recognized pair.
 Meaning meaning_of(PlaceLabel label);
 
-/// Colors of curves that mean nothing but their order, "#rrggbb" on white.
+/// Colors of curves without a meaning, "#rrggbb" for light pages.
 std::span<const std::string_view> series_colors();
 
-/// The palette, and colors of curves, as CSS variables, for light and dark pages.
+/// The palette and the colors of curves as CSS variables, for light and dark pages.
 std::string palette_css();
 
 }  // namespace vpr

@@ -1,5 +1,3 @@
-#include "present/raster.h"
-
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -9,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/error.h"
+#include "present/chart.h"
 
 namespace vpr {
 namespace {
@@ -25,18 +24,18 @@ using Stream = std::unique_ptr<GInputStream, Free<g_object_unref>>;
 using Surface = std::unique_ptr<cairo_surface_t, Free<cairo_surface_destroy>>;
 using Painter = std::unique_ptr<cairo_t, Free<cairo_destroy>>;
 
-// Frees the error. Null: the picture is too large.
+// Frees the error. Null: the image is too large.
 [[noreturn]] void fail(GError* error) {
   const std::string message = error == nullptr ? "it is too large" : error->message;
   g_clear_error(&error);
-  throw Error(ErrorKind::internal, fmt::format("a picture can't be drawn: {}", message));
+  throw Error(ErrorKind::internal, fmt::format("cannot draw an image: {}", message));
 }
 
 Handle read_svg(const std::string& svg) {
   const Stream stream(
       g_memory_input_stream_new_from_data(svg.data(), static_cast<gssize>(svg.size()), nullptr));
   GError* error = nullptr;
-  // Unlimited: a matrix is one long attribute.
+  // A matrix is one attribute longer than the default limit.
   Handle handle(rsvg_handle_new_from_stream_sync(stream.get(), nullptr, RSVG_HANDLE_FLAG_UNLIMITED,
                                                  nullptr, &error));
   if (!handle) fail(error);
@@ -52,7 +51,7 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int lengt
 
 std::string png_of(const cv::Mat& image) {
   std::vector<uint8_t> png;
-  // Level 9 is sixteen times slower than level 6, for files that are a seventh smaller.
+  // Level 9 takes sixteen times as long, for files that are a seventh smaller.
   cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 6});
   return {png.begin(), png.end()};
 }

@@ -11,20 +11,21 @@
 #include "base/json.h"
 #include "base/mapped_file.h"
 #include "base/npy.h"
+#include "base/output.h"
 
 namespace vpr {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file that are in memory at once
+constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file in memory
 
-/// Matches as they stand in two arrays: query, target and train, of places the view, too; and
-/// scores. A query without a best match has -1 for all others, and no number as its score.
+/// Matches as two arrays: query, target, train and, for places, the view; and scores. A query
+/// without a match has -1 for all but the query, and NaN.
 struct MatchColumns {
-  size_t columns = 3;
-  std::vector<int32_t> indices;
-  std::vector<double> scores;
+  size_t columns;
+  std::vector<int32_t> indices = {};
+  std::vector<double> scores = {};
 
   void add(const Match& match) {
     const std::array<uint32_t, 4> row = {match.query, match.target, match.train, match.view};
@@ -38,38 +39,17 @@ struct MatchColumns {
   }
 };
 
-MatchColumns recognition_columns(const Result& result) {
-  MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
-  columns.indices.reserve(columns.columns * result.recognitions.size());
-  for (const Match& recognition : result.recognitions) columns.add(recognition);
-  return columns;
-}
-
-MatchColumns best_columns(const Result& result) {
-  MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
-  for (size_t window = 0; window < result.best.size(); ++window)
-    result.best[window] ? columns.add(*result.best[window]) : columns.add_none(window);
-  return columns;
-}
-
-std::vector<double> margin_column(const Result& result) {
-  std::vector<double> margins;
-  for (const auto& margin : result.margins)
-    margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
-  return margins;
-}
-
-// By query frame: the score of being nowhere, the rate, and the number of the track.
+// A row per query frame: the score of being off the map, the rate, and the number of the track.
 std::vector<double> path_rows(const ResultPath& path) {
   std::vector<double> rows;
-  for (size_t frame = 0; frame < path.nowhere.size(); ++frame)
+  for (size_t frame = 0; frame < path.off_map.size(); ++frame)
     rows.insert(rows.end(),
-                {path.nowhere[frame], path.rates[frame], static_cast<double>(path.tracks[frame])});
+                {path.off_map[frame], path.rates[frame], static_cast<double>(path.tracks[frame])});
   return rows;
 }
 
-// First frames of views: the query's with -1 for the target, then those of each target.
-std::vector<int32_t> view_rows(const ResultViews& views) {
+// The first frames of views as rows of target and frame; the query is target -1.
+std::vector<int32_t> view_rows(const ResultKeyframes& views) {
   std::vector<int32_t> rows;
   const auto add = [&](int32_t target, const std::vector<uint32_t>& starts) {
     for (const uint32_t frame : starts) {
@@ -81,28 +61,6 @@ std::vector<int32_t> view_rows(const ResultViews& views) {
   for (size_t t = 0; t < views.train.size(); ++t) add(static_cast<int32_t>(t), views.train[t]);
   return rows;
 }
-
-/// Writes arrays beside a result, and notes them in its JSON.
-struct Companions {
-  const fs::path& path;
-  Outputs& outputs;
-  Json& files;
-
-  template <class T>
-  void write(const std::string& name, const std::vector<T>& values, size_t columns = 1) const {
-    std::vector<size_t> shape = {values.size() / columns};
-    if (columns > 1) shape.push_back(columns);
-    const std::string header = npy_header(npy_type<T>(), shape);
-    const auto bytes = std::as_bytes(std::span(values));
-    Output& file = outputs.file(companion_path(path, name + ".npy"));
-    ChecksumStream sum;
-    sum.add(std::as_bytes(std::span(header)));
-    sum.add(bytes);
-    file.write(header);
-    file.write(bytes);
-    files[name] = {{"rows", shape.front()}, {"checksum", sum.text()}};
-  }
-};
 
 Json query_json(const Result& result) {
   Json json = sequence_json(
@@ -129,14 +87,12 @@ Json extent_json(uint32_t window, uint32_t first, uint32_t last, size_t length) 
           {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
 }
 
-// What depends on neither method nor query: provenance, machine and timing.
 void add_context(Json& json, const ResultContext& context) {
   json["provenance"] = provenance_json(context.run);
   json["provenance"]["database"] = context.database_fingerprint;
   json["provenance"]["query"] = context.query_fingerprint;
   if (!context.fused_fingerprint.empty()) json["provenance"]["fused"] = context.fused_fingerprint;
-  json["machine"] = machine_json(context.run);
-  json["timing"] = timing_json(context.seconds);
+  add_run(json, context.run, context.seconds);
   if (!context.files.empty()) json["files"] = context.files;
 }
 
@@ -188,7 +144,7 @@ Json clusters_json(const Clusters& clusters, size_t length) {
   Json json = Json::array();
   for (const Cluster& one : clusters.all)
     json.push_back(
-        {{"target", one.target},
+        {{"sequence", one.target},
          {"query", extent_json(one.query_window, one.query_first, one.query_last, length)},
          {"train", extent_json(one.train_window, one.train_first, one.train_last, length)},
          {"recognitions", one.recognitions},
@@ -197,16 +153,16 @@ Json clusters_json(const Clusters& clusters, size_t length) {
 }
 
 Json result_json(const Result& result, const ResultContext& context) {
-  Json json = {{"schema", "vpr.result/2"}, {"method", method_of(result.settings)}};
+  Json json = {{"schema", "vpr.result/3"}, {"method", method_of(result.settings)}};
   json["settings"] = settings_in_force(result.settings);
   if (result.statistics) {
     json["statistics"] = value_to_json(result.statistics->settings);
     json["statistics"]["typical_distance"] = result.statistics->typical_distance;
   }
   json["query"] = query_json(result);
-  json["targets"] = Json::array();
+  json["sequences"] = Json::array();
   for (const Target& target : result.targets)
-    json["targets"].push_back(target_json(target, result));
+    json["sequences"].push_back(target_json(target, result));
   if (result.places)
     json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
   json["totals"] = {{"recognitions", result.recognitions.size()}};
@@ -231,48 +187,71 @@ Json result_json(const Result& result, const ResultContext& context) {
 Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
                   Outputs& outputs) {
   Json json = result_json(result, context);
-  for (const Output* file : outputs.files_beside(path)) {
+  for (const Output* file : outputs.files_next_to(path)) {
     const auto known = context.checksums.find(file->path());
     json["companions"][file->path().filename().string()] =
         known != context.checksums.end() ? known->second : file_checksum(file->temporary());
   }
-  const Companions companions{path, outputs, json["files"]};
-  const MatchColumns recognitions = recognition_columns(result);
-  companions.write("recognitions", recognitions.indices, recognitions.columns);
-  companions.write("recognition_scores", recognitions.scores);
-  const MatchColumns best = best_columns(result);
-  companions.write("best", best.indices, best.columns);
-  companions.write("best_scores", best.scores);
-  if (!result.best_rates.empty()) companions.write("best_rates", result.best_rates);
-  if (!result.margins.empty()) companions.write("margins", margin_column(result));
-  if (result.path) companions.write("path", path_rows(*result.path), 3);
-  if (result.views) companions.write("views", view_rows(*result.views), 2);
-  if (result.places) companions.write("new_place", result.places->new_place);
+  const auto write = [&]<class T>(const std::string& name, const std::vector<T>& values,
+                                  size_t columns = 1) {
+    std::vector<size_t> shape = {values.size() / columns};
+    if (columns > 1) shape.push_back(columns);
+    const std::string header = npy_header(npy_type<T>(), shape);
+    const auto bytes = std::as_bytes(std::span(values));
+    Output& file = outputs.file(companion_path(path, name + ".npy"));
+    ChecksumStream sum;
+    sum.add(std::as_bytes(std::span(header)));
+    sum.add(bytes);
+    file.write(header);
+    file.write(bytes);
+    json["files"][name] = {{"rows", shape.front()}, {"checksum", sum.text()}};
+  };
+  const size_t columns = result.places ? 4 : 3;
+  MatchColumns recognitions{columns};
+  recognitions.indices.reserve(columns * result.recognitions.size());
+  for (const Match& recognition : result.recognitions) recognitions.add(recognition);
+  write("recognitions", recognitions.indices, columns);
+  write("recognition_scores", recognitions.scores);
+  MatchColumns best{columns};
+  for (size_t window = 0; window < result.best.size(); ++window)
+    result.best[window] ? best.add(*result.best[window]) : best.add_none(window);
+  write("best", best.indices, columns);
+  write("best_scores", best.scores);
+  if (!result.best_rates.empty()) write("best_rates", result.best_rates);
+  if (!result.margins.empty()) {
+    std::vector<double> margins;
+    for (const auto& margin : result.margins)
+      margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
+    write("margins", margins);
+  }
+  if (result.path) write("path", path_rows(*result.path), 3);
+  if (result.views) write("keyframes", view_rows(*result.views), 2);
+  if (result.places) write("new_place", result.places->new_place);
   const Sequence* query = &result.query;
-  if (!query->selection.is_all()) companions.write("source_frames", source_rows({&query, 1}));
+  if (!query->selection.is_all()) write("source_frames", source_rows({&query, 1}));
   std::vector<const Sequence*> train;
   for (const Target& target : result.targets) train.push_back(&target.sequence);
   if (const std::vector<int32_t> rows = source_rows(train); !rows.empty())
-    companions.write("train_source_frames", rows);
+    write("train_source_frames", rows);
   json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;
 }
 
 Json live_line(const LineFrame& frame, const Result* result, size_t window) {
-  Json line = {{"schema", "vpr.live/1"}, {"frame", frame.number},
+  Json line = {{"schema", "vpr.live/3"}, {"frame", frame.number},
                {"name", frame.name},     {"readable", frame.is_readable},
                {"match", nullptr},       {"margin", nullptr},
-               {"nowhere", nullptr},     {"rate", nullptr},
+               {"off_map", nullptr},     {"rate", nullptr},
                {"recognitions", 0},      {"recognized", false}};
   if (result == nullptr) return line;
   const size_t length = result->window_length();
   if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
   if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
   if (result->path) {
-    const double nowhere = result->path->nowhere[window];
-    line["nowhere"] = number_or_null(
-        std::isnan(nowhere) ? nowhere : result->score().frame_value(nowhere, length));
+    const double off_map = result->path->off_map[window];
+    line["off_map"] = number_or_null(
+        std::isnan(off_map) ? off_map : result->score().frame_value(off_map, length));
     line["rate"] = number_or_null(result->path->rates[window]);
   }
   const auto recognitions = std::ranges::count(result->recognitions, window, &Match::query);

@@ -1,6 +1,5 @@
-// Result files (vpr.result/2): RESULT.json and, named after it, RESULT.recognitions.npy,
-// RESULT.best.npy and the other arrays of kResultArrays. Also the lines of a live query
-// (vpr.live/1).
+// Result files (vpr.result/3): RESULT.json and its arrays, such as RESULT.recognitions.npy. Also
+// the lines of a live query (vpr.live/3).
 #pragma once
 
 #include <array>
@@ -16,23 +15,22 @@
 
 namespace vpr {
 
-/// What else goes into the JSON.
+/// The parts of the JSON that are not in Result.
 struct ResultContext {
   RunInfo run;
   std::string database_fingerprint;
   std::string query_fingerprint;
-  std::string fused_fingerprint;  ///< of FAB-MAP's database; empty: it was not asked
+  std::string fused_fingerprint;  ///< of FAB-MAP's database; empty without fusion
   std::map<std::string, double> seconds;
-  std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
+  std::optional<size_t> verified_cells;  ///< recomputed by the reference implementation, all equal
   std::optional<Json> matrix;            ///< layout of a saved matrix
-  std::map<std::string, Json> files;     ///< of a saved matrix or posteriors: rows and checksum
-  std::map<std::filesystem::path, std::string> checksums =
-      {};                           ///< of outputs that were summed already
-  std::optional<Json> scores;       ///< what whole numbers stand for, of a given matrix
+  std::map<std::string, Json> files;     ///< rows and checksum of a saved matrix or posteriors
+  std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known
+  std::optional<Json> scores;       ///< the unit of integers, for a precomputed matrix
   std::optional<Json> explanation;  ///< of one frame, by FAB-MAP
 };
 
-/// The arrays that a result may have beside it.
+/// The arrays that a result may have.
 inline constexpr std::array<const char*, 11> kResultArrays = {"recognitions.npy",
                                                               "recognition_scores.npy",
                                                               "best.npy",
@@ -45,22 +43,22 @@ inline constexpr std::array<const char*, 11> kResultArrays = {"recognitions.npy"
                                                               "best_rates.npy",
                                                               "train_source_frames.npy"};
 
-/// RESULT.recognitions.npy for RESULT.json.
+/// RESULT.recognitions.npy for RESULT.json and recognitions.npy.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
 
 /// Claims the result and its companions.
 void claim_result(const std::filesystem::path& path, Outputs& outputs);
 
-/// The checksum of a whole file, which may be larger than memory.
+/// The checksum of a file, which may be larger than memory.
 std::string file_checksum(const std::filesystem::path& path, const Monitor& monitor = {});
 
-/// The object of a whole file in the JSON.
+/// The entry of a file in the JSON.
 Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& monitor);
 
 /// The checksum of everything but "machine", "timing" and the checksum itself.
 std::string result_checksum(Json json);
 
-/// A result file as it stands, its checksum verified. Throws as read_result does.
+/// A result file with a valid checksum. Throws as read_result does.
 Json read_result_json(const std::filesystem::path& path);
 
 /// "clusters" of a result.
@@ -69,35 +67,33 @@ Json clusters_json(const Clusters& clusters, size_t window_length);
 /// The JSON without its companions' checksums.
 Json result_json(const Result& result, const ResultContext& context);
 
-/// Writes the arrays and the JSON, which it returns; the caller commits. Files that were requested
-/// before, in the folder of the result (a matrix, its image), are tied to it by their checksums.
+/// Writes the arrays and the JSON, which it returns; the caller commits. The JSON has the checksums
+/// of all earlier outputs in the folder of the result, such as a matrix.
 Json write_result(const std::filesystem::path& path, const Result& result,
                   const ResultContext& context, Outputs& outputs);
 
-/// A result file as it was read.
+/// The content of a result file.
 struct StoredResult {
   Result result;
-  std::string fingerprint;  ///< of everything but "machine" and "timing"
-  /// Of the matrix that was saved with it; none in a result without.
-  std::optional<std::string> matrix_checksum = {};
+  std::string fingerprint;                          ///< of everything except "machine" and "timing"
+  std::optional<std::string> matrix_checksum = {};  ///< of the saved matrix, if there is one
   /// Paths of the run by role, such as "query" and "database"; files may have moved since.
   std::map<std::string, std::string> paths = {};
 };
 
-/// A result of any method. Throws Error(input) if a file is missing, Error(data) if one is damaged
-/// or of another version, if a companion is not the one that the JSON was written with, or an index
-/// is out of range.
+/// Throws Error(input) if a file is missing, and Error(data) if a file is damaged, has another
+/// version or belongs to another run, or if an index is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
-/// The newest frame of a query.
+/// The newest frame of a live query.
 struct LineFrame {
   size_t number = 0;
   std::string name;
   bool is_readable = true;
 };
 
-/// docs/live.schema.json. `window`: the query window of the result that ends with the frame; none
-/// where the frames before it do not fill one.
+/// docs/live.schema.json. `window`: the query window that ends at the frame. Null `result`: the
+/// frame ends no window.
 Json live_line(const LineFrame& frame, const Result* result, size_t window);
 
 }  // namespace vpr

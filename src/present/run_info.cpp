@@ -40,4 +40,9 @@ Json timing_json(const std::map<std::string, double>& seconds) {
   return json;
 }
 
+void add_run(Json& json, const RunInfo& run, const std::map<std::string, double>& seconds) {
+  json["machine"] = machine_json(run);
+  json["timing"] = timing_json(seconds);
+}
+
 }  // namespace vpr

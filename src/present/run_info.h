@@ -1,5 +1,5 @@
-// Who made a file, and on what machine: the only parts of a JSON file that may differ between two
-// runs are its "machine" and "timing".
+// Provenance, machine and timing of JSON files. Files of two runs may differ in "machine" and
+// "timing" only.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,16 @@
 
 namespace vpr {
 
-/// What a program knows about its run.
 struct RunInfo {
   std::string program;
   std::vector<std::string> command_line;
-  std::map<std::string, std::string> paths;  ///< as given: role ("query", "database") to path
-  std::string simd_target;                   ///< empty where none matters
+  std::map<std::string, std::string> paths;  ///< from the command line, by role such as "query"
+  std::string simd_target;                   ///< may be empty
   size_t threads = 0;
   size_t memory_limit = 0;  ///< bytes; 0: none
   uint64_t seed = 0;
 };
 
-/// The program that made a file.
 struct Provenance {
   std::string program;
   std::string version;
@@ -30,22 +28,19 @@ struct Provenance {
   uint64_t seed = 0;
 };
 
-template <class Visitor>
-void visit_fields(Provenance& provenance, Visitor&& visit) {
-  visit("program", provenance.program);
-  visit("version", provenance.version);
-  visit("commit", provenance.commit);
-  visit("seed", provenance.seed);
-}
+VPR_FIELDS(Provenance, program, version, commit, seed)
 
 Provenance provenance_of(const RunInfo& run);
-/// The same as JSON; the caller adds fingerprints of the data.
+/// Without fingerprints of the data.
 Json provenance_json(const RunInfo& run);
 
-/// host, SIMD target, threads, command line, paths, memory limit.
+/// Host, SIMD target, threads, command line, paths and memory limit.
 Json machine_json(const RunInfo& run);
 
-/// Seconds by step, to the millisecond.
+/// Seconds by step, rounded to milliseconds.
 Json timing_json(const std::map<std::string, double>& seconds);
+
+/// Adds "machine" and "timing".
+void add_run(Json& json, const RunInfo& run, const std::map<std::string, double>& seconds);
 
 }  // namespace vpr

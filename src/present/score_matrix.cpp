@@ -11,8 +11,9 @@
 
 #include "base/json.h"
 #include "base/npy.h"
+#include "base/output.h"
 #include "base/statistics.h"
-#include "present/chart_layout.h"
+#include "present/chart.h"
 #include "present/result_file.h"
 #include "truth/ground_truth.h"
 
@@ -20,25 +21,10 @@ namespace vpr {
 namespace {
 
 constexpr size_t kMostTicks = 10;
-
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 const cv::Vec3b kNoScoreColor(235, 225, 215);
 
-std::vector<double> scores_of(const ScoreMatrix& matrix, const PixelGrid& grid,
-                              const Monitor& monitor) {
-  std::vector<uint64_t> best(grid.rows * grid.cols, kNoScore);
-  matrix.for_each_row(1, monitor, "drawing scores",
-                      [&](size_t, size_t row, std::span<const uint64_t> keys) {
-                        uint64_t* line = &best[grid.index(row, 0)];
-                        for (size_t c = 0; c < keys.size(); ++c)
-                          line[c / grid.cells] = std::min(line[c / grid.cells], keys[c]);
-                      });
-  std::vector<double> scores;
-  for (const uint64_t key : best) scores.push_back(score_of_key(key, matrix.kind()));
-  return scores;
-}
-
-/// Gives the scores of black and white.
+/// Returns the scores of black and white.
 std::optional<std::pair<double, double>> draw_gray(cv::Mat& image,
                                                    const std::vector<double>& scores,
                                                    bool is_distance) {
@@ -60,23 +46,6 @@ std::optional<std::pair<double, double>> draw_gray(cv::Mat& image,
     pixel = cv::Vec3b(gray, gray, gray);
   }
   return is_distance ? std::pair(low, high) : std::pair(high, low);
-}
-
-// The columns [first, end) of one sequence whose anchors show the place of a row's.
-std::vector<std::pair<size_t, size_t>> true_columns(const GroundTruth& truth,
-                                                    const ScoreLayout& layout, size_t row,
-                                                    const ScoreLayout::Columns& columns,
-                                                    const Monitor& monitor) {
-  check_stop(monitor);
-  std::vector<std::pair<size_t, size_t>> found;
-  const size_t first_anchor = layout.anchor(0);
-  for (const LabelRun& run :
-       label_runs(truth, layout.anchor(row), columns.sequence, layout.anchor(columns.count))) {
-    if (run.label != PlaceLabel::same || run.last < first_anchor) continue;
-    found.emplace_back(columns.first + std::max(run.first, first_anchor) - first_anchor,
-                       columns.first + run.last - first_anchor + 1);
-  }
-  return found;
 }
 
 }  // namespace
@@ -112,10 +81,10 @@ size_t position_of(const std::vector<FrameBand>& bands, const FrameMatch& match)
   return band->at + match.reference - band->first_frame;
 }
 
-std::vector<AxisTick> ticks_of(const std::vector<FrameBand>& bands, size_t most) {
+std::vector<ChartTick> ticks_of(const std::vector<FrameBand>& bands, size_t most) {
   const size_t step = round_step(length_of(bands), most);
-  std::vector<AxisTick> ticks;
-  double end = -1e9;  // of the tick before, with the room that its label takes
+  std::vector<ChartTick> ticks;
+  double end = -1e9;  // of the previous label
   const double room = static_cast<double>(step) * 0.45;
   for (const FrameBand& band : bands) {
     const size_t behind = band.first_frame + band.count;
@@ -126,7 +95,7 @@ std::vector<AxisTick> ticks_of(const std::vector<FrameBand>& bands, size_t most)
         if (frame > band.first_frame) continue;
         ticks.pop_back();
       }
-      ticks.push_back({position, frame});
+      ticks.push_back({position, std::to_string(frame)});
       end = position + room;
     }
   }
@@ -137,8 +106,7 @@ ChartAxis frame_axis(const std::vector<FrameBand>& bands, const std::string& lab
   ChartAxis axis{label};
   const double end = std::max<double>(1, static_cast<double>(length_of(bands)));
   axis.range = is_down ? std::pair(end, 0.0) : std::pair(0.0, end);
-  for (const AxisTick& tick : ticks_of(bands, kMostTicks))
-    axis.ticks.push_back({tick.position, std::to_string(tick.frame)});
+  axis.ticks = ticks_of(bands, kMostTicks);
   for (const FrameBand& band : bands)
     if (!band.name.empty()) axis.bands.push_back({static_cast<double>(band.at), band.name});
   return axis;
@@ -182,8 +150,23 @@ std::vector<double> RowPixels::scores(int64_t offset) const {
   return scores;
 }
 
-ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth, const PixelGrid& grid,
-                         const std::vector<double>& scores, const Monitor& monitor) {
+std::vector<double> pixel_scores(const ScoreMatrix& matrix, const PixelGrid& grid,
+                                 const Monitor& monitor) {
+  std::vector<uint64_t> best(grid.rows * grid.cols, kNoScore);
+  matrix.for_each_row(1, monitor, "drawing scores",
+                      [&](size_t, size_t row, std::span<const uint64_t> keys) {
+                        uint64_t* line = &best[grid.index(row, 0)];
+                        for (size_t c = 0; c < keys.size(); ++c)
+                          line[c / grid.cells] = std::min(line[c / grid.cells], keys[c]);
+                      });
+  std::vector<double> scores;
+  for (const uint64_t key : best) scores.push_back(score_of_key(key, matrix.kind()));
+  return scores;
+}
+
+Chart matrix_chart(const Judgment& judgment, const GroundTruth& truth, const PixelGrid& grid,
+                   const std::vector<double>& scores, const MatrixWords& words,
+                   const Monitor& monitor) {
   const ScoreLayout& layout = judgment.layout;
   cv::Mat image(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3,
                 cv::Scalar::all(255));
@@ -194,11 +177,20 @@ ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth, con
         bgr_of(meaning);
     shown.insert(meaning);
   };
+  const size_t first_anchor = layout.anchor(0);
   for (size_t row = 0; row < row_count(layout); ++row)
-    for (const ScoreLayout::Columns& columns : layout.columns)
-      for (const auto& [first, end] : true_columns(truth, layout, row, columns, monitor))
-        for (size_t column = first; column < end; column = (column / grid.cells + 1) * grid.cells)
+    for (const ScoreLayout::Columns& columns : layout.columns) {
+      check_stop(monitor);
+      const size_t end_anchor = layout.anchor(columns.count);
+      for (const LabelRun& run :
+           label_runs(truth, layout.anchor(row), columns.sequence, end_anchor)) {
+        if (run.label != PlaceLabel::same || run.last < first_anchor) continue;
+        const size_t end = columns.first + run.last - first_anchor + 1;
+        for (size_t column = columns.first + std::max(run.first, first_anchor) - first_anchor;
+             column < end; column = (column / grid.cells + 1) * grid.cells)
           set(row, column, Meaning::truth);
+      }
+    }
   for (const ScoreLayout::Columns& columns : layout.columns)
     if (columns.first > 0)
       image.col(static_cast<int>(columns.first / grid.cells)).setTo(bgr_of(Meaning::divider));
@@ -208,27 +200,13 @@ ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth, con
     set(cell.query_window, cell.column,
         meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
   }
-  ScorePicture picture{chart_image(image, grid.cells), {shown.begin(), shown.end()}};
-  picture.image.grays = grays;
-  return picture;
-}
-
-ScorePicture draw_scores(const Judgment& judgment, const GroundTruth& truth,
-                         const ScoreMatrix* matrix, size_t most_pixels, const Monitor& monitor) {
-  const PixelGrid grid(judgment.layout, most_pixels);
-  const std::vector<double> scores =
-      matrix == nullptr ? std::vector<double>{} : scores_of(*matrix, grid, monitor);
-  return draw_scores(judgment, truth, grid, scores, monitor);
-}
-
-Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
-                   const std::string& reference_word, const std::string& score_words) {
   Chart chart{"matrix", ""};
-  chart.x = frame_axis(column_bands(layout), reference_word, false);
+  chart.x = frame_axis(column_bands(layout), words.reference, false);
   chart.y = frame_axis(row_bands(layout), "query frame, downwards", true);
-  chart.image = picture.image;
-  chart.image->gray_label = score_words;
-  for (const Meaning meaning : picture.shown)
+  chart.image = chart_image(image, grid.cells);
+  chart.image->grays = grays;
+  chart.image->gray_label = words.score;
+  for (const Meaning meaning : shown)
     chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::square));
   return chart;
 }
@@ -237,11 +215,9 @@ Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const G
                           const Monitor& monitor) {
   const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
   const Judgment judgment = judge(result, known, {}, monitor);
-  const ScorePicture picture =
-      draw_scores(judgment, known, pixels.grid(),
-                  pixels.scores(result.score().offset(result.window_length())), monitor);
-  Chart chart =
-      matrix_chart(judgment.layout, picture, "training frame", std::string(result.score().title));
+  Chart chart = matrix_chart(judgment, known, pixels.grid(),
+                             pixels.scores(result.score().offset(result.window_length())),
+                             {"training frame", std::string(result.score().title)}, monitor);
   chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query.name,
                             result.window_length());
   return chart;

@@ -6,13 +6,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/csv.h"
 #include "base/text.h"
 
 namespace vpr {
 namespace {
 
-// Code points, which is what takes room on a terminal for the names that occur here.
+// Code points, for lack of the width of characters.
 size_t width(const std::string& text) {
   return static_cast<size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
@@ -29,21 +28,7 @@ bool is_numeric(const Table& table, size_t column) {
                      [&](const auto& row) { return looks_numeric(row[column]); });
 }
 
-std::string padded(const std::string& text, size_t to, bool right) {
-  const std::string space(to - std::min(to, width(text)), ' ');
-  return right ? space + text : text + space;
-}
-
-std::vector<size_t> column_widths(const Table& table) {
-  std::vector<size_t> widths;
-  for (size_t c = 0; c < table.columns.size(); ++c) {
-    widths.push_back(width(table.columns[c]));
-    for (const auto& row : table.rows) widths[c] = std::max(widths[c], width(row[c]));
-  }
-  return widths;
-}
-
-// Stars stand in a place of their own, so that digits stay below each other.
+// Cells without a star end in a blank, so that digits stay aligned.
 Table with_stars(Table table) {
   std::set<size_t> starred;
   for (const auto& cell : table.best) starred.insert(cell.second);
@@ -54,11 +39,18 @@ Table with_stars(Table table) {
 }
 
 std::string text_table(const Table& table) {
-  const std::vector<size_t> widths = column_widths(table);
+  const size_t columns = table.columns.size();
+  std::vector<size_t> widths;
+  for (size_t c = 0; c < columns; ++c) {
+    widths.push_back(width(table.columns[c]));
+    for (const auto& row : table.rows) widths[c] = std::max(widths[c], width(row[c]));
+  }
   const auto line = [&](const std::vector<std::string>& cells) {
     std::string text;
-    for (size_t c = 0; c < cells.size(); ++c)
-      text += (c == 0 ? "" : "  ") + padded(cells[c], widths[c], is_numeric(table, c));
+    for (size_t c = 0; c < columns; ++c) {
+      const std::string space(widths[c] - width(cells[c]), ' ');
+      text += (c == 0 ? "" : "  ") + (is_numeric(table, c) ? space + cells[c] : cells[c] + space);
+    }
     text.erase(text.find_last_not_of(' ') + 1);
     return text + "\n";
   };
@@ -71,7 +63,7 @@ std::string text_table(const Table& table) {
   return text + (table.best.empty() ? "" : "* the best\n");
 }
 
-// What stands in a cell, or is the title, stays there.
+// No cell and no title breaks its line.
 Table with_printable_text(Table table) {
   const auto print = [](std::string& text) { text = printable_line(text); };
   print(table.title);
@@ -97,18 +89,16 @@ std::string markdown_escaped(const std::string& text) {
   return escaped;
 }
 
-// The rows with their cells written by `escape`, and the best ones as `bold` has them.
+// The rows with escaped cells; `bold` marks the best.
 template <class Escape, class Bold>
-std::vector<std::vector<std::string>> written_rows(const Table& table, const Escape& escape,
-                                                   const Bold& bold) {
-  std::vector<std::vector<std::string>> rows;
-  for (size_t r = 0; r < table.rows.size(); ++r) {
-    auto& cells = rows.emplace_back();
-    for (size_t c = 0; c < table.columns.size(); ++c) {
-      const std::string cell = escape(table.rows[r][c]);
-      cells.push_back(table.best.contains({r, c}) ? bold(cell) : cell);
+std::vector<std::vector<std::string>> marked_rows(const Table& table, const Escape& escape,
+                                                  const Bold& bold) {
+  std::vector<std::vector<std::string>> rows = table.rows;
+  for (size_t r = 0; r < rows.size(); ++r)
+    for (size_t c = 0; c < rows[r].size(); ++c) {
+      rows[r][c] = escape(rows[r][c]);
+      if (table.best.contains({r, c})) rows[r][c] = bold(rows[r][c]);
     }
-  }
   return rows;
 }
 
@@ -124,7 +114,7 @@ std::string markdown_table(const Table& table) {
     text += is_numeric(table, c) ? " ---: |" : " --- |";
   text += "\n";
   const auto bold = [](const std::string& cell) { return "**" + cell + "**"; };
-  for (const auto& row : written_rows(table, markdown_escaped, bold)) text += line(row);
+  for (const auto& row : marked_rows(table, markdown_escaped, bold)) text += line(row);
   return text;
 }
 
@@ -145,7 +135,7 @@ std::string latex_escaped(const std::string& text) {
   return escaped;
 }
 
-// What a reference calls the table: words of its title, at most so many characters.
+// Letters and digits of the title, with a hyphen for other characters, at most 40 characters.
 std::string latex_label(const std::string& title) {
   constexpr size_t kMostCharacters = 40;
   std::string label;
@@ -174,51 +164,47 @@ std::string latex_table(const Table& table) {
                         latex_label(table.title));
   text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n", columns, line(names));
   const auto bold = [](const std::string& cell) { return "\\textbf{" + cell + "}"; };
-  for (const auto& row : written_rows(table, latex_escaped, bold)) text += line(row);
+  for (const auto& row : marked_rows(table, latex_escaped, bold)) text += line(row);
   return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 
 }  // namespace
-
-void add_column(Table& table, std::string_view column, std::string cell) {
-  table.columns.emplace_back(column);
-  if (table.rows.empty()) table.rows.emplace_back();
-  table.rows[0].push_back(std::move(cell));
-}
-
-void add_column(Table& table, std::string_view column, uint64_t count) {
-  add_column(table, column, std::to_string(count));
-}
 
 void add_columns(Table& table, const Table& more) {
   for (size_t c = 0; c < more.columns.size(); ++c)
     add_column(table, more.columns[c], more.rows[0][c]);
 }
 
+void mark_best(Table& table, size_t column, const std::vector<std::optional<double>>& values,
+               bool is_low_good) {
+  std::optional<double> best;
+  for (const auto& value : values)
+    if (value && (!best || (is_low_good ? *value < *best : *value > *best))) best = value;
+  for (size_t row = 0; row < values.size(); ++row)
+    if (best && values[row] == best) table.best.insert({row, column});
+}
+
 Table stack_tables(const std::vector<Table>& tables, const std::string& key,
                    const std::vector<std::string>& names) {
   Table stacked;
   stacked.columns = {key};
-  for (const Table& table : tables) {
+  const auto index_of = [&](const std::string& column) {
+    return static_cast<size_t>(
+        std::find(stacked.columns.begin() + 1, stacked.columns.end(), column) -
+        stacked.columns.begin());
+  };
+  for (const Table& table : tables)
     for (const std::string& column : table.columns)
-      if (std::count(stacked.columns.begin() + 1, stacked.columns.end(), column) == 0)
-        stacked.columns.push_back(column);
-    const bool is_alike = table.title == tables.front().title;
-    if (is_alike && (&table == &tables.front() || !stacked.title.empty()))
-      stacked.title = table.title;
-    else
-      stacked.title.clear();
-  }
-  for (const Table& table : tables) {
+      if (index_of(column) == stacked.columns.size()) stacked.columns.push_back(column);
+  const auto has_title = [&](const Table& table) { return table.title == tables.front().title; };
+  if (!tables.empty() && std::ranges::all_of(tables, has_title))
+    stacked.title = tables.front().title;
+  for (const Table& table : tables)
     for (const auto& row : table.rows) {
       auto& cells = stacked.rows.emplace_back(stacked.columns.size());
       cells[0] = names[stacked.rows.size() - 1];
-      for (size_t c = 0; c < row.size(); ++c)
-        cells[static_cast<size_t>(
-            std::find(stacked.columns.begin() + 1, stacked.columns.end(), table.columns[c]) -
-            stacked.columns.begin())] = row[c];
+      for (size_t c = 0; c < row.size(); ++c) cells[index_of(table.columns[c])] = row[c];
     }
-  }
   return stacked;
 }
 

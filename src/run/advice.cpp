@@ -13,11 +13,7 @@ namespace vpr {
 
 namespace {
 
-constexpr double kMostRecognitions = 0.2;  // of all cells
-constexpr size_t kFewest = 4;              // one frame in so many is reason to use the filter
-constexpr double kSameSpeed = 1.2;         // and its inverse
-
-// The median speed of the recognized frames; none if no speed is known.
+// The median speed of the recognized frames; nullopt if no speed is known.
 std::optional<double> recognized_rate(const Result& result) {
   std::vector<double> rates;
   for (const Match& recognition : result.recognitions)
@@ -29,29 +25,23 @@ std::optional<double> recognized_rate(const Result& result) {
   return *middle;
 }
 
-constexpr double kAlike = 1.1;
-
-bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
-  const auto& only = settings.only_sequences;
-  return only.empty() || std::ranges::find(only, name) != only.end();
-}
-
 }  // namespace
 
-std::optional<std::string> too_many_recognitions(const Result& result) {
+std::optional<std::string> excess_advice(const Result& result) {
+  constexpr double kMostShare = 0.2;
   double train_windows = 0;
   for (const Target& target : result.targets)
     if (target.searched) train_windows += static_cast<double>(target.windows);
   const auto queries = static_cast<double>(
       std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
   const double share = static_cast<double>(result.recognitions.size()) / (train_windows * queries);
-  if (!(share > kMostRecognitions)) return std::nullopt;
+  if (!(share > kMostShare)) return std::nullopt;
   return fmt::format(
       "{:.0f} % of all window pairs are recognitions: t_r is too large to tell places apart",
       100 * share);
 }
 
-std::string nothing_recognized(const Result& result) {
+std::string no_recognition_advice(const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (result.path)
     return "Nothing is recognized: the query may show another place or the opposite direction.";
@@ -65,20 +55,23 @@ std::string nothing_recognized(const Result& result) {
       std::ranges::any_of(result.margins, [](const auto& margin) { return margin.has_value(); });
   return has_margin ? "Nothing is recognized: no best match has the margin."
                     : "Nothing is recognized: no training frame is outside the exclusion zone "
-                      "(--margin-width) of a best match. Train longer sequences.";
+                      "(--exclusion-frames) of a best match. Train longer sequences.";
 }
 
-std::string filter_finding(const SequenceDatabase& database, const DescriptorSet& query,
-                           const SequenceQuerySettings& settings, const QueryResources& resources,
-                           const Monitor& monitor) {
+std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                          const SequenceQuerySettings& settings, const QueryResources& resources,
+                          const Monitor& monitor) {
+  constexpr size_t kFewest = 4;       // one frame in four is enough to suggest the filter
+  constexpr double kSameSpeed = 1.2;  // and its inverse
   SequenceQuerySettings filter;
   filter.method = "filter";
   filter.only_sequences = settings.only_sequences;
   filter.same_place = settings.same_place;
   const Monitor silent = {{}, {}, monitor.stop};
-  const QueryResources plain = {resources.kernels, resources.memory_limit, 0, resources.seed};
+  const QueryResources unverified = {resources.kernels, resources.memory_limit, 0, resources.seed};
   const Result result =
-      run_query(plan_query(database, query, "", filter, plain, silent), plain, {}, silent).result;
+      run_query(plan_query(database, query, "", filter, unverified, silent), unverified, {}, silent)
+          .result;
   if (result.recognitions.empty())
     return "Nothing is recognized at any speed: the query may show another place or the opposite "
            "direction.";
@@ -97,24 +90,6 @@ std::string filter_finding(const SequenceDatabase& database, const DescriptorSet
         "--method filter.",
         *rate, found);
   return fmt::format("The filter recognizes {}: use --method filter.", found);
-}
-
-void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
-                   const SequenceQuerySettings& settings, const Monitor& monitor) {
-  const bool has_windows = settings.window_length > 1 && settings.rates.empty();
-  if (!query_fps || !has_windows || has_paths(settings.method)) return;
-  for (const auto& [sequence, typical, half_width] : database.sequences) {
-    if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
-    const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
-    if (fast <= kAlike * slow) continue;
-    warn(monitor,
-         fmt::format("the query has {:.3g} frames a second and the training sequence {} has "
-                     "{:.3g}, so that windows of both last differently: give {} --fps {:.3g}, or "
-                     "use --method filter, which finds the rate",
-                     *query_fps, sequence.name, *sequence.fps,
-                     slow == *query_fps ? "vpr-train" : "the query", slow));
-    return;
-  }
 }
 
 }  // namespace vpr

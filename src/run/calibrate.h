@@ -1,4 +1,4 @@
-// From a labeled walk to the threshold that other walks are queried with.
+// Calibration of margins on a query sequence with ground truth.
 #pragma once
 
 #include <string>
@@ -10,34 +10,32 @@
 
 namespace vpr {
 
-/// What a walk says of one window length.
+/// The calibration of one window length.
 struct CalibratedLength {
-  SequenceQuerySettings
-      settings;  ///< with the threshold, where there is one, as a query takes them
+  SequenceQuerySettings settings;  ///< with the calibrated margin, if there is one
   Calibration calibration;
   size_t windows = 0;  ///< of the query
-  size_t queries = 0;  ///< of which the place is trained
-  size_t block = 1;    ///< windows in a row that are drawn together
+  size_t queries = 0;  ///< windows at a trained place
+  size_t block = 1;    ///< consecutive windows of a bootstrap block
 };
 
-/// The threshold of every window length, and the length to take.
-struct CalibratedWalk {
+/// The calibration of every window length, and the recommended length.
+struct CalibratedSequence {
   Sequence query;
   std::string protocol;                   ///< of the ground truth, in words
-  std::vector<CalibratedLength> lengths;  ///< rising
-  /// The shortest that recognizes correctly at least 0.7 of the windows that any does.
+  std::vector<CalibratedLength> lengths;  ///< increasing c_l
+  /// The shortest with at least 0.7 of the correctly recognized windows of the best length; index.
   std::optional<size_t> chosen;
 };
 
-/// `base`: the settings but c_l and the number that the decision asks for. `lengths`: c_l; of the
-/// filter, which has windows of one frame, none. Throws Error(usage) for a precision
-/// that is not above 0 and at most 1, decisions by threshold, methods that are not exact, and if
-/// the ground truth shows no query window at a trained place; and what plan_query and run_query
-/// throw.
-CalibratedWalk calibrate_walk(const SequenceDatabase& database, const DescriptorSet& query,
-                              const std::string& query_name, const ResolvedSettings& base,
-                              std::vector<uint64_t> lengths, double precision,
-                              const TruthReader& read_truth, const QueryResources& resources,
-                              const Monitor& monitor);
+/// `base`: the settings except c_l and the margin. `lengths`: c_l; ignored for the filter, which
+/// has windows of one frame. Throws Error(usage) for a precision that is not above 0 and at most 1,
+/// and if the ground truth has no query window at a trained place; also throws what plan_query and
+/// run_query throw.
+CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const DescriptorSet& query,
+                                      const std::string& query_name, const ResolvedSettings& base,
+                                      std::vector<uint64_t> lengths, double precision,
+                                      const TruthReader& read_truth,
+                                      const QueryResources& resources, const Monitor& monitor);
 
 }  // namespace vpr

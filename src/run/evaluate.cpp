@@ -8,12 +8,12 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "evaluate/judgment.h"
-#include "truth/route.h"
+#include "truth/positions.h"
 
 namespace vpr {
 namespace {
 
-GroundTruth truth_of(const JudgedBy& by, GroundTruthScope scope, const Monitor& monitor) {
+GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor) {
   if (!by.ground_truth) return unknown_ground_truth(scope);
   scope.query_names = by.query_names;
   for (size_t s = 0; s < std::min(by.train_names.size(), scope.sequences.size()); ++s)
@@ -21,24 +21,24 @@ GroundTruth truth_of(const JudgedBy& by, GroundTruthScope scope, const Monitor& 
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
-std::vector<double> way_of(const JudgedBy& by, const GroundTruthScope& scope,
-                           const Monitor& monitor) {
+std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthScope& scope,
+                                const Monitor& monitor) {
   if (by.poses.empty()) return {};
   return read_traveled(by.poses, scope.query, monitor);
 }
 
-/// A query frame and the training frame that it is recognized as.
-struct Found {
+/// A query frame and its training frame.
+struct MatchedFrame {
   size_t query = 0;
   FrameMatch match;
 };
 
-// Recognitions of a result; without one, or where it has none, best matches.
-std::vector<Found> found_of(const Evaluation& evaluation) {
-  std::vector<Found> all;
+// The recognitions of a result, or the best matches if there are none.
+std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
+  std::vector<MatchedFrame> all;
   if (evaluation.result) {
     const Result& result = evaluation.result->result;
-    for (const Match* recognition : fixing_recognitions(result))
+    for (const Match* recognition : recognitions_by_frame(result))
       if (recognition != nullptr)
         all.push_back(
             {anchor_of(recognition->query, result.window_length()),
@@ -50,16 +50,17 @@ std::vector<Found> found_of(const Evaluation& evaluation) {
   return all;
 }
 
-size_t count_right(const GroundTruth& truth, const std::vector<Found>& all) {
-  return static_cast<size_t>(std::ranges::count_if(all, [&](const Found& one) {
+size_t count_right(const GroundTruth& truth, const std::vector<MatchedFrame>& all) {
+  return static_cast<size_t>(std::ranges::count_if(all, [&](const MatchedFrame& one) {
     return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::same;
   }));
 }
 
-// The one training sequence that is searched has another length than the query.
-std::optional<std::string> other_length(const Evaluation& evaluation, const JudgedBy& by) {
+// A warning if the query and the searched training sequence of aligned sequences differ in length.
+std::optional<std::string> length_warning(const Evaluation& evaluation,
+                                          const EvaluationSettings& by) {
   constexpr double kSameLength = 0.1;
-  if (by.ground_truth->format != "aligned" || by.ground_truth->options.reference_step)
+  if (by.ground_truth->format != "aligned" || by.ground_truth->options.train_step)
     return std::nullopt;
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   const auto train =
@@ -68,66 +69,66 @@ std::optional<std::string> other_length(const Evaluation& evaluation, const Judg
   const size_t train_frames = train->sequence.recorded_frames();
   const double step = static_cast<double>(train_frames) / static_cast<double>(frames);
   if (std::abs(step - 1) <= kSameLength) return std::nullopt;
-  return fmt::format("the query has {} and the training sequence {}: --reference-step {:.3g}?",
+  return fmt::format("the query has {} and the training sequence {}: --train-step {:.3g}?",
                      counted(frames, "frame"), train_frames, step);
 }
 
-// Most recognitions are wrong: facts that tell a ground truth that does not fit from a method that
-// fails.
-void warn_of_truth(const Evaluation& evaluation, const JudgedBy& by, const Monitor& monitor) {
-  constexpr int64_t kMostOff = 10;  // frames; farther off, a match is wrong by any tolerance
+// If most recognitions are wrong: warns if the ground truth, not the method, is the likely cause.
+void warn_of_truth(const Evaluation& evaluation, const EvaluationSettings& by,
+                   const Monitor& monitor) {
+  constexpr int64_t kMostOff = 10;  // frames; a larger offset is not a matter of tolerance
   const GroundTruth& truth = evaluation.truth;
-  const std::vector<Found> all = found_of(evaluation);
+  const std::vector<MatchedFrame> all = matched_frames(evaluation);
   if (!truth.is_known || !by.ground_truth || 2 * count_right(truth, all) >= all.size()) return;
   const char* noun = evaluation.result ? "recognitions" : "best matches";
   GroundTruth wider = truth;
   while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
-    const size_t right = count_right(wider, all);
-    if (10 * right < 9 * all.size()) continue;
-    const std::string share = right == all.size() ? fmt::format("all {}", right)
-                                                  : fmt::format("{} of {}", right, all.size());
+    const size_t correct = count_right(wider, all);
+    if (10 * correct < 9 * all.size()) continue;
+    const std::string share = correct == all.size() ? fmt::format("all {}", correct)
+                                                    : fmt::format("{} of {}", correct, all.size());
     return warn(monitor,
                 fmt::format("{} {} are within {} of the ground truth: --tolerance {}?", share, noun,
                             counted(wider.tolerance_frames, "frame"), wider.tolerance_frames));
   }
-  if (const auto lengths = other_length(evaluation, by)) warn(monitor, *lengths);
+  if (const auto lengths = length_warning(evaluation, by)) warn(monitor, *lengths);
 }
 
-void present_by(Judgment& judgment, const JudgedBy& by) {
-  if (by.confidence) order_by(judgment, *by.confidence);
+void present_by(Judgment& judgment, const EvaluationSettings& by) {
+  if (by.confidence) set_confidence(judgment, *by.confidence);
   if (!by.recall_at.empty()) judgment.recall_at = by.recall_at;
   judgment.stretch_frames = by.stretch_frames;
 }
 
-// The query of so many frames that the scores are of.
+// The query of the scores, with this number of frames.
 Sequence query_of(const ScoreSettings& settings, size_t frames) {
   Sequence query = settings.query;
   query.frames = frames;
   const Selection& selection = query.selection;
   if (!selection.is_all() && selection.frames() != frames)
     throw Error(ErrorKind::data,
-                fmt::format("the scores are of {} of a query, and of {} the warp {} shows {}; give "
-                            "the warp, its seed and the number of frames that they were made with",
+                fmt::format("the scores have {}, but of {} the speed {} selects {}. Use the speed, "
+                            "its seed and the number of frames of the query of the scores.",
                             counted(frames, "frame"), counted(selection.recorded_frames, "frame"),
-                            selection.warp, selection.frames()));
+                            selection.speed, selection.frames()));
   return query;
 }
 
 }  // namespace
 
-Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
-                           const Monitor& monitor) {
+Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
+                           const EvaluationSettings& by, const Monitor& monitor) {
   Evaluation evaluation;
   const GroundTruthScope scope = scope_of(result);
   evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
-  const std::vector<double> traveled_m = way_of(by, scope, monitor);
+  const std::vector<double> traveled_m = traveled_by(by, scope, monitor);
   evaluation.judgment = matrix ? judge(result, *matrix, truth, traveled_m, monitor)
                                : judge(result, truth, traveled_m, monitor);
   present_by(evaluation.judgment, by);
-  JudgedResult& judged = evaluation.result.emplace();
+  EvaluatedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
-  judged.by_view = count_by_view(result, truth, monitor);
+  judged.by_keyframe = count_by_keyframe(result, truth, monitor);
   judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
   judged.result = std::move(result);
   evaluation.matrix = std::move(matrix);
@@ -135,14 +136,14 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   return evaluation;
 }
 
-Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings, const JudgedBy& by,
-                           const Monitor& monitor) {
+Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
+                           const EvaluationSettings& by, const Monitor& monitor) {
   Evaluation evaluation;
   evaluation.scores = settings;
   ScoreLayout layout = layout_of(matrix, settings.window_length);
   layout.scope.query = query_of(settings, layout.scope.query.frames);
   evaluation.truth = truth_of(by, layout.scope, monitor);
-  const std::vector<double> traveled_m = way_of(by, layout.scope, monitor);
+  const std::vector<double> traveled_m = traveled_by(by, layout.scope, monitor);
   evaluation.judgment =
       judge(matrix, layout, evaluation.truth, settings.threshold, traveled_m, monitor);
   present_by(evaluation.judgment, by);

@@ -171,9 +171,10 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
   check_query_settings(settings);
   if (settings.loop && !query.sequence.selection.is_all())
-    throw Error(ErrorKind::usage,
-                "--loop needs all frames of a query: do not use --warp or --fps. For fewer frames, "
-                "use a range with a step, as in PATH@::6.");
+    throw Error(
+        ErrorKind::usage,
+        "--loop needs all frames of a query: do not use --speed or --fps. For fewer frames, "
+        "use a range with a step, as in PATH@::6.");
   std::optional<FabmapDatabase> extended;
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;

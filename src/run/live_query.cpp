@@ -11,22 +11,14 @@ namespace vpr {
 
 namespace {
 
-// What run_query matches, of no frame yet.
-LiveFrames live_frames(const QueryPlan& plan) {
-  return start_live(searched_distances(plan), plan.basis ? &*plan.basis : nullptr);
-}
-
-size_t new_index(const std::vector<size_t>& kept, size_t row) {
-  return static_cast<size_t>(std::lower_bound(kept.begin(), kept.end(), row) - kept.begin());
-}
-
-// The state of the rows that are kept, and room for the new one.
+// Reduces the state to the kept rows and a new one.
 void keep_rows(ZScoreState& state, const std::vector<size_t>& kept, FrameDistances distances) {
   std::vector<FrameTerms> terms;
   for (const size_t row : kept) terms.push_back(state.terms[row]);
   terms.resize(kept.size() + 1);
   state.terms = std::move(terms);
-  for (size_t& view : state.views.pending) view = new_index(kept, view);
+  for (size_t& view : state.views.pending)
+    view = static_cast<size_t>(std::ranges::lower_bound(kept, view) - kept.begin());
   state.readable = readable_flags(distances.query_runs, distances.query_frames);
   state.distances = std::move(distances);
 }
@@ -38,7 +30,7 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
                      const Monitor& monitor)
     : resources_(resources),
       plan_(plan_window(database, query_name, settings, resources, monitor)),
-      frames_(live_frames(plan_)) {
+      frames_(start_live(searched_distances(plan_), plan_.basis ? &*plan_.basis : nullptr)) {
   const MatchSettings& match = plan_.match;
   const FrameDistances& distances = frames_.distances;
   const size_t length = match.window_length;
@@ -50,43 +42,41 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
   windows_ = window_stage(distances, {&length, 1}, match);
 }
 
-std::optional<Result> LiveQuery::take(const FrameRow& frame) {
+std::optional<Result> LiveQuery::take(const ArrivedFrame& frame) {
   add_frame(frames_, frame);
-  in_a_row_ = frame.is_readable ? in_a_row_ + 1 : 0;
+  readable_frames_ = frame.is_readable ? readable_frames_ + 1 : 0;
   ResultRows rows(plan_, resources_);
   const Sinks sinks = rows.sinks();
-  windows_(frames_.distances, {frames_.last_row(), frames_.frames - 1, in_a_row_},
+  windows_(frames_.distances, {frames_.last_row(), frames_.frames - 1, readable_frames_},
            [&](size_t, std::span<const ScoreRow> row) {
              std::vector<ScoreRow> only(row.begin(), row.end());
              for (ScoreRow& piece : only) piece.query_window = 0;
-             hand_on(sinks, only);
+             send_row(sinks, only);
            });
-  if (in_a_row_ < plan_.match.window_length) return std::nullopt;
+  if (readable_frames_ < plan_.match.window_length) return std::nullopt;
   return rows.result();
 }
 
-LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis) {
+LiveDistances start_live(FrameDistances raw, const ScoreBasis* basis) {
   assert(raw.query_frames == 0 && raw.of_query && (basis == nullptr || !basis->offline));
-  LiveFrames live;
-  live.raw = raw;
-  if (basis != nullptr) {
-    live.state = start_zscores(std::move(raw), *basis, {});
-    live.fusion = basis->fusion;
-    live.fusion_state = std::make_shared<FusionState>();
-  }
-  live.distances =
-      live.state ? fused(zscores(live.state), live.fusion, live.fusion_state) : live.raw;
+  LiveDistances live;
+  live.raw = live.distances = raw;
+  if (basis == nullptr) return live;
+  live.state = start_zscores(std::move(raw), *basis, {});
+  live.fusion = basis->fusion;
+  live.fusion_state = std::make_shared<FusionState>();
+  live.distances = fused(zscores(live.state), live.fusion, live.fusion_state);
   return live;
 }
 
-void add_frame(LiveFrames& live, FrameRow frame) {
+void add_frame(LiveDistances& live, ArrivedFrame frame) {
   const std::vector<size_t> kept = live.state ? live.state->views.pending : std::vector<size_t>{};
   const DescriptorRows rows(live.raw.query.rows.shape, live.bytes);
   std::vector<uint8_t> bytes;
   for (const size_t index : kept) bytes.insert(bytes.end(), rows[index].begin(), rows[index].end());
   bytes.insert(bytes.end(), frame.descriptor.begin(), frame.descriptor.end());
   live.bytes = std::move(bytes);
-  live.unreadable.clear();  // nothing is kept of a frame that can't be read
+  live.unreadable.clear();  // unreadable frames are never kept
   if (!frame.is_readable) live.unreadable.push_back(kept.size());
   live.words.assign(kept.size(), {});
   live.words.push_back(std::move(frame.words));

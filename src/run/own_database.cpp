@@ -1,7 +1,6 @@
 #include "run/own_database.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -9,12 +8,11 @@
 #include "base/text.h"
 #include "describe/imported.h"
 #include "match/components.h"
-#include "truth/times.h"
 
 namespace vpr {
 namespace {
 
-void append_frames(SequenceDatabase& database, const GivenDistances& matrix,
+void append_frames(SequenceDatabase& database, const PrecomputedDistances& matrix,
                    const NamedArgument& argument) {
   const FrameRange& range = argument.sequence.range;
   const uint64_t last = range.last.value_or(matrix.references());
@@ -41,7 +39,7 @@ void append_frames(SequenceDatabase& database, const GivenDistances& matrix,
 
 // The variance of the distances of the first readable query frame.
 double first_variance(const MatrixQuery& made) {
-  const std::vector<DescriptorSpan> train = descriptor_spans(made.database);
+  const std::vector<DescribedFrames> train = descriptor_spans(made.database);
   const std::vector<FrameRun> queries = readable_runs(made.query.span());
   const FrameDistances distances = frame_distances(train, made.query.span());
   if (queries.empty() || distances.readable_frames == 0) return 0;
@@ -76,22 +74,17 @@ SequenceDatabase own_database(const DescriptorSet& query, const std::string& nam
   database.descriptors.append(query.rows());
   database.sequences.push_back({query.sequence});
   database.sequences.back().sequence.name = name;
-  database.shared_places.emplace();
+  database.overlapping_sequences.emplace();
   return database;
 }
 
-LoopGap loop_gap_of(const SequenceQuerySettings& settings) {
-  if (settings.loop_gap != 0) return {{}, settings.loop_gap};
-  return {std::llround(settings.loop_gap_s * double{kSecond}), 0};
-}
-
-MatrixQuery matrix_query(const GivenDistances& matrix,
+MatrixQuery matrix_query(const PrecomputedDistances& matrix,
                          const std::vector<NamedArgument>& sequences) {
   MatrixQuery made;
-  made.database.descriptors.kind = &given_kind();
+  made.database.descriptors.kind = &precomputed_kind();
   if (sequences.empty()) append_frames(made.database, matrix, {"references", {}});
   for (const NamedArgument& sequence : sequences) append_frames(made.database, matrix, sequence);
-  made.query.descriptors.kind = &given_kind();
+  made.query.descriptors.kind = &precomputed_kind();
   append_frame_numbers(made.query.descriptors.owned, 0, matrix.queries());
   Sequence& query = made.query.sequence;
   query.frames = matrix.queries();
@@ -99,7 +92,7 @@ MatrixQuery matrix_query(const GivenDistances& matrix,
   query.unreadable = matrix.empty_queries();
   made.query.given = &matrix;
   const size_t frames = made.database.descriptors.rows().size();
-  made.database.shared_places.emplace();
+  made.database.overlapping_sequences.emplace();
   made.database.statistics =
       TrainStatistics{{},
                       0,

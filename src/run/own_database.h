@@ -3,7 +3,7 @@
 
 #include "decide/query_settings.h"
 #include "evaluate/loops.h"
-#include "match/given_distances.h"
+#include "match/precomputed_distances.h"
 #include "run/train.h"
 #include "store/sequence_database.h"
 
@@ -17,9 +17,6 @@ DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySe
 /// A database with the query as the only training sequence, without training statistics.
 SequenceDatabase own_database(const DescriptorSet& query, const std::string& name);
 
-/// The gap of a loop query.
-LoopGap loop_gap_of(const SequenceQuerySettings& settings);
-
 /// A score matrix as a query and a database.
 struct MatrixQuery {
   SequenceDatabase database;
@@ -32,6 +29,7 @@ struct MatrixQuery {
 /// distances; every frame is a keyframe. Automatic thresholds and exclusion radii are unknown.
 /// `matrix` must outlive the result. Throws Error(usage) for a range outside the matrix and for
 /// duplicate names.
-MatrixQuery matrix_query(const GivenDistances& matrix, const std::vector<NamedArgument>& sequences);
+MatrixQuery matrix_query(const PrecomputedDistances& matrix,
+                         const std::vector<NamedArgument>& sequences);
 
 }  // namespace vpr

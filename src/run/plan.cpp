@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -10,26 +11,25 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "decide/automatic_margin.h"
-#include "decide/elsewhere.h"
-#include "decide/shared_places.h"
+#include "evaluate/loops.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
+#include "match/fastable.h"
 #include "match/lsh.h"
-#include "match/past_scores.h"
-#include "match/rates.h"
 #include "match/zscores.h"
-#include "run/advice.h"
-#include "run/fuse.h"
 #include "run/own_database.h"
 #include "run/thresholds.h"
 #include "run/train.h"
+#include "truth/times.h"
 
 namespace vpr {
 namespace {
 
-using SharedPlaces = std::vector<std::pair<size_t, size_t>>;
+using SequencePairs = std::vector<std::pair<size_t, size_t>>;
 
 constexpr std::string_view kAllDiffer = "none";
+constexpr const char* kNoFabmap =
+    "fusion_weight needs FAB-MAP's database of the training sequences, as in --fuse FABMAP.vprdb";
 constexpr size_t kMostRecognitions = 4'000'000'000;  // clusters have 32-bit numbers
 // Memory per recognition while recognitions are collected, sorted, clustered and written.
 constexpr size_t kBytesPerRecognition = 64;
@@ -60,7 +60,7 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& qu
     throw Error(
         ErrorKind::data,
         fmt::format("descriptors of the database have {} {}, descriptors of the query {}. {}",
-                    trained.shape().length, element_words(trained.shape()), queried.shape().length,
+                    trained.shape().length, element_noun(trained.shape()), queried.shape().length,
                     queried.rows().size() == trained.shape().length
                         ? "Is the query's array transposed? Rows are frames."
                         : "Describe both alike."));
@@ -115,23 +115,24 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
                             length));
 }
 
-std::vector<uint32_t> widths_of(const SequenceDatabase& database,
-                                const std::optional<uint64_t>& width, const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
-  std::vector<uint32_t> widths;
+// The exclusion radius of every sequence: the setting, the stored or the computed one.
+std::vector<uint32_t> radii_of(const SequenceDatabase& database,
+                               const std::optional<uint64_t>& radius, const Monitor& monitor) {
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  std::vector<uint32_t> radii;
   for (size_t s = 0; s < spans.size(); ++s) {
-    const auto& stored = database.sequences[s].half_width;
-    const size_t chosen = width ? *width : stored ? *stored : half_width(spans[s], monitor);
-    widths.push_back(static_cast<uint32_t>(std::min(chosen, spans[s].rows.size())));
+    const auto& stored = database.sequences[s].exclusion_radius;
+    const size_t chosen = radius ? *radius : stored ? *stored : exclusion_radius(spans[s], monitor);
+    radii.push_back(static_cast<uint32_t>(std::min(chosen, spans[s].rows.size())));
   }
-  return widths;
+  return radii;
 }
 
-SharedPlaces found_places(const SequenceDatabase& database, const RowKernels& kernels,
-                          const Monitor& monitor) {
-  if (database.shared_places) return *database.shared_places;
-  return find_shared_places(descriptor_spans(database), widths_of(database, std::nullopt, monitor),
-                            kernels, monitor);
+SequencePairs overlapping_sequences(const SequenceDatabase& database, const RowKernels& kernels,
+                                    const Monitor& monitor) {
+  if (database.overlapping_sequences) return *database.overlapping_sequences;
+  return find_overlapping_sequences(descriptor_spans(database),
+                                    radii_of(database, std::nullopt, monitor), kernels, monitor);
 }
 
 // Parses "A=B". Names may contain "=".
@@ -150,40 +151,31 @@ std::pair<size_t, size_t> pair_of(const std::string& text, const std::vector<std
                           text, kAllDiffer, fmt::join(names, ", ")));
 }
 
-SharedPlaces declared_places(const SequenceDatabase& database,
+SequencePairs declared_pairs(const SequenceDatabase& database,
                              const std::vector<std::string>& same_place) {
-  SharedPlaces pairs;
+  SequencePairs pairs;
   if (same_place.size() == 1 && same_place.front() == kAllDiffer) return pairs;
   for (const std::string& text : same_place)
     pairs.push_back(pair_of(text, names_of(database.sequences)));
   return pairs;
 }
 
-Elsewhere plan_elsewhere(const SequenceDatabase& database, const SequenceQuerySettings& settings,
-                         const RowKernels& kernels, const Monitor& monitor) {
-  return make_elsewhere(widths_of(database, settings.margin_width, monitor),
-                        settings.same_place.empty()
-                            ? found_places(database, kernels, monitor)
-                            : declared_places(database, settings.same_place));
-}
-
 // The margin of every sequence: the setting, or the automatic one.
 void plan_margins(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
+  const auto& setting = plan.settings.margin;
   std::vector<uint32_t> wrong;
-  if (!plan.settings.margin)
-    wrong = false_margins(plan.train, *plan.elsewhere, plan.basis ? &*plan.basis : nullptr,
+  if (!setting)
+    wrong = false_margins(plan.train, *plan.exclusion_zones, plan.basis ? &*plan.basis : nullptr,
                           {plan.match.window_length, plan.match.memory_limit, plan.match.kernels},
                           monitor);
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
     Target& target = plan.sequences[s];
     if (!target.searched || target.windows == 0) continue;
-    const auto& stored = database.sequences[s].typical_distance;
     target.margin =
-        plan.settings.margin
-            ? *plan.settings.margin
-            : automatic_margin(wrong, score_kind(plan.settings.score),
-                               stored ? *stored : typical_distance(plan.train[s], monitor),
-                               plan.match.window_length);
+        setting ? *setting
+                : automatic_margin(wrong, score_kind(plan.settings.score),
+                                   typical_distance(database.sequences[s], plan.train[s], monitor),
+                                   plan.match.window_length);
   }
 }
 
@@ -253,7 +245,7 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database, const Mo
 
 // The plan without windows, sequences and limits. `queried`: the descriptors of the query.
 QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& queried,
-                     const DescriptorSpan& query, const Sequence& sequence,
+                     const DescribedFrames& query, const Sequence& sequence,
                      const std::string& query_name, const ResolvedSettings& settings,
                      const QueryResources& resources) {
   check_names(database.sequences, *settings);
@@ -271,22 +263,25 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& qu
   plan.is_approximate = settings->method == kLshMethod;
   plan.match.method = &find_sequence_method(plan.is_approximate ? "fastable" : settings->method);
   plan.decision = settings->decision;
-  const TrainStatistics* learned = database.statistics ? &*database.statistics : nullptr;
-  plan.basis = score_basis(learned, *settings);
+  const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
+  plan.basis = score_basis(statistics, *settings);
   const bool has_zscores = score_kind(settings->score).needs_statistics;
   if (settings->loop && has_zscores) plan.past_zscores = settings->zscore;
-  if (learned != nullptr && !query.given) plan.typical_distance = learned->typical_distance;
-  if (learned != nullptr && has_zscores)
-    plan.statistics = {learned->settings, learned->typical_distance};
+  if (statistics != nullptr && !query.given) plan.typical_distance = statistics->typical_distance;
+  if (statistics != nullptr && has_zscores)
+    plan.statistics = {statistics->settings, statistics->typical_distance};
   return plan;
 }
 
 void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
   plan_sequences(plan, database.sequences, monitor);
-  if (!(plan.query.given || settings.loop) || settings.margin_width) {
-    plan.elsewhere = plan_elsewhere(database, settings, plan.match.kernels, monitor);
-    plan.match.shared_places = plan.elsewhere->shared;
+  if (!(plan.query.given || settings.loop) || settings.exclusion_frames) {
+    plan.exclusion_zones = make_exclusion_zones(
+        radii_of(database, settings.exclusion_frames, monitor),
+        settings.same_place.empty() ? overlapping_sequences(database, plan.match.kernels, monitor)
+                                    : declared_pairs(database, settings.same_place));
+    plan.match.overlapping_sequences = plan.exclusion_zones->shared;
   }
   if (plan.decision == Decision::margin)
     plan_margins(plan, database, monitor);
@@ -309,40 +304,33 @@ void decide_by_margin(Result& result) {
 }  // namespace
 
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
   if (!database.statistics) database.statistics = compute_statistics(spans, {}, monitor);
   if (!database.statistics->components)
     database.statistics->components =
         compute_components(spans, database.statistics->typical_distance, monitor);
 }
 
-void add_half_widths(SequenceDatabase& database, const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
-  for (size_t s = 0; s < spans.size(); ++s)
-    if (!database.sequences[s].half_width)
-      database.sequences[s].half_width = half_width(spans[s], monitor);
+void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
+                            const Monitor& monitor) {
+  const std::vector<uint32_t> radii = radii_of(database, std::nullopt, monitor);
+  for (size_t s = 0; s < radii.size(); ++s) database.sequences[s].exclusion_radius = radii[s];
+  database.overlapping_sequences = overlapping_sequences(database, kernels, monitor);
 }
 
-void ensure_places(SequenceDatabase& database, const RowKernels& kernels, const Monitor& monitor) {
-  add_half_widths(database, monitor);
-  database.shared_places = found_places(database, kernels, monitor);
-}
-
-std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
+std::optional<ScoreBasis> score_basis(const TrainStatistics* statistics,
                                       const SequenceQuerySettings& settings) {
   const ScoreKind& kind = score_kind(settings.score);
   if (!kind.needs_statistics || settings.loop) return std::nullopt;
-  if (learned == nullptr)
+  if (statistics == nullptr)
     throw Error(ErrorKind::usage,
-                "the database has no training statistics, which z-scores start from. Train it "
-                "again.");
-  assert(learned->components);
-  ScoreBasis basis = make_score_basis(settings.zscore, kind.is_offline, *learned);
+                "the database has no training statistics for z-scores. Train it again.");
+  assert(statistics->components);
+  ScoreBasis basis = make_score_basis(settings.zscore, kind.is_offline, *statistics);
   if (settings.fusion_weight) {
-    if (learned->fused == nullptr)
-      throw Error(ErrorKind::usage,
-                  "fuse_beta needs FAB-MAP's database of the training sequences: pass --fuse.");
-    basis.fusion = make_fusion_basis(learned->fused, *settings.fusion_weight, learned->settings);
+    if (statistics->fused == nullptr) throw Error(ErrorKind::usage, kNoFabmap);
+    basis.fusion =
+        make_fusion_basis(statistics->fused, *settings.fusion_weight, statistics->settings);
   }
   return basis;
 }
@@ -359,9 +347,36 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
   const bool is_swept = settings.has(kSweepChoice);
   if (!is_swept) check_automatic(database, *settings);
   if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
-  fuse_views(database, *settings, fabmap);
-  if (!is_swept) warn_of_automatic(*settings, monitor);
+  if (!fabmap.empty())
+    fuse_views(database, read_fabmap_database(fabmap), fabmap);
+  else if (settings->fusion_weight)
+    throw Error(ErrorKind::usage, kNoFabmap);
+  if (!is_swept && settings->fusion_weight && settings->decision == Decision::margin &&
+      !settings->margin)
+    warn(monitor,
+         "the automatic margin was made for scores that are not fused: with --fuse it accepts more "
+         "wrong places if places look alike. Use the number that vpr-tune fastable --fuse finds on "
+         "a sequence with ground truth.");
   return database;
+}
+
+void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
+                   const SequenceQuerySettings& settings, const Monitor& monitor) {
+  constexpr double kAlike = 1.1;
+  const bool has_windows = settings.window_length > 1 && settings.rates.empty();
+  if (!query_fps || !has_windows || has_paths(settings.method)) return;
+  for (const TrainSequence& train : database.sequences) {
+    const Sequence& sequence = train.sequence;
+    if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
+    const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
+    if (fast <= kAlike * slow) continue;
+    return warn(monitor,
+                fmt::format("the query has {:.3g} frames per second, the training sequence {} has "
+                            "{:.3g}: their windows have different durations. Use --fps {:.3g} for "
+                            "{}, or --method filter, which estimates the rate.",
+                            *query_fps, sequence.name, *sequence.fps, slow,
+                            slow == *query_fps ? "vpr-train" : "the query"));
+  }
 }
 
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
@@ -391,7 +406,9 @@ QueryPlan plan_loop(const SequenceDatabase& database, const DescriptorSet& query
   QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query.sequence, query_name,
                               settings, resources);
   plan.settings.descriptor = query.descriptors.kind->name;
-  plan.past = past_frames(loop_gap_of(*settings), times_ns, query.rows().size());
+  LoopGap gap{std::nullopt, settings->loop_gap};
+  if (gap.frames == 0) gap.nanoseconds = std::llround(settings->loop_gap_s * double{kSecond});
+  plan.past = past_frames(gap, times_ns, query.rows().size());
   plan_windows(plan, monitor);
   finish_plan(plan, database, monitor);
   if (plan.past.back() < plan.match.window_length)
@@ -405,7 +422,7 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
                       const ResolvedSettings& settings, const QueryResources& resources,
                       const Monitor& monitor) {
   assert(!settings->loop);
-  const DescriptorSpan no_frame{{database.descriptors.rows().shape, {}}, {}};
+  const DescribedFrames no_frame{{database.descriptors.rows().shape, {}}, {}};
   QueryPlan plan =
       begin_plan(database, database.descriptors, no_frame, {}, query_name, settings, resources);
   plan.query_sequence.frames = plan.match.window_length;

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "decide/choices.h"
-#include "decide/margin_scan.h"
+#include "decide/exclusion_zones.h"
 #include "decide/result.h"
 #include "match/match.h"
-#include "match/zscore_model.h"
+#include "match/zscores.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -21,21 +21,21 @@ struct QueryResources {
   uint64_t seed = 1;                          ///< for the choice of these cells
 };
 
-/// What is compared, by which stages, and what is accepted. Points into the database and the query
-/// that it was made for.
+/// The frames to compare, the stages, and the decision of a query. Points into its database and its
+/// query.
 struct QueryPlan {
   Sequence query_sequence;
-  DescriptorSpan query;
+  DescribedFrames query;
   size_t query_windows = 0;
-  std::vector<DescriptorSpan> train;  ///< all sequences, also those that are not searched
-  std::vector<Target> sequences;      ///< the same, with thresholds and margins
-  MatchSettings match;                ///< the window stage
-  bool is_approximate = false;        ///< windows are searched by LSH (lsh.h)
-  std::optional<ScoreBasis> basis;    ///< z-scores from training statistics
-  std::vector<uint32_t> past;         ///< of a sequence against its own past (FrameDistances::past)
-  std::optional<ZScoreSettings> past_zscores;  ///< z-scores of its own past
+  std::vector<DescribedFrames> train;          ///< all sequences, also those that are not searched
+  std::vector<Target> sequences;               ///< the same, with thresholds and margins
+  MatchSettings match;                         ///< the window stage
+  bool is_approximate = false;                 ///< windows are searched by LSH (lsh.h)
+  std::optional<ScoreBasis> basis;             ///< z-scores from training statistics
+  std::vector<uint32_t> past;                  ///< for a loop query (FrameDistances::past)
+  std::optional<ZScoreSettings> past_zscores;  ///< z-scores of a loop query
   Decision decision = Decision::threshold;
-  std::optional<Elsewhere> elsewhere;  ///< nullopt: no margins
+  std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
   /// For keyframes: the mean distance of training frames, nullopt if unknown.
   std::optional<double> typical_distance;
   std::optional<UsedStatistics> statistics;
@@ -45,31 +45,36 @@ struct QueryPlan {
   int64_t score_offset() const { return score_kind(settings.score).offset(match.window_length); }
 };
 
-/// Adds what z-scores start from: the components of the training frames, which are not stored, and
-/// statistics by default settings if the database has none.
+/// Adds the initial statistics of z-scores: the components of the training frames, which are not
+/// stored, and statistics by default settings if the database has none.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
-/// Adds the radius of the exclusion zone of each sequence, unless the database has it.
-void add_half_widths(SequenceDatabase& database, const Monitor& monitor);
-
-/// Adds the radii, and which sequences show the same place, unless the database has them.
-void ensure_places(SequenceDatabase& database, const RowKernels& kernels, const Monitor& monitor);
+/// Adds the exclusion radius of each sequence and the pairs of overlapping sequences, unless the
+/// database has them.
+void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
+                            const Monitor& monitor);
 
 /// The basis of z-scores of all sequences of a database; nullopt for a score without statistics,
-/// and for a sequence against its own past. `learned`: the statistics of the database, with
-/// components, or null. Throws Error(usage) if they are needed and missing.
-std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
+/// and for a loop query. `statistics`: the statistics of the database, with components, or null.
+/// Throws Error(usage) if they are needed and missing.
+std::optional<ScoreBasis> score_basis(const TrainStatistics* statistics,
                                       const SequenceQuerySettings& settings);
 
 /// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
 /// with the FAB-MAP database at `fabmap` unless this is empty. Warns of an automatic margin of
-/// fused scores. Throws what read_sequence_database, check_automatic and fuse_views throw, and
-/// Error(data) for a database of imported descriptors that cannot describe frames as they arrive.
+/// fused scores. Throws what read_sequence_database, read_fabmap_database, check_automatic and
+/// fuse_views throw, Error(usage) for fused scores without a FAB-MAP database, and Error(data) for
+/// a database of imported descriptors that cannot describe frames as they arrive.
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
                                const std::string& fabmap, const Monitor& monitor);
 
-/// Describes the frames of a query like those of the database. Warns of a frame rate that differs
-/// from the training sequences' (warn_of_rates).
+/// Warns of the first searched training sequence whose frame rate differs from the query's by more
+/// than a tenth: windows then have different durations. Only for windows of several frames at the
+/// same rate.
+void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
+                   const SequenceQuerySettings& settings, const Monitor& monitor);
+
+/// Describes the frames of a query like frames of the database, and warns (warn_of_rates).
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
                              const ResolvedSettings& settings, const Monitor& monitor);
 

@@ -1,18 +1,71 @@
 #include "run/query.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/monitor.h"
+#include "base/parallel.h"
+#include "base/random.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "match/lsh.h"
-#include "run/verify.h"
+#include "match/match.h"
+#include "match/reference.h"
+#include "match/score_kernels.h"
 
 namespace vpr {
 namespace {
+
+// The sequence and index of the index-th window, counted over all runs.
+std::pair<size_t, size_t> find_window(const std::vector<FrameRun>& runs, size_t window_length,
+                                      uint64_t index) {
+  for (const FrameRun& run : runs) {
+    const size_t windows = run.windows(window_length);
+    if (index < windows) return {run.sequence, run.first_in_sequence + index};
+    index -= windows;
+  }
+  return {};
+}
+
+// The number of windows that end before training frame `past`.
+uint64_t past_windows(const std::vector<FrameRun>& runs, size_t window_length, size_t past) {
+  uint64_t windows = 0;
+  for (const FrameRun& run : runs) {
+    const size_t end = std::min(run.first + run.count, past);
+    if (end >= run.first + window_length) windows += end - run.first - window_length + 1;
+  }
+  return windows;
+}
+
+// By query window, over all runs: the number of cells up to the last one of its row.
+std::vector<uint64_t> row_ends(const CellRuns& runs, size_t window_length) {
+  std::vector<uint64_t> ends;
+  uint64_t cells = 0;
+  const uint64_t all = count_windows(runs.train, window_length);
+  for (const FrameRun& run : runs.query)
+    for (size_t window = 0; window < run.windows(window_length); ++window) {
+      const size_t end = run.first + window + window_length - 1;
+      cells += runs.past.empty() ? all : past_windows(runs.train, window_length, runs.past[end]);
+      ends.push_back(cells);
+    }
+  return ends;
+}
+
+// Up to `count` different numbers below `bound`, by Floyd's algorithm.
+std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint64_t seed) {
+  RandomEngine engine(seed);
+  std::unordered_set<uint64_t> chosen;
+  for (uint64_t j = bound - std::min(bound, count); j < bound; ++j) {
+    const uint64_t drawn = uniform_below(engine, j + 1);
+    if (!chosen.insert(drawn).second) chosen.insert(j);
+  }
+  return chosen;
+}
 
 void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
@@ -44,11 +97,11 @@ class StepTimer {
 };
 
 // The first frames of stretches of similar frames in the query and the training sequences.
-std::optional<ResultViews> find_views(const QueryPlan& plan) {
+std::optional<ResultKeyframes> find_views(const QueryPlan& plan) {
   if (!plan.typical_distance) return std::nullopt;
-  ResultViews views{view_starts(plan.query, *plan.typical_distance), {}};
-  for (const DescriptorSpan& sequence : plan.train)
-    views.train.push_back(view_starts(sequence, *plan.typical_distance));
+  ResultKeyframes views{keyframe_starts(plan.query, *plan.typical_distance), {}};
+  for (const DescribedFrames& sequence : plan.train)
+    views.train.push_back(keyframe_starts(sequence, *plan.typical_distance));
   return views;
 }
 
@@ -96,8 +149,8 @@ ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
   if (plan.match.method->has_paths) {
     path_.emplace(plan.query_sequence.frames);
     margins_.resize(plan.query_sequence.frames);
-  } else if (plan.elsewhere) {
-    scan_.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
+  } else if (plan.exclusion_zones) {
+    scan_.emplace(*plan.exclusion_zones, plan.query_windows, resources.kernels);
   }
 }
 
@@ -112,7 +165,7 @@ void ResultRows::take_path(std::span<const ScoreRow> row) {
   const PathReport& report = *row.front().path;
   const size_t frame = row.front().query_window;
   margins_[frame] = report.margin;
-  path_->nowhere[frame] = static_cast<double>(int64_t{report.nowhere} - plan_.score_offset());
+  path_->off_map[frame] = static_cast<double>(int64_t{report.off_map} - plan_.score_offset());
   if (report.rate) path_->rates[frame] = *report.rate;
   path_->tracks[frame] = report.track;
 }
@@ -122,6 +175,77 @@ Result ResultRows::result() {
   Result result = make_result(plan_, recognitions_.result(), margins_);
   result.path = std::move(path_);
   return result;
+}
+
+std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,
+                               uint64_t seed) {
+  if (count == 0) return {};
+  const std::vector<uint64_t> ends = row_ends(runs, window_length);
+  std::vector<Cell> cells;
+  for (const uint64_t index : choose_indices(ends.empty() ? 0 : ends.back(), count, seed)) {
+    const auto row = std::upper_bound(ends.begin(), ends.end(), index);
+    const uint64_t column = index - (row == ends.begin() ? 0 : *(row - 1));
+    const size_t query =
+        find_window(runs.query, window_length, static_cast<uint64_t>(row - ends.begin())).second;
+    const auto [sequence, train] = find_window(runs.train, window_length, column);
+    cells.push_back({static_cast<uint32_t>(query), static_cast<uint32_t>(sequence),
+                     static_cast<uint32_t>(train), 0});
+  }
+  std::sort(cells.begin(), cells.end(), by_position);
+  return cells;
+}
+
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                              const DescriptorRows& query, size_t window_length,
+                              const Monitor& monitor) {
+  std::vector<uint32_t> correct(cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t i) {
+    correct[i] = reference_window_distance(train[cells[i].sequence].rows, cells[i].train_window,
+                                           query, cells[i].query_window, window_length);
+  });
+  std::vector<Cell> wrong;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].score == correct[i]) continue;
+    wrong.push_back(cells[i]);
+    wrong.back().score = correct[i];
+  }
+  return wrong;
+}
+
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                               const DescribedFrames& query, size_t window_length,
+                               const ScoreBasis& basis, const Monitor& monitor) {
+  const ReferenceUpdates updates = reference_updates(train, query, basis, monitor);
+  std::vector<size_t> first_frame;
+  size_t frames = 0;
+  for (const DescribedFrames& sequence : train) {
+    first_frame.push_back(frames);
+    frames += sequence.rows.size();
+  }
+  std::vector<double> correct(cells.size(), 0);  // in standard deviations
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    const Cell& cell = cells[c];
+    // Only offline scores depend on frames after the window.
+    const size_t known = basis.offline ? query.rows.size() : cell.query_window + window_length;
+    for (size_t k = 0; k < window_length; ++k) {
+      const size_t i = cell.train_window + k;
+      const size_t frame = first_frame[cell.sequence] + i;
+      correct[c] +=
+          reference_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known),
+                                 updates, basis)[cell.query_window + k];
+    }
+  });
+  const double tolerance = score_tolerance(window_length) * kScoreUnit;
+  std::vector<Cell> wrong;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    const double found = static_cast<double>(cells[c].score - score_offset(window_length));
+    const double expected = correct[c] * kScoreUnit;
+    if (std::abs(found - expected) <= tolerance) continue;
+    wrong.push_back(cells[c]);
+    wrong.back().score =
+        static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));
+  }
+  return wrong;
 }
 
 QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,

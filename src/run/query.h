@@ -37,13 +37,35 @@ class ResultRows {
 };
 
 /// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to
-/// `observers`. Throws Error(expectation) if a verified cell differs, and what match and scored
-/// throw.
+/// `observers`. Throws Error(expectation) if a verified cell differs, and as match and scored do.
 ///
 /// An approximate query finds recognitions and best matches among the windows that share a hash
 /// bucket with a query window, with their exact distances. It has no rows and no margins, and it
 /// reports the recall of the search. Throws Error(usage) for descriptors that are not binary.
 QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
                    const Monitor& monitor);
+
+/// The windows among which cells are chosen.
+struct CellRuns {
+  std::vector<FrameRun> train;
+  std::vector<FrameRun> query;
+  std::vector<uint32_t> past = {};  ///< FrameDistances::past
+};
+
+/// Up to `count` different cells of valid window pairs, uniformly chosen, in the order of CellScan
+/// and without scores; fewer if the matrix is smaller.
+std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,
+                               uint64_t seed);
+
+/// The cells whose distance differs from the reference implementation's, with the correct distance.
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                              const DescriptorRows& query, size_t window_length,
+                              const Monitor& monitor);
+
+/// The cells whose biased sum of z-scores differs from the reference implementation's by more than
+/// score_tolerance, with the correct sum, rounded to fixed point. `basis`: of all sequences.
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                               const DescribedFrames& query, size_t window_length,
+                               const ScoreBasis& basis, const Monitor& monitor);
 
 }  // namespace vpr

@@ -9,20 +9,23 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "evaluate/calibration.h"
 #include "evaluate/matrix_scan.h"
+#include "match/fastable.h"
 #include "match/match.h"
-#include "match/rates.h"
+#include "run/plan.h"
+#include "run/query.h"
 
 namespace vpr {
 
 namespace {
 
-/// One window length: a plan for each threshold, and what is found for all of them.
+/// One window length: a plan for each threshold, and the matches for all of them.
 struct LengthSweep {
-  std::vector<QueryPlan> planned;                  // as many as thresholds
-  RecognitionScanResult found;                     // below the largest limit of any of them
-  std::vector<std::optional<uint32_t>> margins;    // where the decision asks for them
-  std::vector<std::optional<uint32_t>> untrained;  // the same
+  std::vector<QueryPlan> plans;                        // by threshold
+  RecognitionScanResult found;                         // below the largest limit of any plan
+  std::vector<std::optional<uint32_t>> margins;        // for a decision by margin
+  std::vector<std::optional<uint32_t>> unknown_place;  // margins if the place were not trained
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
@@ -30,12 +33,12 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
                                     const Grid& grid, const QueryResources& resources,
                                     const Monitor& monitor) {
   if (grid.windows.empty() || grid.thresholds.empty())
-    throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
-  // Each sentence once: most are the same for every setting.
-  std::set<std::string> said;
+    throw Error(ErrorKind::usage, "a sweep needs at least one c_l and one t_r");
+  // Most warnings are the same for every setting.
+  std::set<std::string> reported;
   Monitor once = monitor;
   once.warn = [&](const std::string& sentence) {
-    if (said.insert(sentence).second) warn(monitor, sentence);
+    if (reported.insert(sentence).second) warn(monitor, sentence);
   };
   std::vector<LengthSweep> sweeps;
   for (const uint64_t length : grid.windows) {
@@ -45,71 +48,60 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
       settings.window_length = length;
       const bool by_margin = settings.decision == Decision::margin;
       (by_margin ? settings.margin : settings.distance_threshold) = threshold;
-      sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, once));
+      sweep.plans.push_back(plan_query(database, query, query_name, settings, resources, once));
     }
   }
   return sweeps;
 }
 
-bool any_relative(const std::vector<LengthSweep>& sweeps) {
-  return std::any_of(sweeps.front().planned.begin(), sweeps.front().planned.end(), needs_maxima);
-}
-
-// All lengths keep their recognitions at the same time: each may have its share of the memory.
-QueryResources share_of(QueryResources resources, size_t lengths) {
-  resources.memory_limit /= lengths;
-  return resources;
-}
-
-// Recognitions below the largest limit of any threshold, sequence by sequence.
+// Finds recognitions below the largest limit of any threshold, for every sequence.
 RecognitionScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
-  RecognitionScanSettings widest = scan_settings(sweep.planned.front(), resources);
-  for (const QueryPlan& plan : sweep.planned) {
-    const RecognitionScanSettings settings = scan_settings(plan, resources);
+  RecognitionScanSettings widest = scan_settings(sweep.plans.front(), resources);
+  for (const QueryPlan& plan : sweep.plans)
     for (size_t s = 0; s < widest.limits.size(); ++s)
-      widest.limits[s] = std::max(widest.limits[s], settings.limits[s]);
-  }
+      widest.limits[s] = std::max(widest.limits[s], plan.sequences[s].distance_limit);
   return widest;
 }
 
-// What every length finds below the largest limit of any threshold, all in one pass (and, where
-// limits are relative, one before it).
+// Finds the matches of every length in one pass, after another one for relative limits.
 void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
             const QueryResources& resources, const Monitor& monitor) {
-  const QueryPlan& first = lengths.front().planned.front();
+  const QueryPlan& first = lengths.front().plans.front();
   const FrameDistances distances = searched_distances(first);
   MatchSettings settings = first.match;
   settings.method = nullptr;  // all exact methods yield the same cells
   std::vector<Pass> passes;
   for (const LengthSweep& length : lengths)
-    passes.push_back({length.planned.front().match.window_length, {}});
+    passes.push_back({length.plans.front().match.window_length, {}});
   const auto match_all = [&] {
     match(scored(distances, first, monitor), settings, passes, monitor);
   };
-  if (any_relative(lengths)) {
+  if (std::ranges::any_of(lengths.front().plans, needs_maxima)) {
     std::deque<MaximumScan> maxima;
     for (Pass& pass : passes)
       pass.sinks = {{std::ref(maxima.emplace_back(first.sequences.size(), resources.kernels))}};
     match_all();
     for (size_t l = 0; l < lengths.size(); ++l) {
       const std::vector<uint32_t> found = maxima[l].result();
-      for (QueryPlan& plan : lengths[l].planned)
+      for (QueryPlan& plan : lengths[l].plans)
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
   const bool has_margins = first.decision == Decision::margin;
+  QueryResources shared = resources;  // recognitions of all lengths are in memory together
+  shared.memory_limit /= lengths.size();
   std::deque<RecognitionScan> recognitions;
   std::deque<MarginScan> margins;
-  std::deque<LabeledScan> labeled;
+  std::deque<UnknownPlaceScan> labeled;
   for (size_t l = 0; l < lengths.size(); ++l) {
     Sinks& sinks = passes[l].sinks;
-    sinks = {{std::ref(
-        recognitions.emplace_back(widest_scan(lengths[l], share_of(resources, lengths.size()))))}};
+    sinks = {{std::ref(recognitions.emplace_back(widest_scan(lengths[l], shared)))}};
     if (!has_margins) continue;
-    const QueryPlan& plan = lengths[l].planned.front();
+    const QueryPlan& plan = lengths[l].plans.front();
     sinks.rows = {
-        std::ref(margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels)),
-        std::ref(labeled.emplace_back(truth, *first.elsewhere, plan.match.window_length,
+        std::ref(
+            margins.emplace_back(*first.exclusion_zones, plan.query_windows, resources.kernels)),
+        std::ref(labeled.emplace_back(truth, *first.exclusion_zones, plan.match.window_length,
                                       plan.query_windows, resources.kernels))};
   }
   match_all();
@@ -117,41 +109,39 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     lengths[l].found = recognitions[l].result();
     if (!has_margins) continue;
     lengths[l].margins = margins[l].result().margins;
-    lengths[l].untrained = labeled[l].result();
+    lengths[l].unknown_place = labeled[l].result();
   }
 }
 
-// The result of one cell: what the widest search found below its own limits.
+// The result of one cell: the matches below its own limits.
 Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monitor& monitor) {
-  const RecognitionScanResult& widest = length.found;
-  const RecognitionScanSettings limits = scan_settings(plan, {});
-  RecognitionScanResult found{{}, widest.best};
-  for (const Cell& recognition : widest.recognitions)
-    if (recognition.score < limits.limits[recognition.sequence])
+  RecognitionScanResult found{{}, length.found.best};
+  for (const Cell& recognition : length.found.recognitions)
+    if (recognition.score < plan.sequences[recognition.sequence].distance_limit)
       found.recognitions.push_back(recognition);
   Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;
 }
 
-// Of a margin that is a number: windows that would reach it without their place.
+// The number of windows that would reach the margin, a number, if their place were not trained.
 std::optional<uint64_t> untrained_windows(const LengthSweep& length, const QueryPlan& plan) {
   const SequenceQuerySettings& settings = plan.settings;
-  if (length.untrained.empty() || !settings.margin) return std::nullopt;
+  if (length.unknown_place.empty() || !settings.margin) return std::nullopt;
   const ScoreKind& kind = score_kind(settings.score);
-  return std::ranges::count_if(length.untrained, [&](const auto& margin) {
+  return std::ranges::count_if(length.unknown_place, [&](const auto& margin) {
     return margin && kind.frame_value(*margin, settings.window_length) >= *settings.margin;
   });
 }
 
 void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
   if (grid.windows.empty() || grid.thresholds.empty())
-    throw Error(ErrorKind::usage, "give at least one c_w and one t_p");
+    throw Error(ErrorKind::usage, "a sweep needs at least one c_w and one t_p");
   if (base.loop)
-    throw Error(ErrorKind::usage, "a sweep has no loop mode; leave \"loop\" out of the settings");
+    throw Error(ErrorKind::usage, "a sweep cannot query loops. Omit \"loop\" in the settings.");
   for (const uint64_t window : grid.windows)
     for (const auto& threshold : grid.thresholds) {
-      if (!threshold) throw Error(ErrorKind::usage, "t_p is a number, and never automatic");
+      if (!threshold) throw Error(ErrorKind::usage, "t_p must be a number; it is never automatic");
       FabmapQuerySettings settings = base;
       settings.window = window;
       settings.place_threshold = *threshold;
@@ -159,9 +149,9 @@ void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
     }
 }
 
-// Windows that are drawn together.
+// The number of consecutive windows in a bootstrap block.
 size_t block_of(const Result& result) {
-  constexpr size_t kFewestFrames = 8;  // about a second of walking
+  constexpr size_t kFewestFrames = 8;  // about one second
   const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings);
   const size_t block =
       fabmap == nullptr ? result.window_length() : std::max<size_t>(fabmap->window, kFewestFrames);
@@ -173,37 +163,49 @@ void add_once(std::vector<T>& values, const T& value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
-// The scale of t_r; none of a probability.
+// The scale of t_r; nullopt for a margin or t_p.
 std::optional<ThresholdScale> threshold_scale(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
   if (settings == nullptr || settings->decision == Decision::margin) return std::nullopt;
   return settings->distance_threshold ? scale_of(*settings) : ThresholdScale::bits;
 }
 
-// What is swept beside the window.
-void name_threshold(Sweep& sweep, const QuerySettings& settings) {
-  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
-  const auto* decision = sequences == nullptr ? nullptr : &decision_kind(sequences->decision);
-  sweep.threshold_symbol = decision == nullptr ? sweep.score->threshold_symbol : decision->symbol;
-  sweep.threshold_order = decision == nullptr ? sweep.score->order : decision->order;
-}
+/// The cells of a sweep: their results, from any thread, and CellCounts::unknown_place.
+struct SweepCells {
+  const Grid& grid;
+  std::function<Result(size_t cell)> result_of;
+  std::function<std::optional<uint64_t>(size_t cell)> untrained_of = {};
+};
 
-std::vector<CellCounts> counted_cells(const Grid& grid,
-                                      const std::function<Result(size_t cell)>& result_of,
-                                      const GroundTruth& truth,
-                                      const UntrainedWindows& untrained_of,
-                                      const Monitor& monitor) {
-  const size_t thresholds = grid.thresholds.size();
-  std::vector<CellCounts> cells(grid.windows.size() * thresholds);
-  StepCounter counter(monitor, "count", cells.size());
-  parallel_for(cells.size(), monitor, [&](size_t c) {
-    const Result result = result_of(c);
-    cells[c] = {grid.windows[c / thresholds], grid.thresholds[c % thresholds],
-                threshold_scale(result), count_recognitions(result, truth, monitor),
-                untrained_of ? untrained_of(c) : std::nullopt};
+// Counts every cell, by window, then threshold. `shape`: a result without matches.
+Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTruth& truth,
+                  uint64_t seed, const Monitor& monitor) {
+  Sweep sweep;
+  sweep.query = shape.query;
+  sweep.score = &shape.score();
+  sweep.protocol = truth.protocol;
+  sweep.threshold_symbol = sweep.score->threshold_symbol;
+  sweep.threshold_order = sweep.score->order;
+  if (const auto* settings = std::get_if<SequenceQuerySettings>(&shape.settings)) {
+    sweep.threshold_symbol = decision_kind(settings->decision).symbol;
+    sweep.threshold_order = decision_kind(settings->decision).order;
+  }
+  const size_t thresholds = cells.grid.thresholds.size();
+  sweep.cells.resize(cells.grid.windows.size() * thresholds);
+  StepCounter counter(monitor, "count", sweep.cells.size());
+  parallel_for(sweep.cells.size(), monitor, [&](size_t c) {
+    const Result result = cells.result_of(c);
+    sweep.cells[c] = {cells.grid.windows[c / thresholds], cells.grid.thresholds[c % thresholds],
+                      threshold_scale(result), count_recognitions(result, truth, monitor),
+                      cells.untrained_of ? cells.untrained_of(c) : std::nullopt};
     counter.add();
   });
-  return cells;
+  sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
+  if (!sweep.recommendation.cell) return sweep;
+  const Result recommended = cells.result_of(*sweep.recommendation.cell);
+  sweep.recommended_settings = recommended.settings;
+  sweep.intervals = count_intervals(recommended, truth, seed);
+  return sweep;
 }
 
 }  // namespace
@@ -214,19 +216,19 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
                       const Monitor& monitor) {
   std::vector<LengthSweep> lengths =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
-  const Result shape = make_result(lengths.front().planned.front());
+  const Result shape = make_result(lengths.front().plans.front());
   const GroundTruth truth = read_truth(scope_of(shape));
   search(lengths, truth, resources, monitor);
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
     const LengthSweep& length = lengths[cell / thresholds];
-    return cell_result(length.planned[cell % thresholds], length, monitor);
+    return cell_result(length.plans[cell % thresholds], length, monitor);
   };
   const auto untrained_of = [&](size_t cell) {
     const LengthSweep& length = lengths[cell / thresholds];
-    return untrained_windows(length, length.planned[cell % thresholds]);
+    return untrained_windows(length, length.plans[cell % thresholds]);
   };
-  return count_cells(shape, grid, result_of, truth, resources.seed, monitor, untrained_of);
+  return count_cells(shape, {grid, result_of, untrained_of}, truth, resources.seed, monitor);
 }
 
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
@@ -258,7 +260,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     result.recognitions = recognitions[cell];
     return result;
   };
-  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, monitor);
+  return count_cells(all, {grid, result_of}, read_truth(scope_of(all)), seed, monitor);
 }
 
 Grid grid_of(std::span<const CellCounts> cells) {
@@ -268,23 +270,6 @@ Grid grid_of(std::span<const CellCounts> cells) {
     add_once(grid.thresholds, cell.threshold);
   }
   return grid;
-}
-
-Sweep count_cells(const Result& shape, const Grid& grid,
-                  const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of) {
-  Sweep sweep;
-  sweep.query = shape.query;
-  sweep.score = &shape.score();
-  name_threshold(sweep, shape.settings);
-  sweep.protocol = truth.protocol;
-  sweep.cells = counted_cells(grid, result_of, truth, untrained_of, monitor);
-  sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
-  if (!sweep.recommendation.cell) return sweep;
-  const Result recommended = result_of(*sweep.recommendation.cell);
-  sweep.recommended_settings = recommended.settings;
-  sweep.intervals = count_intervals(recommended, truth, seed);
-  return sweep;
 }
 
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {

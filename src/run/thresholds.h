@@ -1,47 +1,89 @@
-// Automatic t_r of training sequences: from how close different places of them come.
+// Automatic t_r of training sequences, from the closest windows of different places.
 #pragma once
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/monitor.h"
-#include "decide/automatic_threshold.h"
 #include "decide/query_settings.h"
-#include "match/rows.h"
+#include "match/match.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
 
-/// Closest windows of one length, and the t_r of each sequence; none for one that has no window.
+/// An automatic t_r of one training sequence, on the scale bits.
+struct AutomaticThreshold {
+  double value = 0;
+  bool is_largest = false;  ///< limited by largest_threshold
+};
+
+/// Closest windows of one length, and the t_r of each sequence; nullopt for a sequence without a
+/// window.
 struct AutomaticThresholds {
   ThresholdTable table;
   std::vector<std::optional<AutomaticThreshold>> sequences;
 };
 
-/// Whether comparing all sequences with each other takes longer than training should (2^32 frame
-/// pairs and more): then thresholds are computed when a query asks for them.
-bool is_left_to_queries(std::span<const DescriptorSpan> sequences);
+/// By training sequence; nullopt if there are no such windows.
+using ClosestTable = std::vector<std::optional<ClosestWindows>>;
 
-/// Closest windows for one window length, by raw distances.
-ThresholdTable compute_thresholds(std::span<const DescriptorSpan> sequences, size_t window_length,
+/// For each training sequence, the window of any other sequence that is closest to one of its own
+/// windows (paper, section VII-D: training sequences show different places, so windows that are
+/// equally close are not recognitions). Ties: smallest own window, then sequence, then window.
+/// Nullopt for a single sequence.
+ClosestTable find_closest_windows(std::span<const DescribedFrames> sequences,
+                                  const MatchSettings& settings, const Monitor& monitor);
+
+/// The closest windows of one length by raw distances.
+ThresholdTable compute_thresholds(std::span<const DescribedFrames> sequences, size_t window_length,
                                   double safety_factor, const RowKernels& kernels,
                                   const Monitor& monitor);
 
+/// Whether a comparison of all sequences takes too long for training (more than 2^32 frame pairs).
+/// Thresholds are then computed by the first query that needs them.
+bool is_left_to_queries(std::span<const DescribedFrames> sequences);
+
+/// The mean distance of frames of one sequence that are not neighbors, in units of frame_distances:
+/// by compute_statistics for this sequence, with default neighbors and 1000 samples.
+double typical_distance(const DescribedFrames& sequence, const Monitor& monitor);
+/// The stored typical distance of a sequence, or else the computed one.
+double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
+                        const Monitor& monitor);
+
+/// The largest automatic t_r, as a mean frame distance: (1 - 0.65 / sqrt(c_l)) of the sequence's
+/// typical distance. It applies if training sequences look so different that their closest windows
+/// say nothing.
+double largest_threshold(double typical_distance, size_t window_length);
+
+/// The distance of the closest windows / window_length, or largest_threshold if this is smaller or
+/// there are no closest windows; times safety_factor.
+AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& closest,
+                                       double typical_distance, size_t window_length,
+                                       double safety_factor);
+
 /// The automatic t_r of every sequence, from the closest windows and the safety factor of the
-/// table; none for a single sequence. Typical distances are those that the database holds, or else
-/// computed.
+/// table; nullopt for a single sequence.
 AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,
                                          const Monitor& monitor);
+
+/// The automatic thresholds for every table of the database.
+std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& database,
+                                                   const Monitor& monitor);
 
 /// Throws Error(usage) if the settings need an automatic t_r and the database has one sequence.
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings);
 
-/// The same from every table that the database holds.
-std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& database,
-                                                   const Monitor& monitor);
+/// The pairs of sequences whose closest windows probably show the same place (is_same_place,
+/// kPairDepth), and advice. The first three pairs are named, with the first and last frames of
+/// their windows. Nullopt if there are no such pairs.
+std::optional<std::string> overlap_warning(const ThresholdTable& table,
+                                           std::span<const TrainSequence> sequences,
+                                           std::span<const DescribedFrames> spans);
 
-/// Says which sequences seem to show the same place (overlap_warning).
+/// Warns of overlapping sequences (overlap_warning).
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
                       const Monitor& monitor);
+
 }  // namespace vpr

@@ -1,4 +1,5 @@
-// Training of the sequence methods: frames to a database with automatic thresholds.
+// Databases of the sequence methods: training, extension with sequences, fusion with FAB-MAP's
+// database, and the description of frames like the frames of a database.
 #pragma once
 
 #include <string>
@@ -6,20 +7,22 @@
 
 #include "base/monitor.h"
 #include "describe/descriptor_rows.h"
+#include "fabmap/database.h"
+#include "match/fusion.h"
 #include "match/row_kernels.h"
 #include "sequence/sequence_source.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
 
-/// How sequences are described, and what is computed for them in advance.
+/// The description of sequences, and the computations in advance.
 struct SequenceTrainSettings {
   std::string descriptor_kind = "ldb";  ///< of descriptor_kinds()
   DescriptorSettings descriptor;
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
-  double safety_factor = 1;     ///< multiplies them
+  double safety_factor = 1;     ///< multiplies the automatic thresholds
   bool skip_unreadable = false;
-  StatisticsSettings statistics;  ///< what z-scores start from
+  StatisticsSettings statistics;  ///< the initial statistics of z-scores
 };
 
 template <class Visitor>
@@ -32,35 +35,43 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("statistics", settings.statistics);
 }
 
-/// A sequence to open, and what results call it.
+/// A sequence to open, and its name in results.
 struct NamedArgument {
   std::string name;
   SequenceArgument sequence;
 };
 
-/// Describes each sequence and computes the thresholds for settings.window_length (unless
-/// is_left_to_queries, which is said) and the training statistics. Names must differ. Throws
-/// Error(usage) for settings out of range, and what DescriptorKind::describe throws. Warns of
-/// sequences shorter than a window.
+/// Describes each sequence and computes the thresholds for settings.window_length (or warns if
+/// is_left_to_queries) and the training statistics. Names must differ. Throws Error(usage) for
+/// settings out of range, and what DescriptorKind::describe throws. Warns of sequences shorter than
+/// a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const RowKernels& kernels,
                                  const Monitor& monitor);
 
-/// The database with more sequences; what it has is not described again. Thresholds are computed
-/// again for every window length that it has them for, and statistics with the settings that it
-/// has. Descriptors are of the database's kind.
+/// The database with more sequences. Existing frames are not described again. Thresholds are
+/// recomputed for the database's window lengths, and statistics with its settings.
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const RowKernels& kernels, const Monitor& monitor);
 
-/// The frames of a sequence, described as the database's are; with the words that they show, where
-/// it is fused with FAB-MAP's (run/fuse.h). Throws what DescriptorKind::describe throws, and
-/// Error(data) for images where descriptors are imported, or the other way round.
+/// Adds FAB-MAP's description of the training frames, for scores fused with FAB-MAP's
+/// (match/fusion.h) and for queries with words. Each training sequence needs a group with the same
+/// name, frame names and unreadable frames; its frames may be places or views of one place. Other
+/// groups have no effect. The database has statistics (ensure_statistics). Throws Error(data) with
+/// `name` for a missing sequence or different frames, and for imported descriptors.
+void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name);
+
+/// FAB-MAP's description of the training frames; null for a database that is not fused.
+const FusedViews* fused_views(const SequenceDatabase& database);
+
+/// The frames of a sequence, described like the frames of the database; with their words if the
+/// database is fused. Throws what DescriptorKind::describe throws, and Error(data) for images if
+/// the database has imported descriptors, or the reverse.
 DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
 
-/// Descriptors and unreadable frames of every sequence, as the matchers take them. They point into
-/// the database.
-std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database);
+/// Descriptors and unreadable frames of every sequence. They point into the database.
+std::vector<DescribedFrames> descriptor_spans(const SequenceDatabase& database);
 
 }  // namespace vpr

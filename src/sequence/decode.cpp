@@ -61,22 +61,9 @@ JpegScans jpeg_scans(std::string_view file) {
   return scans;
 }
 
-bool is_truncated(std::string_view jpeg, const JpegScans& scans) {
-  const size_t end = jpeg.rfind("\xff\xd9");
-  return scans.count == 0 || end == std::string_view::npos || end < scans.first;
-}
-
-// Larger than any limit of check_frame_size; OpenCV does not report the size.
-[[noreturn]] void fail_as_too_large(const std::filesystem::path& path) {
-  throw Error(ErrorKind::usage,
-              fmt::format("{}: has more than 2^30 pixels, or 2^20 a side, which OpenCV does not "
-                          "decode; remove it, or make it smaller",
-                          path.string()));
-}
-
 constexpr uint64_t kMillion = 1'000'000;
 
-std::atomic<uint64_t> most_megapixels{kUsualMegapixels};
+std::atomic<uint64_t> most_megapixels{kDefaultMegapixels};
 
 // The file that this thread decodes; null outside a CodecScope. Neither OpenCV's allocators nor
 // streams identify their callers.
@@ -128,7 +115,7 @@ ssize_t pass_on(void*, const char* bytes, size_t size) {
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
     throw Error(ErrorKind::input,
-                fmt::format("{}: can't be decoded: {}; remove it, or give --skip-unreadable",
+                fmt::format("{}: can't be decoded: {}. Remove it, or use --skip-unreadable",
                             path.string(), why));
   };
   const std::string file = read_whole_file(path);
@@ -138,7 +125,9 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
     const JpegScans scans = jpeg_scans(file);
     if (scans.count > kMostScans)
       fail(fmt::format("the JPEG has {} scans, more than {}", scans.count, kMostScans));
-    if (is_truncated(file, scans)) fail("the JPEG is truncated");
+    const size_t end = file.rfind("\xff\xd9");
+    if (scans.count == 0 || end == std::string::npos || end < scans.first)
+      fail("the JPEG is truncated");
   }
   if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
@@ -149,7 +138,12 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
     image =
         cv::imdecode(bytes, format == PixelFormat::gray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
   } catch (const cv::Exception& error) {
-    if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos) fail_as_too_large(path);
+    // Larger than any limit of check_frame_size; OpenCV does not report the size.
+    if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos)
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: has more than 2^30 pixels, or 2^20 per side, which OpenCV does "
+                              "not decode. Remove it, or make it smaller",
+                              path.string()));
     fail(error.err);
   }
   if (image.empty()) fail("it is damaged");
@@ -157,9 +151,9 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
 }
 
 MegapixelLimit::MegapixelLimit(uint64_t megapixels) : before_(most_megapixels) {
-  if (megapixels < 1 || megapixels > kMostMegapixels)
+  if (megapixels < 1 || megapixels > kMaxMegapixels)
     throw Error(ErrorKind::usage, fmt::format("max_megapixels must be from 1 to {}, found {}",
-                                              kMostMegapixels, megapixels));
+                                              kMaxMegapixels, megapixels));
   most_megapixels = megapixels;
 }
 
@@ -171,12 +165,11 @@ void check_frame_size(const std::filesystem::path& file, uint64_t width, uint64_
   const uint64_t needed = (width * height + kMillion - 1) / kMillion;
   throw Error(
       ErrorKind::usage,
-      fmt::format(
-          "{}: has {} x {} pixels, more than the {} megapixels that are allowed; {}", file.string(),
-          width, height, limit,
-          needed > kMostMegapixels
-              ? "remove it, or make it smaller"
-              : fmt::format("remove it, or give --max-megapixels {} if it is meant", needed)));
+      fmt::format("{}: has {} x {} pixels, more than the limit of {} megapixels. Remove it, or {}",
+                  file.string(), width, height, limit,
+                  needed > kMaxMegapixels
+                      ? "make it smaller"
+                      : fmt::format("pass --max-megapixels {} to accept it", needed)));
 }
 
 CodecScope::CodecScope(const std::filesystem::path& file) {

@@ -21,15 +21,15 @@ enum class PixelFormat { gray, bgr };
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format);
 
 /// The default limit of a frame.
-constexpr uint64_t kUsualMegapixels = 100;
+constexpr uint64_t kDefaultMegapixels = 100;
 /// OpenCV cannot decode more than 2^30 pixels.
-constexpr uint64_t kMostMegapixels = 1073;
+constexpr uint64_t kMaxMegapixels = 1073;
 
 /// Limits the size of decoded frames in the whole process during its lifetime, in millions of
 /// pixels.
 class MegapixelLimit {
  public:
-  /// Throws Error(usage) for a number outside 1 to kMostMegapixels.
+  /// Throws Error(usage) for a number outside 1 to kMaxMegapixels.
   explicit MegapixelLimit(uint64_t megapixels);
   ~MegapixelLimit();
   MegapixelLimit(const MegapixelLimit&) = delete;

@@ -13,10 +13,8 @@
 #include <unistd.h>
 
 #include "base/error.h"
-#include "base/text.h"
 #include "sequence/decode.h"
 #include "sequence/sequence_source.h"
-#include "sequence/video_reader.h"
 
 namespace vpr {
 
@@ -24,69 +22,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPatienceMs = 50;  // maximum delay of a stop
+constexpr int kMaxDelayMs = 50;  // maximum delay of a stop
 
 LiveFrame image_of(const fs::path& file) {
   return {file.filename().string(), file, nullptr, false};
 }
 
-class LiveFolder : public LiveSource {
+std::unique_ptr<LiveSource> live_source(
+    std::function<std::optional<LiveFrame>(const Monitor&)> next) {
+  return std::make_unique<LiveSource>(LiveSource{std::move(next)});
+}
+
+class LinePipe {
  public:
-  explicit LiveFolder(const fs::path& folder) : folder_(folder) {}
-  std::optional<LiveFrame> next(const Monitor& monitor) override {
-    return image_of(folder_.next(monitor));
-  }
-
- private:
-  GrowingFolder folder_;
-};
-
-class LiveList : public LiveSource {
- public:
-  explicit LiveList(std::vector<fs::path> files) : files_(std::move(files)) {}
-  std::optional<LiveFrame> next(const Monitor& monitor) override {
-    check_stop(monitor);
-    if (next_ == files_.size()) return std::nullopt;
-    return image_of(files_[next_++]);
-  }
-
- private:
-  std::vector<fs::path> files_;
-  size_t next_ = 0;
-};
-
-class LiveVideo : public LiveSource {
- public:
-  LiveVideo(const SequenceArgument& argument, Unreadable unreadable)
-      : file_(argument.path), unreadable_(unreadable), reader_(argument, PixelFormat::bgr) {}
-  std::optional<LiveFrame> next(const Monitor& monitor) override {
-    check_stop(monitor);
-    IndexedFrame frame;
-    if (!reader_.next(frame, monitor)) {
-      reader_.finish(unreadable_, monitor);
-      return std::nullopt;
-    }
-    const bool is_unreadable = frame.image.empty();
-    return LiveFrame{fmt::format("#{}", frame.recorded), file_,
-                     std::make_shared<const cv::Mat>(std::move(frame.image)), is_unreadable};
-  }
-
- private:
-  fs::path file_;
-  Unreadable unreadable_;
-  VideoReader reader_;
-};
-
-class LivePipe : public LiveSource {
- public:
-  explicit LivePipe(int descriptor) : descriptor_(descriptor) {}
-  std::optional<LiveFrame> next(const Monitor& monitor) override {
+  explicit LinePipe(int descriptor) : descriptor_(descriptor) {}
+  std::optional<LiveFrame> next(const Monitor& monitor) {
     for (;;) {
       check_stop(monitor);
       while (const auto line = take_line()) {
         if (line->empty() || line->starts_with('#')) continue;
         if (line->find('\0') != std::string::npos)
-          throw Error(ErrorKind::input, "standard input: is not one image path a line");
+          throw Error(ErrorKind::input, "standard input: does not have one image path per line");
         return image_of(*line);
       }
       if (ended_) return std::nullopt;
@@ -109,7 +65,7 @@ class LivePipe : public LiveSource {
 
   void read_more() {
     pollfd input{descriptor_, POLLIN, 0};
-    if (::poll(&input, 1, kPatienceMs) <= 0) return;
+    if (::poll(&input, 1, kMaxDelayMs) <= 0) return;
     std::array<char, 4096> buffer;
     const ssize_t bytes = ::read(descriptor_, buffer.data(), buffer.size());
     if (bytes > 0) text_.append(buffer.data(), static_cast<size_t>(bytes));
@@ -125,14 +81,12 @@ class LivePipe : public LiveSource {
   bool ended_ = false;
 };
 
-namespace fs = std::filesystem;
-
-class Camera : public LiveSource {
+class Camera {
  public:
   Camera(std::unique_ptr<cv::VideoCapture> capture, const SequenceArgument& argument)
       : capture_(std::move(capture)), argument_(argument), wanted_(argument.range.first) {}
 
-  std::optional<LiveFrame> next(const Monitor& monitor) override {
+  std::optional<LiveFrame> next(const Monitor& monitor) {
     const FrameRange& range = argument_.range;
     if (range.last && wanted_ >= *range.last) return std::nullopt;
     for (; taken_ <= wanted_; ++taken_) grab(monitor);
@@ -149,7 +103,7 @@ class Camera : public LiveSource {
     const bool has_frame = capture_->grab();
     check_stop(monitor);
     if (!has_frame)
-      throw Error(ErrorKind::input, fmt::format("{}: gives no frame any more, after {}",
+      throw Error(ErrorKind::input, fmt::format("{}: stopped delivering frames after {}",
                                                 argument_.path.string(), counted(taken_, "frame")));
   }
 
@@ -166,16 +120,7 @@ class Camera : public LiveSource {
   uint64_t taken_ = 0;
 };
 
-bool opens(cv::VideoCapture& capture, const fs::path& path) {
-  try {
-    const CodecScope scope(path);
-    return capture.open(path.string(), cv::CAP_V4L2);
-  } catch (const cv::Exception&) {
-    return false;
-  }
-}
-
-constexpr std::chrono::seconds kLookEvery(1);  // for folders without events
+constexpr std::chrono::seconds kReadEvery(1);  // for folders without events
 
 Error gone(const fs::path& folder, const std::string& why) {
   return {ErrorKind::input, fmt::format("{}: can't be read: {}", folder.string(), why)};
@@ -193,19 +138,38 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
   if (fs::is_directory(argument.path, error)) {
     if (!argument.range.is_all())
       throw Error(ErrorKind::usage,
-                  fmt::format("{}: a folder that grows has no range; leave {} out",
+                  fmt::format("{}: a growing folder cannot have a range. Remove {}",
                               argument.path.string(), range_text(argument.range)));
-    return std::make_unique<LiveFolder>(argument.path);
+    const auto folder = std::make_shared<GrowingFolder>(argument.path);
+    return live_source([=](const Monitor& monitor) { return image_of(folder->next(monitor)); });
   }
   if (is_device(argument.path)) return open_camera(argument);
-  SequenceSource sequence = open_sequence(argument);
-  if (sequence.kind == SequenceKind::video)
-    return std::make_unique<LiveVideo>(argument, unreadable);
-  return std::make_unique<LiveList>(std::move(sequence.files));
+  const SequenceSource sequence = open_sequence(argument);
+  if (sequence.kind == SequenceKind::video) {
+    const auto reader = std::make_shared<VideoReader>(argument, PixelFormat::bgr);
+    return live_source([=](const Monitor& monitor) -> std::optional<LiveFrame> {
+      check_stop(monitor);
+      IndexedFrame frame;
+      if (!reader->next(frame, monitor)) {
+        reader->finish(unreadable, monitor);
+        return std::nullopt;
+      }
+      const bool is_unreadable = frame.image.empty();
+      return LiveFrame{fmt::format("#{}", frame.recorded), argument.path,
+                       std::make_shared<const cv::Mat>(std::move(frame.image)), is_unreadable};
+    });
+  }
+  return live_source([files = sequence.files, index = size_t{0}](
+                         const Monitor& monitor) mutable -> std::optional<LiveFrame> {
+    check_stop(monitor);
+    if (index == files.size()) return std::nullopt;
+    return image_of(files[index++]);
+  });
 }
 
 std::unique_ptr<LiveSource> open_live_pipe(int descriptor) {
-  return std::make_unique<LivePipe>(descriptor);
+  return live_source(
+      [pipe = LinePipe(descriptor)](const Monitor& monitor) mutable { return pipe.next(monitor); });
 }
 
 bool is_device(const fs::path& path) {
@@ -215,28 +179,24 @@ bool is_device(const fs::path& path) {
 
 std::unique_ptr<LiveSource> open_camera(const SequenceArgument& argument) {
   auto capture = std::make_unique<cv::VideoCapture>();
-  if (!opens(*capture, argument.path))
+  if (!open_capture(*capture, argument.path, cv::CAP_V4L2))
     throw Error(ErrorKind::input,
-                fmt::format("{}: is a device that can't be opened as a camera: it is none, is in "
-                            "use, or you may not read it",
+                fmt::format("{}: is a device that can't be opened as a camera: it is not a camera, "
+                            "is in use, or is not readable",
                             argument.path.string()));
-  const auto property = [&](int name) {
-    return static_cast<uint64_t>(std::max(0.0, capture->get(name)));
-  };
-  check_frame_size(argument.path, property(cv::CAP_PROP_FRAME_WIDTH),
-                   property(cv::CAP_PROP_FRAME_HEIGHT));
   return follow_camera(std::move(capture), argument);
 }
 
 std::unique_ptr<LiveSource> follow_camera(std::unique_ptr<cv::VideoCapture> capture,
                                           const SequenceArgument& argument) {
-  return std::make_unique<Camera>(std::move(capture), argument);
+  const auto camera = std::make_shared<Camera>(std::move(capture), argument);
+  return live_source([=](const Monitor& monitor) { return camera->next(monitor); });
 }
 
 GrowingFolder::GrowingFolder(const fs::path& folder, std::chrono::milliseconds rest)
     : folder_(folder), rest_for_(rest), changed_(fs::file_time_type::min()) {
   std::error_code error;
-  if (!fs::is_directory(folder, error)) throw gone(folder, "is no folder");
+  if (!fs::is_directory(folder, error)) throw gone(folder, "it is not a folder");
   // Before the folder is read for the first time, so that no file is missed in between.
   events_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (events_ < 0) return;
@@ -250,10 +210,10 @@ GrowingFolder::~GrowingFolder() {
   if (events_ >= 0) ::close(events_);
 }
 
-void GrowingFolder::look() {
+void GrowingFolder::read_folder() {
   const Clock::time_point now = Clock::now();
-  if (looked_ && now - *looked_ < kLookEvery) return;
-  looked_ = now;
+  if (read_at_ && now - *read_at_ < kReadEvery) return;
+  read_at_ = now;
   std::error_code error;
   const fs::file_time_type changed = fs::last_write_time(folder_, error);
   if (error) throw gone(folder_, error.message());
@@ -261,7 +221,7 @@ void GrowingFolder::look() {
   changed_ = changed;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (is_frame_name(name) && is_later(name)) waiting_.insert(name);
+    if (is_frame_name(name) && is_later(name)) pending_.insert(name);
   }
   if (error) throw gone(folder_, error.message());
 }
@@ -270,14 +230,14 @@ bool GrowingFolder::is_later(const std::string& name) const {
   return last_.empty() || natural_less(last_, name);
 }
 
-void GrowingFolder::take_event(const std::string& name, uint32_t event, const Monitor& monitor) {
+void GrowingFolder::handle_event(const std::string& name, uint32_t event, const Monitor& monitor) {
   if (!is_frame_name(name)) return;
   if (is_later(name)) {
-    waiting_.insert(name);
+    pending_.insert(name);
     if ((event & IN_MOVED_TO) != 0) renamed_.insert(name);
     if ((event & IN_CLOSE_WRITE) != 0) closed_.insert(name);
   } else if (natural_less(name, last_) && (event & IN_CLOSE_WRITE) == 0) {
-    warn(monitor, fmt::format("{}: came after {}, which was taken before, and is left out",
+    warn(monitor, fmt::format("{}: arrived after {}, which was already used, and is omitted",
                               (folder_ / name).string(), last_));
   }
 }
@@ -291,7 +251,7 @@ void GrowingFolder::read_events(const Monitor& monitor) {
       inotify_event event;
       std::memcpy(&event, buffer.data() + at, sizeof(event));
       at += static_cast<ssize_t>(sizeof(event));
-      if (event.len > 0) take_event(buffer.data() + at, event.mask, monitor);
+      if (event.len > 0) handle_event(buffer.data() + at, event.mask, monitor);
       at += event.len;
     }
   }
@@ -302,7 +262,7 @@ bool GrowingFolder::has_rested(const std::string& name) {
   const uintmax_t size = fs::file_size(folder_ / name, error);
   const Clock::time_point now = Clock::now();
   if (error) {  // it no longer exists
-    waiting_.erase(name);
+    pending_.erase(name);
     resting_.reset();
     return false;
   }
@@ -318,7 +278,7 @@ bool GrowingFolder::can_be_decoded(const std::string& name, const Monitor& monit
     closed_.erase(name);
     resting_.reset();
     if (std::exchange(incomplete_, name) != name)
-      warn(monitor, fmt::format("{}: is incomplete; waiting for the rest of it, or a later image",
+      warn(monitor, fmt::format("{}: is incomplete. Waiting for its rest or a later image",
                                 (folder_ / name).string()));
     return false;
   }
@@ -326,28 +286,24 @@ bool GrowingFolder::can_be_decoded(const std::string& name, const Monitor& monit
 }
 
 bool GrowingFolder::is_complete(const std::string& name, const Monitor& monitor) {
-  if (renamed_.contains(name) || waiting_.size() > 1) return true;
+  if (renamed_.contains(name) || pending_.size() > 1) return true;
   return (closed_.contains(name) || has_rested(name)) && can_be_decoded(name, monitor);
 }
 
-void GrowingFolder::wait() const {
-  pollfd events{events_, POLLIN, 0};  // poll ignores a negative descriptor
-  ::poll(&events, 1, kPatienceMs);
-}
-
 fs::path GrowingFolder::next(const Monitor& monitor) {
-  for (;; wait()) {
+  for (;;) {
     check_stop(monitor);
     read_events(monitor);
-    look();
-    if (waiting_.empty()) continue;
-    const std::string name = *waiting_.begin();
-    if (!is_complete(name, monitor)) continue;
-    waiting_.erase(name);
-    renamed_.erase(name);
-    closed_.erase(name);
-    last_ = name;
-    return folder_ / name;
+    read_folder();
+    if (!pending_.empty() && is_complete(*pending_.begin(), monitor)) {
+      last_ = *pending_.begin();
+      pending_.erase(last_);
+      renamed_.erase(last_);
+      closed_.erase(last_);
+      return folder_ / last_;
+    }
+    pollfd events{events_, POLLIN, 0};  // poll ignores a negative descriptor
+    ::poll(&events, 1, kMaxDelayMs);
   }
 }
 

@@ -29,12 +29,11 @@ struct LiveFrame {
   SequenceSource sequence() const;
 };
 
-class LiveSource {
- public:
-  virtual ~LiveSource() = default;
+/// A source of live frames.
+struct LiveSource {
   /// Waits for the next frame; nullopt at the end. Throws Error(interrupted) once the user wants to
   /// stop, and Error(input) for unreadable input.
-  virtual std::optional<LiveFrame> next(const Monitor& monitor) = 0;
+  std::function<std::optional<LiveFrame>(const Monitor& monitor)> next;
 };
 
 /// Opens a source. A folder has no end: first its existing files, then new ones (GrowingFolder). A
@@ -93,24 +92,23 @@ class GrowingFolder {
     Clock::time_point since;
   };
 
-  void look();
+  void read_folder();
   void read_events(const Monitor& monitor);
-  void take_event(const std::string& name, uint32_t event, const Monitor& monitor);
+  void handle_event(const std::string& name, uint32_t event, const Monitor& monitor);
   bool is_later(const std::string& name) const;
   bool has_rested(const std::string& name);
   bool can_be_decoded(const std::string& name, const Monitor& monitor);
   bool is_complete(const std::string& name, const Monitor& monitor);
-  void wait() const;
 
   std::filesystem::path folder_;
   Clock::duration rest_for_;
   int events_ = -1;  ///< events of the folder; -1: none
-  std::optional<Clock::time_point> looked_;
-  std::filesystem::file_time_type changed_;  ///< at the last check
-  std::set<std::string, NaturalLess> waiting_;
-  std::set<std::string> renamed_;  ///< pending names that were renamed into the folder
-  std::set<std::string> closed_;   ///< pending names whose writer closed them
-  std::string last_;               ///< the last returned name
+  std::optional<Clock::time_point> read_at_;
+  std::filesystem::file_time_type changed_;     ///< at the last check
+  std::set<std::string, NaturalLess> pending_;  ///< names that were not returned yet
+  std::set<std::string> renamed_;               ///< pending names that were renamed into the folder
+  std::set<std::string> closed_;                ///< pending names whose writer closed them
+  std::string last_;                            ///< the last returned name
   std::optional<Rest> resting_;
   std::string incomplete_;  ///< named in a warning
 };

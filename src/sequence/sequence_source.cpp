@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <map>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -23,16 +21,12 @@ constexpr std::array<std::string_view, 11> kImageExtensions = {
 constexpr std::array<std::string_view, 1> kArrayExtensions = {".npy"};
 constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
 
-std::string lower_extension(const fs::path& path) {
+template <size_t N>
+bool has_extension(const fs::path& path, const std::array<std::string_view, N>& extensions) {
   std::string extension = path.extension().string();
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
-template <size_t N>
-bool has_extension(const fs::path& path, const std::array<std::string_view, N>& extensions) {
-  return std::find(extensions.begin(), extensions.end(), lower_extension(path)) != extensions.end();
+  return std::ranges::find(extensions, extension) != extensions.end();
 }
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
@@ -53,10 +47,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-bool by_natural_name(const fs::path& a, const fs::path& b) {
-  return natural_less(a.filename().string(), b.filename().string());
-}
-
+// In natural order of their names, without hidden ones.
 std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(const fs::path&)) {
   std::vector<fs::path> found;
   std::error_code error;
@@ -65,7 +56,8 @@ std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(cons
   if (error)
     throw Error(ErrorKind::input,
                 fmt::format("{}: can't be read: {}", folder.string(), error.message()));
-  std::sort(found.begin(), found.end(), by_natural_name);
+  std::ranges::sort(found, natural_less,
+                    [](const fs::path& path) { return path.filename().string(); });
   return found;
 }
 
@@ -80,89 +72,46 @@ std::vector<fs::path> folder_files(const fs::path& folder) {
 
 bool is_array(const fs::path& path) { return has_extension(path, kArrayExtensions); }
 
-std::vector<fs::path> read_list(const fs::path& list) {
-  std::vector<fs::path> files;
+// The lines of a list of images, which need not exist.
+std::vector<std::string> read_list(const fs::path& list) {
+  std::vector<std::string> names;
   const MappedFile file(list);
   for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
     if (line.empty() || line.starts_with('#')) continue;
     if (line.find('\0') != std::string_view::npos)
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: is not a text file with one image path a line", list.string()));
-    files.push_back(list.parent_path() / fs::path(line));
+      throw Error(
+          ErrorKind::input,
+          fmt::format("{}: is not a text file with one image path per line", list.string()));
+    names.emplace_back(line);
   }
-  return files;
+  return names;
 }
 
-// Throws Error(input) if the sequence has changed since its times were read.
-std::vector<fs::path> selected_files(std::vector<fs::path> files,
-                                     const SequenceArgument& argument) {
-  const Selection& selection = argument.sequence.selection;
-  if (!selection.is_all() && selection.recorded_frames != files.size())
-    throw Error(
-        ErrorKind::input,
-        fmt::format("{}: had {} when their times were read, and has {} now", argument.path.string(),
-                    counted(selection.recorded_frames, "frame"), files.size()));
-  return selected(std::move(files), selection);
-}
-
-std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
-                                  const SequenceArgument& argument) {
+template <class Name>
+std::vector<Name> apply_range(const std::vector<Name>& all, const SequenceArgument& argument) {
   const FrameRange& range = argument.range;
   const uint64_t last = range.last.value_or(all.size());
   if (range.first >= all.size() || last > all.size())
     throw Error(ErrorKind::usage,
                 fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
                             counted(all.size(), "frame"), range_text(range)));
-  std::vector<fs::path> files;
+  std::vector<Name> names;
   for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
-    files.push_back(all[i]);
-  return files;
-}
-
-constexpr uint64_t kMostFrames = 10'000'000;
-
-bool is_list(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 3> kExtensions = {".txt", ".lst", ".csv"};
-  return std::ranges::find(kExtensions, path.extension().string()) != kExtensions.end();
-}
-
-std::vector<std::string> listed_names(const SequenceArgument& argument) {
-  const MappedFile file(argument.path);
-  std::vector<std::string> all;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text())))
-    if (!line.empty() && !line.starts_with('#')) all.emplace_back(line);
-  const uint64_t last = argument.range.last.value_or(all.size());
-  if (argument.range.first >= last || last > all.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has {}, and the range {} is none of it", argument.path.string(),
-                            counted(all.size(), "name"), range_text(argument.range)));
-  std::vector<std::string> names;
-  for (uint64_t i = argument.range.first; i < last; i += argument.range.step)
     names.push_back(all[i]);
   return names;
 }
 
 std::string_view file_name(std::string_view path) {
-  return path.substr(path.rfind('/') == std::string_view::npos ? 0 : path.rfind('/') + 1);
+  return path.substr(path.rfind('/') + 1);  // npos + 1 is 0
 }
 
 // The number of equal last components of two paths.
 size_t shared_components(std::string_view a, std::string_view b) {
   const auto left = split(a, '/');
   const auto right = split(b, '/');
-  size_t shared = 0;
-  while (shared < std::min(left.size(), right.size()) &&
-         left[left.size() - 1 - shared] == right[right.size() - 1 - shared])
-    ++shared;
-  return shared;
-}
-
-std::optional<size_t> parse_number(std::string_view text) {
-  uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || number >= kMostFrames)
-    return std::nullopt;
-  return number;
+  return static_cast<size_t>(
+      std::mismatch(left.rbegin(), left.rend(), right.rbegin(), right.rend()).first -
+      left.rbegin());
 }
 
 /// A name that can be extended until it differs from others.
@@ -252,10 +201,11 @@ std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arg
       if (group.size() == 1 && std::find(taken.begin(), taken.end(), text) == taken.end()) continue;
       is_unique = false;
       if (!distinguish(names, group))
-        throw Error(ErrorKind::usage,
-                    fmt::format("two training sequences are called {} and have the same path and "
-                                "range; give each only once",
-                                text));
+        throw Error(
+            ErrorKind::usage,
+            fmt::format("two training sequences are named {} and have the same path and range. "
+                        "Pass each only once",
+                        text));
     }
     if (is_unique) break;
   }
@@ -283,21 +233,21 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
     if (files.empty()) files = folder_files<kArrayExtensions>(path);
     if (files.empty())
       throw Error(ErrorKind::input,
-                  fmt::format("{}: the folder holds no images (sub-folders are not searched)",
+                  fmt::format("{}: the folder contains no images (subfolders are not searched)",
                               path.string()));
   } else if (has_extension(path, kListExtensions)) {
-    files = read_list(path);
+    for (const std::string& name : read_list(path)) files.push_back(path.parent_path() / name);
     if (files.empty())
       throw Error(ErrorKind::input, fmt::format("{}: the list names no images", path.string()));
     if (std::none_of(files.begin(), files.end(), is_there))
       throw Error(ErrorKind::input,
-                  fmt::format("{}: a list has one image path a line, and no line of this one names "
-                              "a file that is there (the first is {})",
+                  fmt::format("{}: is not a list with one image path per line: no line names an "
+                              "existing file (the first is {})",
                               path.string(), files.front().string()));
   } else if (has_extension(path, kImageExtensions)) {
     throw Error(
         ErrorKind::input,
-        fmt::format("{}: is a single image; give its folder, a list or a video", path.string()));
+        fmt::format("{}: is a single image. Pass its folder, a list or a video", path.string()));
   } else if (is_array(path)) {
     sequence.kind = SequenceKind::descriptors;
     sequence.files = {path};
@@ -307,7 +257,7 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
         ErrorKind::input,
         fmt::format(
             "{}: is neither a folder nor a regular file{}", path.string(),
-            fs::is_character_file(status) ? "; vpr-query follows a camera with --follow" : ""));
+            fs::is_character_file(status) ? ". To follow a camera, use vpr-query --follow" : ""));
   } else if (fs::is_empty(path, error)) {  // a file in /proc, which would never end, has size 0
     throw Error(ErrorKind::input, fmt::format("{}: is an empty file", path.string()));
   } else {
@@ -315,7 +265,14 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
     return sequence;
   }
   if (std::all_of(files.begin(), files.end(), is_array)) sequence.kind = SequenceKind::descriptors;
-  sequence.files = selected_files(apply_range(files, argument), argument);
+  files = apply_range(files, argument);
+  const Selection& selection = argument.sequence.selection;
+  if (!selection.is_all() && selection.recorded_frames != files.size())
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: had {} when their times were read, but now has {}", argument.path.string(),
+                    counted(selection.recorded_frames, "frame"), files.size()));
+  sequence.files = selected(std::move(files), selection);
   return sequence;
 }
 
@@ -328,17 +285,17 @@ std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
     arguments.push_back({path, {}});
   if (arguments.empty())
     throw Error(ErrorKind::input,
-                fmt::format("{}: has no sub-folders; each would be a sequence", folder.string()));
+                fmt::format("{}: has no subfolders with sequences", folder.string()));
   return arguments;
 }
 
 std::vector<std::string> frame_names(const SequenceArgument& argument) {
-  if (is_list(argument.path)) return listed_names(argument);
+  if (has_extension(argument.path, kListExtensions))
+    return apply_range(read_list(argument.path), argument);
   const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video || sequence.is_one_array())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: does not say what its frames are called; give a folder or a list",
-                            argument.path.string()));
+    throw Error(ErrorKind::usage, fmt::format("{}: has no names of frames. Pass a folder or a list",
+                                              argument.path.string()));
   std::vector<std::string> names;
   for (const auto& path : sequence.files) names.push_back(path.generic_string());
   return names;
@@ -357,7 +314,13 @@ std::optional<size_t> FrameNames::count() const {
 }
 
 std::optional<size_t> FrameNames::find(std::string_view path) const {
-  if (names_.empty()) return parse_number(path);
+  if (names_.empty()) {
+    constexpr size_t kMostFrames = 10'000'000;
+    size_t number = 0;
+    const auto [end, error] = std::from_chars(path.data(), path.data() + path.size(), number);
+    const bool is_number = error == std::errc{} && end == path.data() + path.size();
+    return is_number && number < kMostFrames ? std::optional(number) : std::nullopt;
+  }
   const auto found = by_file_name_.find(file_name(path));
   if (found == by_file_name_.end()) {
     const auto stem = by_stem_.find(file_name(path));

@@ -21,8 +21,8 @@ namespace vpr {
 struct SequenceArgument {
   std::filesystem::path path;
   FrameRange range;
-  std::string warp = {};   ///< applied once the frames are known (Selection); empty: none
-  uint64_t seed = 1;       ///< of the warp
+  std::string speed = {};  ///< applied once the frames are known (Selection); empty: none
+  uint64_t seed = 1;       ///< of the speed
   Sequence sequence = {};  ///< without frames; a selection refers to the range's frames
 };
 

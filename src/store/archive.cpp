@@ -6,7 +6,6 @@
 
 #include "base/checksum.h"
 #include "base/error.h"
-#include "base/json.h"
 #include "base/mapped_file.h"
 
 namespace vpr {
@@ -25,10 +24,6 @@ bool is_intact(std::string_view text) {
   const std::string_view content = text.substr(0, start);
   return text.substr(start) ==
          fmt::format("{}{}{}", kChecksumStart, checksum(content), kChecksumEnd);
-}
-
-std::string method_name(const Archive& archive) {
-  return manifest_text(archive, archive.manifest(), "method");
 }
 
 }  // namespace
@@ -84,7 +79,7 @@ Archive::Archive(fs::path path) : path_(std::move(path)), name_(path_.string()) 
   manifest_ = *json;
 }
 
-std::string Archive::fingerprint() const { return manifest_text(*this, manifest_, "checksum"); }
+std::string Archive::fingerprint() const { return fields(manifest_).text("checksum"); }
 
 void Archive::fail(std::string_view what) const {
   throw Error(ErrorKind::data, fmt::format(fmt::runtime(kDamageMessage), name_, what));
@@ -97,13 +92,13 @@ bool Archive::has(const std::string& name) const {
 
 void Archive::verify(const std::string& name, std::span<const std::byte> bytes) const {
   if (!has(name)) fail(fmt::format("it does not list {}", name));
-  const Json& entry = manifest_["files"][name];
-  const size_t size = manifest_count(*this, entry, "bytes");
+  const Fields entry = fields(manifest_["files"][name]);
+  const size_t size = entry.count("bytes", std::numeric_limits<size_t>::max());
   if (bytes.size() != size)
     throw Error(ErrorKind::data, fmt::format("{}/{}: expected {} bytes, found {}; the file is "
                                              "truncated or damaged, train it again",
                                              path_.string(), name, size, bytes.size()));
-  if (checksum(bytes) != manifest_text(*this, entry, "checksum"))
+  if (checksum(bytes) != entry.text("checksum"))
     throw Error(
         ErrorKind::data,
         fmt::format(
@@ -123,37 +118,16 @@ std::string Archive::text(const std::string& name) const {
   return std::string(file.text());
 }
 
-size_t manifest_count(const Archive& archive, const Json& object, const std::string& key) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_number_unsigned())
-    archive.fail(fmt::format("\"{}\" is not a number", key));
-  return found->get<size_t>();
-}
-
-std::string manifest_text(const Archive& archive, const Json& object, const std::string& key) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_string())
-    archive.fail(fmt::format("\"{}\" is not a string", key));
-  return found->get<std::string>();
-}
-
-const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_array())
-    archive.fail(fmt::format("\"{}\" is not a list", key));
-  return *found;
-}
-
 DatabaseFamily database_family(const std::filesystem::path& path) {
   const Archive archive(path);
-  const std::string name = method_name(archive);
+  const std::string name = archive.fields(archive.manifest()).text("method");
   if (const auto family = enum_value<DatabaseFamily>(name)) return *family;
   throw Error(ErrorKind::data,
               fmt::format("{}: is a database for {}, which is unknown", archive.name(), name));
 }
 
 void require_family(const Archive& archive, DatabaseFamily family) {
-  const std::string name = method_name(archive);
+  const std::string name = archive.fields(archive.manifest()).text("method");
   const std::string_view needed = enum_name(family);
   if (name != needed)
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, but one for {} is needed; "

@@ -84,13 +84,6 @@ class Archive {
   Json manifest_;
 };
 
-/// A non-negative integer of a manifest. Throws Error(data) through `archive` for other values.
-size_t manifest_count(const Archive& archive, const Json& object, const std::string& key);
-/// A string of a manifest; throws as manifest_count does.
-std::string manifest_text(const Archive& archive, const Json& object, const std::string& key);
-/// A list of a manifest; throws as manifest_count does.
-const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key);
-
 /// The family of methods that a database serves.
 enum class DatabaseFamily { sequences, fabmap };
 /// The names in manifests and of vpr-train.

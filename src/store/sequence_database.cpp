@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include <fmt/format.h>
 
@@ -18,13 +17,13 @@ namespace {
 
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
-constexpr const char* kSourcesFile = "kept.npy";  // selected frames of recordings
+constexpr const char* kSourcesFile = "selected_frames.npy";  // selected frames of recordings
 constexpr const char* kStatisticsFile = "statistics.npy";
 
 Json train_json(const TrainSequence& train) {
   Json own = {{"unreadable", train.sequence.unreadable}};
   if (train.typical_distance) own["typical_distance"] = *train.typical_distance;
-  if (train.half_width) own["half_width"] = *train.half_width;
+  if (train.exclusion_radius) own["exclusion_radius"] = *train.exclusion_radius;
   return sequence_json(train.sequence, own);
 }
 
@@ -35,55 +34,19 @@ double most_distance(const DescriptorShape& shape) {
       shape.element == ElementType::bits ? std::min(8 * shape.row_bytes(), kMost) : kMost);
 }
 
-// A number of a manifest, at most `most`, and above 0 or at least 0.
-double read_number(const Archive& archive, const Json& json, const std::string& key,
+// A number of at most `most`, and above 0 or at least 0.
+double read_number(const Fields& fields, const std::string& key,
                    double most = std::numeric_limits<double>::max(), bool may_be_zero = false) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_number())
-    archive.fail(fmt::format("\"{}\" is not a number", key));
-  const auto number = found->get<double>();
+  const Json& json = fields[key];
+  if (!json.is_number()) fields.fail(fmt::format("\"{}\" is not a number", key));
+  const auto number = json.get<double>();
   if (!(number >= 0 && number <= most) || (number == 0 && !may_be_zero))
-    archive.fail(fmt::format("\"{}\" is out of range", key));
+    fields.fail(fmt::format("\"{}\" is out of range", key));
   return number;
 }
 
-double read_typical_distance(const Archive& archive, const Json& json,
-                             const DescriptorShape& shape) {
-  return read_number(archive, json, "typical_distance", most_distance(shape), true);
-}
-
-size_t read_half_width(const Archive& archive, const Json& json, size_t frame_count) {
-  const size_t width = manifest_count(archive, json, "half_width");
-  if (width == 0 || width > frame_count) archive.fail("\"half_width\" is out of range");
-  return width;
-}
-
-Json thresholds_to_json(const ThresholdTable& table) {
-  Json closest = Json::array();
-  for (const auto& item : table.closest) {
-    if (!item) {
-      closest.push_back(nullptr);
-      continue;
-    }
-    closest.push_back({{"distance", item->score},
-                       {"window", item->window},
-                       {"other_sequence", item->other_sequence},
-                       {"other_window", item->other_window}});
-  }
-  return {
-      {"c_l", table.window_length}, {"safety_factor", table.safety_factor}, {"closest", closest}};
-}
-
-// One name per line, in the order of the codes.
-std::string frame_lines(const SequenceDatabase& database) {
-  std::string text;
-  for (const TrainSequence& train : database.sequences) {
-    for (std::string name : train.sequence.frame_names) {
-      std::replace(name.begin(), name.end(), '\n', ' ');
-      text += name + "\n";
-    }
-  }
-  return text;
+double read_typical_distance(const Fields& fields, const DescriptorShape& shape) {
+  return read_number(fields, "typical_distance", most_distance(shape), true);
 }
 
 // Pointers to the sequences of a database.
@@ -98,15 +61,16 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
                                           const DescriptorShape& shape) {
   std::vector<TrainSequence> sequences;
   auto first = frame_names.begin();
-  for (const Json& json : manifest_list(archive, archive.manifest(), "sequences")) {
-    TrainSequence train{
-        read_sequence(archive.fields(json), static_cast<uint64_t>(frame_names.end() - first))};
+  for (const Json& json : archive.fields(archive.manifest()).list("sequences")) {
+    const Fields fields = archive.fields(json);
+    TrainSequence train{read_sequence(fields, static_cast<uint64_t>(frame_names.end() - first))};
     Sequence& sequence = train.sequence;
     if (sequence.frames == 0) archive.fail("its frame counts do not match frames.txt");
     for (const TrainSequence& before : sequences)
       if (before.sequence.name == sequence.name) archive.fail("two sequences have the same name");
-    train.typical_distance = read_typical_distance(archive, json, shape);
-    train.half_width = read_half_width(archive, json, sequence.frames);
+    train.typical_distance = read_typical_distance(fields, shape);
+    train.exclusion_radius = fields.count("exclusion_radius", sequence.frames);
+    if (train.exclusion_radius == 0U) archive.fail("\"exclusion_radius\" is out of range");
     const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
     sequence.frame_names.assign(first, end);
     first = end;
@@ -121,110 +85,55 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
         const auto rows = array.values<int32_t>(1);
         return std::vector<int32_t>(rows.begin(), rows.end());
       },
-      [&] { archive.fail("kept.npy does not fit its sequences"); });
+      [&] { archive.fail("selected_frames.npy does not fit its sequences"); });
   return sequences;
 }
 
-std::optional<ClosestWindows> read_closest(const Archive& archive, const Json& json,
-                                           size_t window_length, size_t own,
-                                           const std::vector<TrainSequence>& sequences) {
-  if (json.is_null()) return std::nullopt;
-  const ClosestWindows closest{
-      static_cast<uint32_t>(std::min<size_t>(manifest_count(archive, json, "distance"), ~0U)),
-      manifest_count(archive, json, "window"), manifest_count(archive, json, "other_sequence"),
-      manifest_count(archive, json, "other_window")};
-  const auto fits = [&](size_t sequence, size_t window) {
-    return sequence < sequences.size() && window_length <= sequences[sequence].sequence.frames &&
-           window <= sequences[sequence].sequence.frames - window_length;
-  };
-  if (!fits(own, closest.window) || !fits(closest.other_sequence, closest.other_window))
-    archive.fail("a closest pair of windows is out of range");
-  return closest;
-}
-
-std::vector<ThresholdTable> read_thresholds(const Archive& archive,
+std::vector<ThresholdTable> read_thresholds(const Fields& manifest,
                                             const std::vector<TrainSequence>& sequences) {
   std::vector<ThresholdTable> tables;
-  for (const Json& json : manifest_list(archive, archive.manifest(), "thresholds")) {
-    ThresholdTable& table = tables.emplace_back();
-    table.window_length = manifest_count(archive, json, "c_l");
-    table.safety_factor = read_number(archive, json, "safety_factor", 1e6);
-    for (const Json& item : manifest_list(archive, json, "closest"))
-      table.closest.push_back(
-          read_closest(archive, item, table.window_length, table.closest.size(), sequences));
+  fields_from_json(manifest["thresholds"], tables, manifest, "thresholds");
+  for (const ThresholdTable& table : tables) {
+    const auto fits = [&](size_t sequence, size_t window) {
+      return sequence < sequences.size() &&
+             table.window_length <= sequences[sequence].sequence.frames &&
+             window <= sequences[sequence].sequence.frames - table.window_length;
+    };
+    if (!(table.safety_factor > 0 && table.safety_factor <= 1e6))
+      manifest.fail("\"safety_factor\" is out of range");
     if (table.window_length == 0 || table.closest.size() != sequences.size())
-      archive.fail("its thresholds do not fit its sequences");
+      manifest.fail("its thresholds do not fit its sequences");
+    for (size_t s = 0; s < sequences.size(); ++s)
+      if (const auto& closest = table.closest[s];
+          closest &&
+          (!fits(s, closest->window) || !fits(closest->other_sequence, closest->other_window)))
+        manifest.fail("a closest pair of windows is out of range");
   }
   return tables;
 }
 
-std::vector<std::pair<size_t, size_t>> read_shared_places(const Archive& archive,
+std::vector<std::pair<size_t, size_t>> read_shared_places(const Fields& manifest,
                                                           size_t sequences) {
+  std::vector<std::vector<size_t>> lists;
+  fields_from_json(manifest["overlapping_sequences"], lists, manifest, "overlapping_sequences");
   std::vector<std::pair<size_t, size_t>> pairs;
-  for (const Json& item : manifest_list(archive, archive.manifest(), "shared_places")) {
-    if (!item.is_array() || item.size() != 2 || !item[0].is_number_unsigned() ||
-        !item[1].is_number_unsigned())
-      archive.fail("its \"shared_places\" are not pairs of sequences");
-    const std::pair pair(item[0].get<size_t>(), item[1].get<size_t>());
+  for (const std::vector<size_t>& list : lists) {
+    if (list.size() != 2) manifest.fail("its \"overlapping_sequences\" are not pairs of sequences");
+    const std::pair pair(list[0], list[1]);
     if (pair.first >= pair.second || pair.second >= sequences ||
         (!pairs.empty() && pair <= pairs.back()))
-      archive.fail("its \"shared_places\" are out of range or order");
+      manifest.fail("its \"overlapping_sequences\" are out of range or order");
     pairs.push_back(pair);
   }
   return pairs;
 }
 
-const DescriptorKind& read_kind(const Archive& archive) {
-  const std::string name = manifest_text(archive, archive.manifest(), "descriptor");
-  const DescriptorKind* kind = find_descriptor_kind(name);
-  if (kind == nullptr)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: its frames are described by {}, which this version does not support",
-                    archive.name(), name));
-  return *kind;
-}
-
-// The length in the manifest, for kinds with a length per database.
-size_t read_length(const Archive& archive, const DescriptorKind& kind) {
-  if (kind.shape.length != 0) return kind.shape.length;
-  const size_t length = manifest_count(archive, archive.manifest(), "length");
-  if (length == 0 || length > most_elements(kind.shape.element))
-    archive.fail("\"length\" is out of range");
-  return length;
-}
-
-NpyArray read_codes(const Archive& archive, size_t frame_count, const DescriptorShape& shape) {
-  NpyArray codes = archive.array(kCodesFile);
-  codes.values<uint8_t>(2);
-  if (codes.shape()[0] != frame_count || codes.shape()[1] != shape.row_bytes())
-    archive.fail(
-        fmt::format("codes.npy does not have one row of {} bytes per frame", shape.row_bytes()));
-  return codes;
-}
-
-Json statistics_to_json(const TrainStatistics& statistics) {
-  Json json = value_to_json(statistics.settings);
-  json["typical_distance"] = statistics.typical_distance;
-  return json;
-}
-
-// Bias and variance of every frame, interleaved.
-std::vector<float> statistics_rows(const TrainStatistics& statistics) {
-  std::vector<float> values;
-  for (size_t i = 0; i < statistics.bias.size(); ++i)
-    values.insert(values.end(), {statistics.bias[i], statistics.variance[i]});
-  return values;
-}
-
 TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
                                 const DescriptorShape& shape) {
-  const auto found = archive.manifest().find("statistics");
-  if (found == archive.manifest().end() || !found->is_object())
-    archive.fail("\"statistics\" is not an object");
-  Json json = *found;
+  const Fields fields = archive.fields(archive.manifest()).object("statistics");
+  Json json = fields.json();
   TrainStatistics statistics;
-  statistics.typical_distance = read_typical_distance(archive, json, shape);
+  statistics.typical_distance = read_typical_distance(fields, shape);
   json.erase("typical_distance");
   stored_settings_from_json({{"settings", json}}, statistics.settings, archive.name());
   const NpyArray rows = archive.array(kStatisticsFile);
@@ -249,22 +158,33 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   SequenceDatabase database;
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
-  const DescriptorKind& kind = read_kind(archive);
-  const DescriptorShape shape{kind.shape.element, read_length(archive, kind)};
+  const Fields manifest = archive.fields(archive.manifest());
+  const std::string descriptor = manifest.text("descriptor");
+  const DescriptorKind* kind = find_descriptor_kind(descriptor);
+  if (kind == nullptr)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: its frames are described by {}, which this version does not support",
+                    archive.name(), descriptor));
+  DescriptorShape shape = kind->shape;
+  if (shape.length == 0) shape.length = manifest.count("length", max_elements(shape.element));
+  if (shape.length == 0) archive.fail("\"length\" is out of range");
   const std::string names = archive.text(kFramesFile);
   auto frame_names = split(names, '\n');
   if (frame_names.back().empty()) frame_names.pop_back();  // after the end of the last line
   database.sequences = read_sequences(archive, frame_names, shape);
-  database.thresholds = read_thresholds(archive, database.sequences);
+  database.thresholds = read_thresholds(manifest, database.sequences);
   const size_t frames = frame_names.size();
+  NpyArray codes = archive.array(kCodesFile);
+  codes.values<uint8_t>(2);
+  if (codes.shape()[0] != frames || codes.shape()[1] != shape.row_bytes())
+    archive.fail(
+        fmt::format("codes.npy does not have one row of {} bytes per frame", shape.row_bytes()));
   const bool has_unit = shape.element == ElementType::points16;
-  database.descriptors = {&kind,
-                          {},
-                          read_codes(archive, frames, shape),
-                          shape.length,
-                          has_unit ? read_number(archive, archive.manifest(), "unit") : 0};
+  database.descriptors = {
+      kind, {}, std::move(codes), shape.length, has_unit ? read_number(manifest, "unit") : 0};
   database.statistics = read_statistics(archive, frames, shape);
-  database.shared_places = read_shared_places(archive, database.sequences.size());
+  database.overlapping_sequences = read_shared_places(manifest, database.sequences.size());
   return database;
 }
 
@@ -273,14 +193,23 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   const DescriptorRows rows = database.descriptors.rows();
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
   writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
-  writer.add_text(kFramesFile, frame_lines(database));
+  std::string names;  // one per line, in the order of the codes
+  for (const TrainSequence& train : database.sequences)
+    for (std::string name : train.sequence.frame_names) {
+      std::ranges::replace(name, '\n', ' ');
+      names += name + "\n";
+    }
+  writer.add_text(kFramesFile, names);
   const std::vector<int32_t> sources = source_rows(pointers_of(database.sequences));
   if (!sources.empty())
     writer.add_array(kSourcesFile, std::span<const int32_t>(sources), {sources.size()});
-  if (database.statistics)
-    writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
-                     {rows.size(), 2});
-  Json manifest = {{"schema", "vpr.database/1"},
+  if (const auto& statistics = database.statistics) {
+    std::vector<float> values;  // bias and variance of every frame, interleaved
+    for (size_t i = 0; i < statistics->bias.size(); ++i)
+      values.insert(values.end(), {statistics->bias[i], statistics->variance[i]});
+    writer.add_array(kStatisticsFile, std::span<const float>(values), {rows.size(), 2});
+  }
+  Json manifest = {{"schema", "vpr.database/3"},
                    {"method", enum_name(DatabaseFamily::sequences)},
                    {"descriptor", database.descriptors.kind->name}};
   if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
@@ -289,14 +218,16 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   manifest["sequences"] = Json::array();
   for (const TrainSequence& train : database.sequences)
     manifest["sequences"].push_back(train_json(train));
-  manifest["thresholds"] = Json::array();
-  for (const ThresholdTable& table : database.thresholds)
-    manifest["thresholds"].push_back(thresholds_to_json(table));
-  if (database.shared_places) {
-    manifest["shared_places"] = Json::array();
-    for (const auto& [a, b] : *database.shared_places) manifest["shared_places"].push_back({a, b});
+  manifest["thresholds"] = fields_to_json(database.thresholds);
+  if (database.overlapping_sequences) {
+    manifest["overlapping_sequences"] = Json::array();
+    for (const auto& [a, b] : *database.overlapping_sequences)
+      manifest["overlapping_sequences"].push_back({a, b});
   }
-  if (database.statistics) manifest["statistics"] = statistics_to_json(*database.statistics);
+  if (database.statistics) {
+    manifest["statistics"] = value_to_json(database.statistics->settings);
+    manifest["statistics"]["typical_distance"] = database.statistics->typical_distance;
+  }
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
   writer.finish(manifest);

@@ -25,7 +25,7 @@ struct TrainSequence {
   /// Mean distance of its frames, except between neighbors; unset before training.
   std::optional<double> typical_distance = std::nullopt;
   /// Frames farther apart show different places; unset before training.
-  std::optional<size_t> half_width = std::nullopt;
+  std::optional<size_t> exclusion_radius = std::nullopt;
 };
 
 /// The window of another training sequence that is closest to any window of this one. For a
@@ -38,6 +38,14 @@ struct ClosestWindows {
   size_t other_window = 0;
 };
 
+template <class Visitor>
+void visit_fields(ClosestWindows& closest, Visitor&& visit) {
+  visit("distance", closest.score);
+  visit("window", closest.window);
+  visit("other_sequence", closest.other_sequence);
+  visit("other_window", closest.other_window);
+}
+
 /// The basis of automatic thresholds for one window length. `closest` has one entry per training
 /// sequence, or none if there are no such windows.
 struct ThresholdTable {
@@ -45,6 +53,13 @@ struct ThresholdTable {
   double safety_factor = 1;
   std::vector<std::optional<ClosestWindows>> closest;
 };
+
+template <class Visitor>
+void visit_fields(ThresholdTable& table, Visitor&& visit) {
+  visit("c_l", table.window_length);
+  visit("safety_factor", table.safety_factor);
+  visit("closest", table.closest);
+}
 
 /// The content of a database folder: all training data of the sequence methods.
 struct SequenceDatabase {
@@ -54,7 +69,7 @@ struct SequenceDatabase {
   std::vector<ThresholdTable> thresholds;
   std::optional<TrainStatistics> statistics;  ///< unset before training
   /// Pairs of sequences that show the same place, a < b, increasing; unset before training.
-  std::optional<std::vector<std::pair<size_t, size_t>>> shared_places;
+  std::optional<std::vector<std::pair<size_t, size_t>>> overlapping_sequences;
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 

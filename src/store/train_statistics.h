@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "describe/descriptor_rows.h"
 
 namespace vpr {
@@ -27,7 +28,7 @@ struct TrainComponents {
   /// multiples of 2^-20.
   std::vector<ComponentValues> weights;
   /// Multiplier from a component of a frame to the amount subtracted from the distances of the
-  /// frame, in the units of CommonPart::weights.
+  /// frame, in the units of ComponentTerm::weights.
   ComponentValues factor = {};
   /// The loading of each training frame on each component, from -127 to 127, by component, then by
   /// training frame.
@@ -51,13 +52,7 @@ struct StatisticsSettings {
   bool operator==(const StatisticsSettings&) const = default;
 };
 
-template <class Visitor>
-void visit_fields(StatisticsSettings& settings, Visitor&& visit) {
-  visit("neighbor_frames", settings.neighbor_frames);
-  visit("neighbor_share", settings.neighbor_share);
-  visit("samples", settings.samples);
-  visit("seed", settings.seed);
-}
+VPR_FIELDS(StatisticsSettings, neighbor_frames, neighbor_share, samples, seed)
 
 /// Distance statistics of each training frame to the rest of the training data: the initial values
 /// of z-scores. One entry per training frame of the database, in the order of its codes.

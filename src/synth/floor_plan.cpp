@@ -15,7 +15,11 @@ struct Step {
   int row;
 };
 
-constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+// By side: to the cell behind it, along its walls, and from the lower left corner of the cell to
+// the left end of the side, seen from the cell.
+constexpr std::array<Step, 4> kAcross = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+constexpr std::array<Step, 4> kAlong = {{{0, -1}, {1, 0}, {0, 1}, {-1, 0}}};
+constexpr std::array<Step, 4> kStart = {{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
 
 int cell(double meters) { return static_cast<int>(std::lround(meters / kPlanCellM)); }
 
@@ -28,7 +32,7 @@ uint8_t open_at(const FloorPlan& plan, int column, int row) {
   return inside ? plan.open[cell_index(plan, column, row)] : 0;
 }
 
-// A border of solid cells, so that every ray ends.
+// The walkable cells, in a border of solid cells, so that every ray ends.
 void lay_grid(const Floor& floor, FloorPlan& plan) {
   double left = std::numeric_limits<double>::max(), bottom = left, right = -left, top = -left;
   for (const Room& room : floor.rooms) {
@@ -41,9 +45,6 @@ void lay_grid(const Floor& floor, FloorPlan& plan) {
   plan.columns = cell(right - left) + 2;
   plan.rows = cell(top - bottom) + 2;
   plan.open.assign(static_cast<size_t>(plan.columns) * static_cast<size_t>(plan.rows), 0);
-}
-
-void open_rooms(const Floor& floor, FloorPlan& plan) {
   for (const Room& room : floor.rooms)
     for (int row = 0; row < cell(room.depth); ++row)
       for (int column = 0; column < cell(room.width); ++column) {
@@ -51,69 +52,48 @@ void open_rooms(const Floor& floor, FloorPlan& plan) {
                                              cell(room.y - plan.origin.y) + row)];
         open = std::max<uint8_t>(open, room.kind == RoomKind::hall ? 2 : 1);
       }
-}
-
-void place_pillars(const Floor& floor, FloorPlan& plan) {
   for (const Pillar& pillar : floor.pillars)
     plan.open[cell_index(plan, cell(pillar.x - plan.origin.x), cell(pillar.y - plan.origin.y))] = 0;
 }
 
-double distance_to_line(Point p, const GlassFront& line) {
-  const double dx = line.to_x - line.from_x, dy = line.to_y - line.from_y;
-  const double length = dx * dx + dy * dy;
-  const double t =
-      length == 0
-          ? 0
-          : std::clamp(((p.x - line.from_x) * dx + (p.y - line.from_y) * dy) / length, 0.0, 1.0);
-  return distance(p, {line.from_x + t * dx, line.from_y + t * dy});
-}
-
-bool is_glass(const Floor& floor, Point middle) {
+bool is_glass(const Floor& floor, Point p) {
   return std::any_of(floor.glass.begin(), floor.glass.end(), [&](const GlassFront& line) {
-    return distance_to_line(middle, line) < kPlanCellM / 2;
+    const double dx = line.to_x - line.from_x, dy = line.to_y - line.from_y;
+    const double square = dx * dx + dy * dy;
+    const double along = (p.x - line.from_x) * dx + (p.y - line.from_y) * dy;
+    const double t = square == 0 ? 0 : std::clamp(along / square, 0.0, 1.0);
+    return distance(p, {line.from_x + t * dx, line.from_y + t * dy}) < kPlanCellM / 2;
   });
 }
 
-// The left corner of a face, seen from the open cell.
-Point face_start(const FloorPlan& plan, int column, int row, Side side) {
-  const Point corner{plan.origin.x + column * kPlanCellM, plan.origin.y + row * kPlanCellM};
-  switch (side) {
-    case Side::right:
-      return {corner.x + kPlanCellM, corner.y + kPlanCellM};
-    case Side::up:
-      return {corner.x, corner.y + kPlanCellM};
-    case Side::left:
-      return corner;
-    case Side::down:
-      break;
-  }
-  return {corner.x + kPlanCellM, corner.y};
+// The piece of wall at a side of a cell, as a wall of its own; nullopt if there is none.
+std::optional<Wall> find_face(const Floor& floor, const FloorPlan& plan, int column, int row,
+                              Side side) {
+  const Step& across = kAcross[static_cast<size_t>(side)];
+  if (open_at(plan, column, row) == 0 ||
+      open_at(plan, column + across.column, row + across.row) != 0)
+    return std::nullopt;
+  const Step& start = kStart[static_cast<size_t>(side)];
+  Wall face{{plan.origin.x + column * kPlanCellM + start.column * kPlanCellM,
+             plan.origin.y + row * kPlanCellM + start.row * kPlanCellM},
+            side,
+            kPlanCellM};
+  face.is_glass = is_glass(floor, face.at(kPlanCellM / 2));
+  return face;
 }
 
-bool is_face(const FloorPlan& plan, int column, int row, Side side) {
-  const Step& step = kSteps[static_cast<size_t>(side)];
-  return open_at(plan, column, row) != 0 &&
-         open_at(plan, column + step.column, row + step.row) == 0;
-}
-
-bool face_is_glass(const Floor& floor, const FloorPlan& plan, int column, int row, Side side) {
-  const Point start = face_start(plan, column, row, side), way = wall_direction(side);
-  return is_glass(floor, {start.x + way.x * kPlanCellM / 2, start.y + way.y * kPlanCellM / 2});
-}
-
-// Follows the wall to the right, from a face without a wall that is the beginning of one.
-void trace_wall(const Floor& floor, FloorPlan& plan, int column, int row, Side side) {
-  const Point way = wall_direction(side);
-  const auto dc = static_cast<int>(way.x), dr = static_cast<int>(way.y);
-  Wall wall{face_start(plan, column, row, side), side, 0,
-            face_is_glass(floor, plan, column, row, side), false};
-  while (is_face(plan, column, row, side) &&
-         face_is_glass(floor, plan, column, row, side) == wall.is_glass) {
-    plan.wall_of[cell_index(plan, column, row) * 4 + static_cast<size_t>(side)] =
+// Follows the wall to the right from its first face.
+void trace_wall(const Floor& floor, FloorPlan& plan, int column, int row, Wall wall) {
+  const Step& along = kAlong[static_cast<size_t>(wall.side)];
+  wall.length_m = 0;
+  for (auto face = find_face(floor, plan, column, row, wall.side);
+       face && face->is_glass == wall.is_glass;
+       face = find_face(floor, plan, column, row, wall.side)) {
+    plan.wall_of[cell_index(plan, column, row) * 4 + static_cast<size_t>(wall.side)] =
         static_cast<int32_t>(plan.walls.size());
     wall.length_m += kPlanCellM;
-    column += dc;
-    row += dr;
+    column += along.column;
+    row += along.row;
   }
   wall.is_pillar = wall.length_m <= kPlanCellM && !wall.is_glass;
   plan.walls.push_back(wall);
@@ -122,16 +102,14 @@ void trace_wall(const Floor& floor, FloorPlan& plan, int column, int row, Side s
 void trace_walls(const Floor& floor, FloorPlan& plan) {
   plan.wall_of.assign(plan.open.size() * 4, -1);
   for (const Side side : {Side::right, Side::up, Side::left, Side::down}) {
-    const Point way = wall_direction(side);
+    const Step& along = kAlong[static_cast<size_t>(side)];
     for (int row = 0; row < plan.rows; ++row)
       for (int column = 0; column < plan.columns; ++column) {
-        if (!is_face(plan, column, row, side)) continue;
-        const int before_column = column - static_cast<int>(way.x);
-        const int before_row = row - static_cast<int>(way.y);
-        const bool starts = !is_face(plan, before_column, before_row, side) ||
-                            face_is_glass(floor, plan, before_column, before_row, side) !=
-                                face_is_glass(floor, plan, column, row, side);
-        if (starts) trace_wall(floor, plan, column, row, side);
+        const auto face = find_face(floor, plan, column, row, side);
+        if (!face) continue;
+        const auto before = find_face(floor, plan, column - along.column, row - along.row, side);
+        if (!before || before->is_glass != face->is_glass)
+          trace_wall(floor, plan, column, row, *face);
       }
   }
 }
@@ -154,11 +132,6 @@ void hang_lamps(const Floor& floor, FloorPlan& plan) {
   }
 }
 
-double along(const Wall& wall, Point point) {
-  const Point way = wall_direction(wall.side);
-  return (point.x - wall.start.x) * way.x + (point.y - wall.start.y) * way.y;
-}
-
 }  // namespace
 
 double distance(Point a, Point b) {
@@ -166,18 +139,15 @@ double distance(Point a, Point b) {
   return std::sqrt(dx * dx + dy * dy);
 }
 
-Point wall_direction(Side side) {
-  switch (side) {
-    case Side::right:
-      return {0, -1};
-    case Side::up:
-      return {1, 0};
-    case Side::left:
-      return {0, 1};
-    case Side::down:
-      break;
-  }
-  return {-1, 0};
+Point Wall::direction() const {
+  const Step& along = kAlong[static_cast<size_t>(side)];
+  return {static_cast<double>(along.column), static_cast<double>(along.row)};
+}
+
+Point Wall::at(double along_m, double inward_m) const {
+  const Point way = direction();
+  return {start.x + way.x * along_m + way.y * inward_m,
+          start.y + way.y * along_m - way.x * inward_m};
 }
 
 bool FloorPlan::is_open(Point point) const {
@@ -188,8 +158,6 @@ bool FloorPlan::is_open(Point point) const {
 FloorPlan make_floor_plan(const Floor& floor) {
   FloorPlan plan;
   lay_grid(floor, plan);
-  open_rooms(floor, plan);
-  place_pillars(floor, plan);
   trace_walls(floor, plan);
   hang_lamps(floor, plan);
   return plan;
@@ -209,13 +177,16 @@ std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point directi
   while (true) {
     const bool in_x = next_x < next_y;
     const Side side = in_x ? (dx > 0 ? Side::right : Side::left) : (dy > 0 ? Side::up : Side::down);
-    const Step& step = kSteps[static_cast<size_t>(side)];
+    const Step& step = kAcross[static_cast<size_t>(side)];
     const double distance = in_x ? next_x : next_y;
     if (open_at(plan, column + step.column, row + step.row) == 0) {
-      const int32_t wall =
+      const int32_t index =
           plan.wall_of[cell_index(plan, column, row) * 4 + static_cast<size_t>(side)];
+      const Wall& wall = plan.walls[static_cast<size_t>(index)];
       const Point hit{from.x + distance * direction.x, from.y + distance * direction.y};
-      return WallHit{distance, wall, along(plan.walls[static_cast<size_t>(wall)], hit)};
+      const Point way = wall.direction();
+      return WallHit{distance, index,
+                     (hit.x - wall.start.x) * way.x + (hit.y - wall.start.y) * way.y};
     }
     column += step.column;
     row += step.row;

@@ -1,6 +1,7 @@
 // A floor plan as a grid of open and solid cells, its walls, and ray casting.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -29,10 +30,12 @@ struct Wall {
   double length_m = 0;
   bool is_glass = false;
   bool is_pillar = false;
-};
 
-/// The direction of `along` on a wall at `side`: to the right, seen from the room.
-Point wall_direction(Side side);
+  /// Unit vector from the left end to the right end, seen from the room.
+  Point direction() const;
+  /// The point at this distance from the left end, and from the wall into the room.
+  Point at(double along_m, double inward_m = 0) const;
+};
 
 /// A lamp on the ceiling.
 struct Lamp {

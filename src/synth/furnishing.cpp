@@ -1,5 +1,4 @@
-#include "synth/furnishing.h"
-
+// Objects on the walls: doors, boards, posters, lockers, radiators, windows.
 #include <algorithm>
 #include <array>
 
@@ -11,8 +10,6 @@
 
 namespace vpr {
 namespace {
-
-constexpr double kDaylight = 255;
 
 void paint_sheet(WallBrush& brush, double x, double bottom, double width, double height) {
   RandomEngine& chance_of = brush.detail;
@@ -97,25 +94,24 @@ void leave_things(WallBrush& brush) {
 }
 
 void paint_door(WallBrush& brush, double x) {
-  constexpr double kWidth = kDoorWidthM, kHeight = kDoorHeightM;
   const std::array<cv::Scalar, 4> woods = {color(75, 115, 160), color(60, 85, 115),
                                            color(165, 170, 172), color(125, 95, 70)};
   const cv::Scalar& wood = woods[uniform_below(brush.style, woods.size())];
-  brush.fill_framed(x - 0.07, 0, kWidth + 0.14, kHeight + 0.07, wood, darker(wood, 0.55), 0.06);
-  brush.fill(x, 0, kWidth, kHeight, wood);
-  cv::Mat leaf = brush.picture(brush.area(x, 0, kWidth, kHeight) &
-                               cv::Rect(0, 0, brush.picture.cols, brush.picture.rows));
+  brush.fill_framed(x - 0.07, 0, kDoorWidthM + 0.14, kDoorHeightM + 0.07, wood, darker(wood, 0.55),
+                    0.06);
+  brush.fill(x, 0, kDoorWidthM, kDoorHeightM, wood);
+  cv::Mat leaf = brush.part(x, 0, kDoorWidthM, kDoorHeightM);
   for (int i = 0; i < 40 && leaf.cols > 0; ++i) {  // grain
     const int at = static_cast<int>(uniform_below(brush.detail, static_cast<uint64_t>(leaf.cols)));
     cv::line(leaf, {at, 0}, {at, leaf.rows}, darker(wood, between(brush.detail, 0.85, 1.06)));
   }
   if (chance(brush.style, 0.4))
     brush.fill_framed(x + 0.3, 1.25, 0.35, 0.6, color(120, 110, 95), darker(wood, 0.7), 0.03);
-  brush.fill(x + 0.02, 0, kWidth - 0.04, 0.2, darker(wood, 0.75));
-  const double handle = chance(brush.style, 0.5) ? x + 0.07 : x + kWidth - 0.19;
+  brush.fill(x + 0.02, 0, kDoorWidthM - 0.04, 0.2, darker(wood, 0.75));
+  const double handle = chance(brush.style, 0.5) ? x + 0.07 : x + kDoorWidthM - 0.19;
   brush.fill(handle, 0.98, 0.12, 0.025, color(200, 200, 200));
   brush.fill(handle + 0.04, 0.9, 0.04, 0.18, color(140, 145, 145));
-  const double sign = x + kWidth + 0.12;
+  const double sign = x + kDoorWidthM + 0.12;
   brush.fill_framed(sign, 1.5, 0.26, 0.2, color(230, 235, 235), color(120, 100, 60), 0.012);
   brush.put_text(sign + 0.03, 1.6, 0.06, fmt::format("{}", 100 + uniform_below(brush.detail, 300)),
                  color(30, 30, 30), 1);
@@ -151,26 +147,22 @@ void paint_radiator(WallBrush& brush, double x, double width) {
 
 // The view outside in daylight: sky, houses or trees, ground.
 void paint_view(WallBrush& brush, double x, double bottom, double width, double height) {
-  const auto shine = [](double b, double g, double r) { return cv::Scalar(b, g, r, kDaylight); };
-  brush.fill(x, bottom, width, height, shine(250, 240, 225));
+  brush.fill(x, bottom, width, height, opaque(250, 240, 225));
   const double skyline = std::clamp(1.5 - bottom, 0.0, height);
-  if (skyline > 0) brush.fill(x, bottom, width, skyline, shine(110, 150, 130));
-  cv::Mat& picture = brush.picture;
-  const cv::Rect pane =
-      brush.area(x, bottom, width, height) & cv::Rect(0, 0, picture.cols, picture.rows);
-  if (pane.empty()) return;
-  cv::Mat view = picture(pane);
-  const int horizon = pane.height - wall_texels(skyline);
+  if (skyline > 0) brush.fill(x, bottom, width, skyline, opaque(110, 150, 130));
+  cv::Mat view = brush.part(x, bottom, width, height);
+  if (view.empty()) return;
+  const int horizon = view.rows - wall_texels(skyline);
   for (int i = 0; i < static_cast<int>(width * 5) + 2; ++i) {
-    const int at = static_cast<int>(between(brush.detail, 0, pane.width));
+    const int at = static_cast<int>(between(brush.detail, 0, view.cols));
     const int size = wall_texels(between(brush.detail, 0.08, 0.35));
     const double shade = between(brush.detail, 70, 170);
     if (chance(brush.detail, 0.6)) {
-      cv::circle(view, {at, horizon - size / 2}, size, shine(shade * 0.6, shade, shade * 0.8),
+      cv::circle(view, {at, horizon - size / 2}, size, opaque(shade * 0.6, shade, shade * 0.8),
                  cv::FILLED, cv::LINE_AA);
     } else {
       cv::rectangle(view, cv::Rect(at, horizon - size, 2 * size, size),
-                    shine(shade, shade * 1.05, shade * 1.15), cv::FILLED);
+                    opaque(shade, shade * 1.05, shade * 1.15), cv::FILLED);
     }
   }
 }

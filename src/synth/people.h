@@ -4,7 +4,6 @@
 #include <array>
 #include <vector>
 
-#include "base/random.h"
 #include "synth/surfaces.h"
 #include "synth/walking.h"
 
@@ -15,17 +14,17 @@ inline constexpr double kFigureWidthM = 0.8;
 inline constexpr double kFigureHeightM = 1.9;  ///< of the image; people are slightly smaller
 
 /// The images of one person: standing, and two halves of a step.
-struct Looks {
+struct PersonImages {
   std::array<Texture, 3> postures;
 };
 
 /// A set of people, the same for all walks of a world.
-std::vector<Looks> make_cast(uint64_t seed);
+std::vector<PersonImages> make_people(uint64_t seed);
 
-/// A person at one moment: position, index in the cast, and posture.
+/// A person at one moment: position, index of the images, and posture.
 struct Figure {
   Point position;
-  size_t looks = 0;
+  size_t person = 0;
   size_t posture = 0;
 };
 
@@ -33,7 +32,7 @@ struct Figure {
 class Crowd {
  public:
   Crowd(const World& world, const Walk& walk, const FloorPlan& plan,
-        const std::vector<CameraPose>& poses, size_t cast_size);
+        const std::vector<CameraPose>& poses, size_t people_count);
   /// All visible people at a time of the walk, in seconds.
   std::vector<Figure> at(double time_s) const;
 
@@ -41,27 +40,21 @@ class Crowd {
   // Along the path; across it; or ahead of the camera, at its speed.
   enum class Motion { along, crosses, leads };
   struct Member {
-    double way_m = 0;      // position on the path at time 0; leads: distance ahead of the camera
+    double path_m = 0;     // position on the path at time 0; leads: distance ahead of the camera
     double speed_m_s = 0;  // along the path; 0: stands
     double aside_m = 0;    // offset to the left of the path
-    size_t looks = 0;
+    size_t person = 0;
     Motion motion = Motion::along;
     double from_s = 0;  // leads: start of visibility
     double to_s = 0;    // leads: its end; crosses: reaches the middle of the path at from_s
   };
 
-  void add_passers_by(RandomEngine& engine, const std::vector<CameraPose>& poses, size_t groups);
-  void add_standing(RandomEngine& engine, size_t groups);
-  void add_crossing(RandomEngine& engine, const std::vector<CameraPose>& poses, size_t groups);
-  void add_ahead(RandomEngine& engine, const std::vector<CameraPose>& poses, size_t groups);
-  double camera_way(double time_s) const;
   Member moved(const Member& member, double time_s) const;
 
   const FloorPlan& plan_;
   Path path_;
-  size_t cast_size_;
   std::vector<Member> members_;
-  std::vector<double> camera_ways_;  // of the frames
+  std::vector<double> camera_path_m_;  // of the frames
   double fps_;
 };
 

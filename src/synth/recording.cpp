@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
+#include <regex>
 #include <set>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -21,14 +17,6 @@
 
 namespace vpr {
 namespace {
-
-// The pose of a stationary camera for one view of a place.
-CameraPose view_pose(const WorldPlace& place, size_t view) {
-  CameraPose pose;
-  pose.position = {place.x, place.y};
-  pose.heading_deg = place.headings[view];
-  return pose;
-}
 
 // frame,time,x,y,heading,floor
 std::string poses_csv(const RecordedWalk& recorded) {
@@ -106,10 +94,9 @@ std::string plan_csv(const World& world) {
   std::string csv = "floor,x0,y0,x1,y1,kind\n";
   for (size_t i = 0; i < world.floors.size(); ++i)
     for (const Wall& wall : make_floor_plan(plan_floor(world, i)).walls) {
-      const Point way = wall_direction(wall.side);
+      const Point end = wall.at(wall.length_m);
       csv += fmt::format("{},{},{},{},{},{}\n", world.floors[i].name, wall.start.x, wall.start.y,
-                         wall.start.x + wall.length_m * way.x, wall.start.y + wall.length_m * way.y,
-                         wall.is_glass ? "glass" : "wall");
+                         end.x, end.y, wall.is_glass ? "glass" : "wall");
     }
   return csv;
 }
@@ -138,7 +125,7 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
 
 Json dataset_json(const World& world, const std::vector<RecordedWalk>& walks) {
   Json json = {
-      {"schema", "vpr.dataset/1"}, {"name", world.name}, {"fps", world.fps}, {"plan", "plan.csv"}};
+      {"schema", "vpr.dataset/3"}, {"name", world.name}, {"fps", world.fps}, {"plan", "plan.csv"}};
   for (const RecordedWalk& recorded : walks)
     if (recorded.walk->use == WalkUse::pretrain)
       for (const std::string& range : pretraining_ranges(world, recorded))
@@ -169,110 +156,76 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 92;
 
-std::string extension(const World& world) {
-  return world.format == FrameFormat::jpg ? ".jpg" : ".png";
-}
-
-void write_frame(const World& world, const cv::Mat& picture, const fs::path& path) {
-  std::vector<uint8_t> bytes;
-  cv::imencode(path.extension().string(), picture, bytes,
-               world.format == FrameFormat::jpg
-                   ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, kJpegQuality}
-                   : std::vector<int>{});
-  write_part(path, {std::as_bytes(std::span(bytes))});
-}
-
 /// The common inputs of all frames of a recording.
-struct Studio {
+struct RenderInputs {
   const World& world;
   Camera camera;
-  std::vector<Looks> cast;
+  std::vector<PersonImages> people;
   const Monitor& monitor;
   StepCounter& counter;
 };
 
-void render_walk(const Studio& studio, const Scene& scene, const RecordedWalk& recorded,
+// Writes a view to `path` without its extension; `noise` names the engine of the sensor noise.
+void render_frame(const RenderInputs& inputs, const View& view, const std::string& noise,
+                  const fs::path& path) {
+  const World& world = inputs.world;
+  const cv::Mat picture = render(inputs.camera, view, named_engine(world.seed, noise));
+  const std::string extension = fmt::format(".{}", enum_name(world.format));
+  std::vector<int> quality;
+  if (world.format == FrameFormat::jpg) quality = {cv::IMWRITE_JPEG_QUALITY, kJpegQuality};
+  std::vector<uint8_t> bytes;
+  cv::imencode(extension, picture, bytes, quality);
+  write_part(path.string() + extension, {std::as_bytes(std::span(bytes))});
+  inputs.counter.add();
+}
+
+void render_walk(const RenderInputs& inputs, const Scene& scene, const RecordedWalk& recorded,
                  const fs::path& folder) {
   const Walk& walk = *recorded.walk;
   make_part_folder(folder);
-  const Crowd crowd(studio.world, walk, scene.plan, recorded.poses, studio.cast.size());
-  parallel_for(recorded.poses.size(), studio.monitor, [&](size_t i) {
+  const Crowd crowd(inputs.world, walk, scene.plan, recorded.poses, inputs.people.size());
+  parallel_for(recorded.poses.size(), inputs.monitor, [&](size_t i) {
     const CameraPose& pose = recorded.poses[i];
-    const View view{scene, studio.cast,     crowd.at(pose.time_s),
-                    pose,  walk.conditions, metered_poses(studio.world, walk, recorded.poses, i)};
-    const cv::Mat picture =
-        render(studio.camera, view,
-               named_engine(studio.world.seed, fmt::format("noise/{}/{}", walk.name, i)));
-    write_frame(studio.world, picture, folder / fmt::format("{:05}{}", i, extension(studio.world)));
-    studio.counter.add();
+    render_frame(inputs,
+                 {scene, inputs.people, crowd.at(pose.time_s), pose, walk.conditions,
+                  metered_poses(inputs.world, walk, recorded.poses, i)},
+                 fmt::format("noise/{}/{}", walk.name, i), folder / fmt::format("{:05}", i));
   });
   write_part(folder / "poses.csv", poses_csv(recorded));
 }
 
-void render_views(const Studio& studio, const Scene& scene, const WorldPlace& place,
+void render_views(const RenderInputs& inputs, const Scene& scene, const WorldPlace& place,
                   const fs::path& folder) {
   make_part_folder(folder);
   for (size_t i = 0; i < place.headings.size(); ++i) {
-    const CameraPose held =
-        held_by(studio.world, fmt::format("view/{}/{}", place.name, i), view_pose(place, i));
-    const View view{scene, studio.cast, {}, held, Conditions(), {}};
-    const cv::Mat picture =
-        render(studio.camera, view,
-               named_engine(studio.world.seed, fmt::format("view/{}/{}", place.name, i)));
-    write_frame(studio.world, picture, folder / fmt::format("{}{}", i, extension(studio.world)));
-    studio.counter.add();
+    const std::string name = fmt::format("view/{}/{}", place.name, i);
+    CameraPose pose;
+    pose.position = {place.x, place.y};
+    pose.heading_deg = place.headings[i];
+    render_frame(inputs, {scene, inputs.people, {}, held_by(inputs.world, name, pose), {}, {}},
+                 name, folder / std::to_string(i));
   }
-}
-
-// The days on which a floor is recorded; views of places belong to day 0.
-std::set<uint64_t> days_of(const World& world, const std::string& floor) {
-  std::set<uint64_t> days;
-  for (const Walk& walk : world.walks)
-    if (walk.floor == floor) days.insert(walk.day);
-  for (const WorldPlace& place : world.places)
-    if (place.floor == floor) days.insert(0);
-  return days;
 }
 
 // Renders one day of a floor after the other, so that only one is in memory.
-void render_floor(const Studio& studio, size_t floor, const std::vector<RecordedWalk>& walks,
+void render_floor(const RenderInputs& inputs, size_t floor, const std::vector<RecordedWalk>& walks,
                   const fs::path& folder) {
-  const World& world = studio.world;
+  const World& world = inputs.world;
   const std::string& name = world.floors[floor].name;
-  for (const uint64_t day : days_of(world, name)) {
-    const Scene scene = make_scene(world, floor, studio.monitor, day);
+  std::set<uint64_t> days;
+  for (const Walk& walk : world.walks)
+    if (walk.floor == name) days.insert(walk.day);
+  for (const WorldPlace& place : world.places)
+    if (place.floor == name) days.insert(0);  // of the views of places
+  for (const uint64_t day : days) {
+    const Scene scene = make_scene(world, floor, inputs.monitor, day);
     for (const RecordedWalk& recorded : walks)
       if (recorded.walk->floor == name && recorded.walk->day == day)
-        render_walk(studio, scene, recorded, folder / recorded.walk->name);
+        render_walk(inputs, scene, recorded, folder / recorded.walk->name);
     if (day != 0) continue;
     for (const WorldPlace& place : world.places)
-      if (place.floor == name) render_views(studio, scene, place, folder / "places" / place.name);
+      if (place.floor == name) render_views(inputs, scene, place, folder / "places" / place.name);
   }
-}
-
-// Whether a folder holds only frames and `other`.
-bool holds_frames(const fs::path& folder, std::string_view other = "") {
-  return holds_only_files(folder, [&](const std::string& name) {
-    return name.ends_with(".jpg") || name.ends_with(".png") || name == other;
-  });
-}
-
-bool is_walk_folder(const fs::path& folder) {
-  std::error_code error;
-  return fs::is_regular_file(folder / "poses.csv", error) && holds_frames(folder, "poses.csv");
-}
-
-bool is_places_folder(const fs::path& folder) {
-  const auto places = entries_of(folder);
-  return std::all_of(places.begin(), places.end(), [](const fs::directory_entry& place) {
-    std::error_code error;
-    return place.is_directory(error) && holds_frames(place.path());
-  });
-}
-
-bool is_recording_text(const std::string& name) {
-  return name == "dataset.json" || name == "places.csv" || name == "plan.csv" ||
-         name.ends_with(".ground_truth.csv") || name.ends_with(".places.csv");
 }
 
 }  // namespace
@@ -313,30 +266,36 @@ RecordingSize write_recording(const World& world, const fs::path& folder, const 
   for (const RecordedWalk& recorded : walks) size.frames += recorded.poses.size();
   for (const WorldPlace& place : world.places) size.views += place.headings.size();
   StepCounter counter(monitor, "render", size.frames + size.views);
-  const Studio studio{world, make_camera(world), make_cast(world.seed), monitor, counter};
+  const RenderInputs inputs{world, make_camera(world), make_people(world.seed), monitor, counter};
   if (!world.places.empty()) make_part_folder(folder / "places");
   for (size_t floor = 0; floor < world.floors.size(); ++floor)
-    render_floor(studio, floor, walks, folder);
+    render_floor(inputs, floor, walks, folder);
   for (const auto& [name, text] : recording_texts(world, walks)) write_part(folder / name, text);
   return size;
 }
 
 bool is_recording_folder(const fs::path& folder) {
+  static const std::regex kFile(
+      R"((dataset\.json|(places|plan)\.csv|[^/]+\.(ground_truth|places)\.csv|)"
+      R"((?!places/)[^/]+/(poses\.csv|[^/]+\.(jpg|png))|places/[^/]+/[^/]+\.(jpg|png)))");
   std::error_code error;
-  for (const char* name : {"dataset.json", "plan.csv"})
-    if (!fs::is_regular_file(folder / name, error)) return false;
-  for (const fs::directory_entry& entry : entries_of(folder)) {
-    const std::string name = entry.path().filename().string();
-    const bool is_ours = !entry.is_directory(error) ? is_recording_text(name)
-                         : name == "places"         ? is_places_folder(entry.path())
-                                                    : is_walk_folder(entry.path());
-    if (!is_ours) return false;
-  }
-  return true;
+  const auto has_file = [&](const fs::path& path) { return fs::is_regular_file(path, error); };
+  if (!has_file(folder / "dataset.json") || !has_file(folder / "plan.csv")) return false;
+  const auto is_ours = [&](const fs::directory_entry& entry, int depth) {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    if (entry.is_symlink(error)) return false;
+    if (entry.is_regular_file(error)) return std::regex_match(name, kFile);
+    if (depth == 0) return name == "places" || has_file(entry.path() / "poses.csv");
+    return depth == 1 && name.starts_with("places/") && entry.is_directory(error);
+  };
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error))
+    if (!is_ours(*it, it.depth())) return false;
+  return !error;
 }
 
 Json recording_json(const World& world, const RecordingSize& size) {
-  return {{"schema", "vpr.world-info/1"},
+  return {{"schema", "vpr.world-info/3"},
           {"walks", world.walks.size()},
           {"frames", size.frames},
           {"places", world.places.size()},

@@ -39,7 +39,7 @@ struct RecordingSize {
   size_t views = 0;   ///< of places
 };
 
-/// The report about a rendered world (vpr.world-info/1).
+/// The report about a rendered world (vpr.world-info/3).
 Json recording_json(const World& world, const RecordingSize& size);
 
 /// Renders a world into an existing folder:
@@ -47,7 +47,7 @@ Json recording_json(const World& world, const RecordingSize& size);
 ///   places/PLACE/0.jpg ..., places.csv  place,view,x,y,heading,floor of every view of a place
 ///   plan.csv                            floor,x0,y0,x1,y1,kind of every wall
 ///   WALK.ground_truth.csv, WALK.places.csv  of every query, against training frames and places
-///   dataset.json                        all of it as vpr.dataset/1
+///   dataset.json                        all of it as vpr.dataset/3
 /// Returns the number of images. Byte-identical for a world, with any number of threads. Throws
 /// Error(usage) if a walk or a view is inside a wall, Error(output) if a file cannot be written.
 RecordingSize write_recording(const World& world, const std::filesystem::path& folder,

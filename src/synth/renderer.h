@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/random.h"
-#include "synth/camera.h"
 #include "synth/people.h"
 #include "synth/scene.h"
 
@@ -15,10 +14,20 @@ class Mat;
 
 namespace vpr {
 
+/// A pinhole camera: image size and focal length in pixels.
+struct Camera {
+  int width = 640;
+  int height = 480;
+  double focal_px = 493;
+};
+
+/// The camera of all sequences of a world. World::view_deg is the horizontal angle of view.
+Camera make_camera(const World& world);
+
 /// The visible world at one moment.
 struct View {
   const Scene& scene;
-  const std::vector<Looks>& cast;
+  const std::vector<PersonImages>& people;
   std::vector<Figure> figures;
   CameraPose pose;
   Conditions conditions;

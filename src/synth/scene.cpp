@@ -2,51 +2,171 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
-#include "synth/daylight.h"
-#include "synth/furnishing.h"
 #include "synth/surfaces.h"
 
 namespace vpr {
 namespace {
 
-constexpr int kAround = 4096;  // texels
-constexpr int kHigh = 1024;    // for tangents from 1 to -1
-constexpr int kHorizon = kHigh / 2;
-constexpr double kOpen = 255;  // daylight share of the outside
+/// One meter of glass, seen from the room.
+struct DaylightSource {
+  Point at;
+  Point inward;  ///< unit vector
+  double strength = 1;
+};
 
-cv::Scalar shine(double blue, double green, double red) { return {blue, green, red, kOpen}; }
+/// A floor on one day, as input of the painting functions.
+struct FloorDay {
+  const World& world;
+  size_t floor;
+  const Floor& planned;  ///< the floor that has the plan
+  const FloorNames& names;
+  const FloorPlan& plan;
+  const std::vector<Finish>& rooms;
+  std::vector<DaylightSource> daylight;
+  uint64_t day;
+};
 
-void paint_house(cv::Mat& picture, RandomEngine& engine) {
-  const int left = static_cast<int>(uniform_below(engine, kAround));
-  const int width = static_cast<int>(between(engine, 120, 420));
-  const int height = static_cast<int>(between(engine, 40, 190));
-  const double tone = between(engine, 70, 200);
-  const cv::Scalar front = shine(tone * between(engine, 0.8, 1), tone * 0.97, tone);
-  cv::rectangle(picture, cv::Rect(left, kHorizon - height, width, height + 30), front, cv::FILLED);
-  const double dark = between(engine, 0.35, 0.7);
-  for (int y = kHorizon - height + 12; y < kHorizon; y += 26)
-    for (int x = left + 10; x + 12 < left + width; x += 24)
-      cv::rectangle(picture, cv::Rect(x, y, 12, 15),
-                    shine(front[0] * dark, front[1] * dark, front[2] * dark), cv::FILLED);
+/// The light on the texels of a surface, and its daylight share.
+struct BakedLight {
+  cv::Mat light;     ///< CV_32F
+  cv::Mat daylight;  ///< CV_32F, empty without daylight
+};
+
+constexpr double kReachM = 14;
+constexpr double kInFrontM = 0.3;         // distance from the glass
+constexpr double kShareOfWindows = 0.35;  // of a wall with windows
+constexpr double kAmbientLight = 0.38;
+constexpr double kLampReachM = 8;
+constexpr double kLightStepM = 0.25;  // resolution of the baked light
+
+// The daylight at a point, in units of the light of lamps.
+double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
+  double light = 0;
+  for (const DaylightSource& source : sources) {
+    const double dx = point.x - source.at.x, dy = point.y - source.at.y;
+    const double square = dx * dx + dy * dy;
+    if (square > kReachM * kReachM) continue;
+    const double toward = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
+                          std::sqrt(square + kInFrontM * kInFrontM);
+    if (toward > 0 && can_see(plan, point, source.at))
+      light += source.strength * std::min(1.0, toward) / (1 + square);
+  }
+  return light;
 }
 
-void paint_tree(cv::Mat& picture, RandomEngine& engine) {
-  const int x = static_cast<int>(uniform_below(engine, kAround));
-  const int size = static_cast<int>(between(engine, 20, 85));
-  for (int i = 0; i < 14; ++i) {
-    const double shade = between(engine, 50, 130);
-    const int up = static_cast<int>(between(engine, 0, size));
-    const int aside = static_cast<int>(between(engine, -size, size));
-    const cv::Point leaf(x + aside, kHorizon - size / 2 - up);
-    cv::circle(picture, leaf, size / 3 + 2, shine(shade * 0.55, shade, shade * 0.75), cv::FILLED);
+double light_at(const FloorPlan& plan, Point point) {
+  double light = kAmbientLight;
+  for (const Lamp& lamp : plan.lamps) {
+    const double dx = lamp.at.x - point.x, dy = lamp.at.y - point.y, square = dx * dx + dy * dy;
+    if (square < kLampReachM * kLampReachM && can_see(plan, point, lamp.at))
+      light += lamp.power * 1.5 / (1.6 + square);
   }
+  return light;
+}
+
+uint8_t daylight_share(float daylight, float light) {
+  return static_cast<uint8_t>(std::min<double>(kGlassDaylight - 1, 255 * daylight / light));
+}
+
+BakedLight bake_along(const FloorDay& floor_day, const Wall& wall, int texels) {
+  const int steps = std::max(2, static_cast<int>(wall.length_m / kLightStepM));
+  const bool daylit = !floor_day.daylight.empty();
+  cv::Mat light(1, steps, CV_32F), daylight(1, steps, CV_32F, cv::Scalar(0));
+  for (int i = 0; i < steps; ++i) {
+    const double meters = (i + 0.5) * wall.length_m / steps;
+    const double corner = std::min(meters, wall.length_m - meters);
+    const Point p = wall.at(meters, 0.05);
+    double all = light_at(floor_day.plan, p);
+    if (daylit) {
+      daylight.at<float>(0, i) =
+          static_cast<float>(daylight_at(floor_day.plan, floor_day.daylight, p));
+      all += daylight.at<float>(0, i);
+    }
+    light.at<float>(0, i) = static_cast<float>(all * (1 - 0.25 * std::exp(-corner / 0.3)));
+  }
+  cv::resize(light, light, {texels, 1}, 0, 0, cv::INTER_LINEAR);
+  if (!daylit) return {light, {}};
+  cv::resize(daylight, daylight, {texels, 1}, 0, 0, cv::INTER_LINEAR);
+  return {light, daylight};
+}
+
+// All glass of a floor, scaled by variety.window_light; empty if that is 0.
+std::vector<DaylightSource> daylight_sources(const World& world, const FloorNames& names,
+                                             const FloorPlan& plan) {
+  std::vector<DaylightSource> sources;
+  if (world.variety.window_light == 0) return sources;
+  for (size_t i = 0; i < plan.walls.size(); ++i) {
+    const Wall& wall = plan.walls[i];
+    if (!wall.is_glass && !has_windows(world, names, plan, i)) continue;
+    const Point way = wall.direction(), inward{way.y, -way.x};
+    const double share = wall.is_glass ? 1 : kShareOfWindows;
+    const int pieces = std::max(1, static_cast<int>(wall.length_m));
+    for (int piece = 0; piece < pieces; ++piece) {
+      const double along = (piece + 0.5) * wall.length_m / pieces;
+      sources.push_back({wall.at(along, kInFrontM), inward,
+                         world.variety.window_light * share * wall.length_m / pieces});
+    }
+  }
+  return sources;
+}
+
+// Applies lamps and daylight to the image of a wall, with darker corners and less light near the
+// floor. Windows are light sources themselves.
+void light_wall(const FloorDay& floor_day, const Wall& wall, cv::Mat& picture) {
+  const BakedLight along = bake_along(floor_day, wall, picture.cols);
+  for (int y = 0; y < picture.rows; ++y) {
+    const double height = 1 - static_cast<double>(y) / picture.rows;
+    const double vertical = 0.74 + 0.32 * height - 0.2 * std::exp(-height / 0.04);
+    for (int x = 0; x < picture.cols; ++x) {
+      auto& texel = picture.at<cv::Vec4b>(y, x);
+      if (texel[3] != 0) continue;
+      const float light = along.light.at<float>(0, x);
+      for (int c = 0; c < 3; ++c)
+        texel[c] = cv::saturate_cast<uint8_t>(texel[c] * vertical * light);
+      if (!along.daylight.empty()) texel[3] = daylight_share(along.daylight.at<float>(0, x), light);
+    }
+  }
+}
+
+// The light on a floor plan, with a resolution of a quarter of a meter.
+BakedLight light_map(const FloorDay& floor_day, const Monitor& monitor) {
+  const FloorPlan& plan = floor_day.plan;
+  cv::Mat map(plan.rows * 2, plan.columns * 2, CV_32F, cv::Scalar(kAmbientLight));
+  cv::Mat daylight(map.size(), CV_32F, cv::Scalar(0));
+  parallel_for(static_cast<size_t>(map.rows), monitor, [&](size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < map.cols; ++x) {
+      const Point p{plan.origin.x + (x + 0.5) * kLightStepM,
+                    plan.origin.y + (y + 0.5) * kLightStepM};
+      if (!plan.is_open(p)) continue;
+      const double day = daylight_at(plan, floor_day.daylight, p);
+      daylight.at<float>(y, x) = static_cast<float>(day);
+      map.at<float>(y, x) = static_cast<float>(light_at(plan, p) + day);
+    }
+  });
+  return {map, floor_day.daylight.empty() ? cv::Mat() : daylight};
+}
+
+// Applies light, scaled by `factor`, to the image of a floor or ceiling.
+void shade(cv::Mat& picture, const BakedLight& baked, double factor) {
+  cv::Mat light, daylight;
+  cv::resize(baked.light, light, picture.size(), 0, 0, cv::INTER_LINEAR);
+  if (!baked.daylight.empty())
+    cv::resize(baked.daylight, daylight, picture.size(), 0, 0, cv::INTER_LINEAR);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
+      auto& texel = picture.at<cv::Vec4b>(y, x);
+      for (int c = 0; c < 3; ++c)
+        texel[c] = cv::saturate_cast<uint8_t>(texel[c] * light.at<float>(y, x) * factor);
+      if (!daylight.empty())
+        texel[3] = daylight_share(daylight.at<float>(y, x), light.at<float>(y, x));
+    }
 }
 
 // Similar floors and corridors have the same objects in the same slots.
@@ -70,9 +190,7 @@ RandomEngine slot_detail(const FloorDay& floor_day, size_t wall, int slot) {
 }
 
 bool is_in_hall(const FloorPlan& plan, const Wall& wall) {
-  const Point way = wall_direction(wall.side);
-  const Point inside{wall.start.x + way.x * 0.25 + way.y * 0.25,
-                     wall.start.y + way.y * 0.25 - way.x * 0.25};
+  const Point inside = wall.at(0.25, 0.25);
   const auto column = static_cast<size_t>((inside.x - plan.origin.x) / kPlanCellM);
   const auto row = static_cast<size_t>((inside.y - plan.origin.y) / kPlanCellM);
   return plan.open[row * static_cast<size_t>(plan.columns) + column] == 2;
@@ -80,10 +198,10 @@ bool is_in_hall(const FloorPlan& plan, const Wall& wall) {
 
 // The finishes of the rooms along a wall; bricks follow the room at its middle.
 void coat(const FloorDay& floor_day, const Wall& wall, WallBrush& brush) {
-  const Point way = wall_direction(wall.side);
-  const Point middle{wall.start.x + way.x * wall.length_m / 2 + way.y * 0.25,
-                     wall.start.y + way.y * wall.length_m / 2 - way.x * 0.25};
-  const Finish& most = floor_day.rooms[room_at(floor_day.planned, middle)];
+  const auto finish_at = [&](double along_m) -> const Finish& {
+    return floor_day.rooms[room_at(floor_day.planned, wall.at(along_m, 0.25))];
+  };
+  const Finish& most = finish_at(wall.length_m / 2);
   if (is_in_hall(floor_day.plan, wall) && most.brick_halls && !wall.is_pillar) {
     lay_bricks(brush, wall.length_m);
     return;
@@ -92,12 +210,8 @@ void coat(const FloorDay& floor_day, const Wall& wall, WallBrush& brush) {
     plaster(brush, most, 0, wall.length_m);
     return;
   }
-  for (double from = 0; from < wall.length_m; from += kPlanCellM) {
-    const double here = from + kPlanCellM / 2;
-    const Point inside{wall.start.x + way.x * here + way.y * 0.25,
-                       wall.start.y + way.y * here - way.x * 0.25};
-    plaster(brush, floor_day.rooms[room_at(floor_day.planned, inside)], from, from + kPlanCellM);
-  }
+  for (double from = 0; from < wall.length_m; from += kPlanCellM)
+    plaster(brush, finish_at(from + kPlanCellM / 2), from, from + kPlanCellM);
 }
 
 // Furnishes a wall slot by slot, including the changes of this day.
@@ -152,37 +266,22 @@ cv::Mat plan_picture(const FloorPlan& plan) {
   return cv::Mat(plan.rows * cell, plan.columns * cell, CV_8UC4, cv::Scalar(0));
 }
 
-cv::Rect room_on_plan(const Room& room, const FloorPlan& plan) {
+// Calls paint(finish, part of the image) for every room with its own finish: corridors first, halls
+// over them.
+template <class Painter>
+void for_rooms(const FloorDay& floor_day, Painter&& paint) {
+  if (floor_day.world.variety.finishes == 0) return;
   const auto texels = [](double meters) {
     return static_cast<int>(std::lround(meters * kPlanTexelsPerMeter));
   };
-  return {texels(room.x - plan.origin.x), texels(room.y - plan.origin.y), texels(room.width),
-          texels(room.depth)};
-}
-
-// Calls `paint` for every room with its own finish: corridors first, halls over them.
-template <class Painter>
-void for_rooms(const FloorDay& floor_day, cv::Mat& picture, Painter&& paint) {
-  if (floor_day.world.variety.finishes == 0) return;
   for (const RoomKind kind : {RoomKind::corridor, RoomKind::hall})
     for (size_t i = 0; i < floor_day.planned.rooms.size(); ++i) {
       const Room& room = floor_day.planned.rooms[i];
-      if (room.kind == kind) paint(floor_day.rooms[i], picture, room_on_plan(room, floor_day.plan));
+      if (room.kind != kind) continue;
+      paint(floor_day.rooms[i], cv::Rect(texels(room.x - floor_day.plan.origin.x),
+                                         texels(room.y - floor_day.plan.origin.y),
+                                         texels(room.width), texels(room.depth)));
     }
-}
-
-void hang_ceilings(const FloorDay& floor_day, cv::Mat& picture, RandomEngine& engine) {
-  const cv::Scalar base = color(196, 204, 206);
-  lay_tiles(picture, cv::Rect(0, 0, picture.cols, picture.rows), kTile, engine, base, 0.02,
-            color(130, 136, 138));
-  for_rooms(floor_day, picture, [&](const Finish& finish, cv::Mat& all, const cv::Rect& part) {
-    const cv::Scalar own = base * finish.ceiling;
-    lay_tiles(all, part, kTile, engine, own, 0.02, own * 0.66);
-    const int step = kTile / 3;
-    if (!finish.has_slats) return;
-    for (int y = part.y; y < part.y + part.height; y += step)
-      cv::rectangle(all, cv::Rect(part.x, y, part.width, step / 2), own * 0.5, cv::FILLED);
-  });
 }
 
 Texture paint_floor(const FloorDay& floor_day, const BakedLight& light) {
@@ -193,12 +292,12 @@ Texture paint_floor(const FloorDay& floor_day, const BakedLight& light) {
   const cv::Scalar base = color(tone * between(engine, 0.8, 1), tone, red);
   const cv::Rect whole(0, 0, picture.cols, picture.rows);
   lay_tiles(picture, whole, kTile, engine, base, 0.06, base * 0.72);
-  for_rooms(floor_day, picture, [&](const Finish& finish, cv::Mat& all, const cv::Rect& part) {
+  for_rooms(floor_day, [&](const Finish& finish, const cv::Rect& part) {
     const cv::Scalar own = base * finish.flooring;
     const int tile = static_cast<int>(finish.flooring_tile_m * kPlanTexelsPerMeter);
-    lay_tiles(all, part, tile, engine, own, 0.06, own * 0.72);
+    lay_tiles(picture, part, tile, engine, own, 0.06, own * 0.72);
     const int border = 2 * static_cast<int>(0.35 * kPlanTexelsPerMeter);
-    if (finish.has_runner) cv::rectangle(all, part, own * 0.45, border);
+    if (finish.has_runner) cv::rectangle(picture, part, own * 0.45, border);
   });
   RandomEngine detail = named_engine(floor_day.world.seed, "dirt/" + floor_day.names.own);
   roughen(picture, detail, 9, 9);
@@ -210,7 +309,17 @@ Texture paint_ceiling(const FloorDay& floor_day, const BakedLight& light) {
   const FloorPlan& plan = floor_day.plan;
   RandomEngine engine = named_engine(floor_day.world.seed, "ceiling/" + floor_day.names.plan);
   cv::Mat picture = plan_picture(plan);
-  hang_ceilings(floor_day, picture, engine);
+  const cv::Scalar base = color(196, 204, 206);
+  lay_tiles(picture, cv::Rect(0, 0, picture.cols, picture.rows), kTile, engine, base, 0.02,
+            color(130, 136, 138));
+  for_rooms(floor_day, [&](const Finish& finish, const cv::Rect& part) {
+    const cv::Scalar own = base * finish.ceiling;
+    lay_tiles(picture, part, kTile, engine, own, 0.02, own * 0.66);
+    const int step = kTile / 3;
+    if (!finish.has_slats) return;
+    for (int y = part.y; y < part.y + part.height; y += step)
+      cv::rectangle(picture, cv::Rect(part.x, y, part.width, step / 2), own * 0.5, cv::FILLED);
+  });
   RandomEngine detail = named_engine(floor_day.world.seed, "ceiling-detail/" + floor_day.names.own);
   roughen(picture, detail, 6, 4);
   for (int i = 0; i < plan.rows * plan.columns / 20; ++i)  // detectors and nozzles
@@ -232,34 +341,13 @@ Texture paint_ceiling(const FloorDay& floor_day, const BakedLight& light) {
 
 }  // namespace
 
-Texture make_panorama(uint64_t seed) {
-  RandomEngine engine = named_engine(seed, "outside");
-  cv::Mat picture(kHigh, kAround, CV_8UC4);
-  for (int y = 0; y < kHigh; ++y) {
-    const double up = static_cast<double>(kHorizon - y) / kHorizon;
-    picture.row(y).setTo(up > 0 ? shine(250 - 20 * up, 240 - 45 * up, 232 - 80 * up)
-                                : shine(95 + 30 * up, 125 + 30 * up, 118 + 30 * up));
-  }
-  for (int i = 0; i < 16; ++i) {  // clouds
-    const int down = static_cast<int>(between(engine, 0, 0.6 * kHorizon));
-    const cv::Point middle(static_cast<int>(uniform_below(engine, kAround)), down);
-    cv::ellipse(
-        picture, middle,
-        {static_cast<int>(between(engine, 80, 300)), static_cast<int>(between(engine, 15, 50))}, 0,
-        0, 360, shine(246, 244, 240), cv::FILLED, cv::LINE_AA);
-  }
-  for (int i = 0; i < 20; ++i) paint_house(picture, engine);
-  for (int i = 0; i < 40; ++i) paint_tree(picture, engine);
-  return make_wall_texture(picture);
-}
-
-void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
-                    std::vector<cv::Vec4b>& strip) {
-  const double turn = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
-  const double texels = pixel_rad / (2 * std::numbers::pi) * kAround;
-  // Clockwise, in the direction of a turn to the right.
-  filter_strip(panorama, choose_level(panorama, texels), (0.5 - turn) * kAround,
-               std::max(1.0, texels), strip);
+bool has_windows(const World& world, const FloorNames& names, const FloorPlan& plan, size_t index) {
+  RandomEngine building = named_engine(world.seed, fmt::format("windows/{}/{}", names.plan, index));
+  if (uniform_unit(building) >= 0.4) return false;
+  const Wall& wall = plan.walls[index];
+  for (double meters = 0.25; meters < 500; meters += kPlanCellM)
+    if (plan.is_open(wall.at(wall.length_m / 2, -meters))) return false;
+  return true;
 }
 
 Scene make_scene(const World& world, size_t floor, const Monitor& monitor, uint64_t day) {

@@ -14,15 +14,6 @@ namespace vpr {
 /// Texels of a wall with at least this daylight share are transparent.
 inline constexpr int kGlassDaylight = 200;
 
-/// The distant surroundings of a building in daylight, without parallax: sky, houses, trees and
-/// ground. It has the layout of a wall's texture: strips go once around by azimuth, and cover
-/// tangents of elevation from 1 to -1.
-Texture make_panorama(uint64_t seed);
-
-/// The strip of a panorama in a direction (any length > 0), for pixels `pixel_rad` wide.
-void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
-                    std::vector<cv::Vec4b>& strip);
-
 struct Scene {
   FloorPlan plan;
   std::vector<Texture> walls;  ///< as plan.walls
@@ -32,6 +23,9 @@ struct Scene {
   double far_view = 0;     ///< as in BuildingVariety
   double reflections = 0;  ///< as in BuildingVariety
 };
+
+/// Whether a wall has windows: some of the walls that face the outside do.
+bool has_windows(const World& world, const FloorNames& names, const FloorPlan& plan, size_t wall);
 
 /// A floor on one day; depends only on the world, the floor's index and the day. Walls are painted
 /// in parallel.

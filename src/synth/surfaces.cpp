@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -27,6 +28,36 @@ cv::Mat smooth_field(cv::Size size, int texels, double most, RandomEngine& engin
   cv::Mat field;
   cv::resize(small, field, size, 0, 0, cv::INTER_CUBIC);
   return field;
+}
+
+constexpr int kAround = 4096;  // texels
+constexpr int kHigh = 1024;    // for tangents from 1 to -1
+constexpr int kHorizon = kHigh / 2;
+
+void paint_house(cv::Mat& picture, RandomEngine& engine) {
+  const int left = static_cast<int>(uniform_below(engine, kAround));
+  const int width = static_cast<int>(between(engine, 120, 420));
+  const int height = static_cast<int>(between(engine, 40, 190));
+  const double tone = between(engine, 70, 200);
+  const cv::Scalar front = opaque(tone * between(engine, 0.8, 1), tone * 0.97, tone);
+  cv::rectangle(picture, cv::Rect(left, kHorizon - height, width, height + 30), front, cv::FILLED);
+  const double dark = between(engine, 0.35, 0.7);
+  for (int y = kHorizon - height + 12; y < kHorizon; y += 26)
+    for (int x = left + 10; x + 12 < left + width; x += 24)
+      cv::rectangle(picture, cv::Rect(x, y, 12, 15),
+                    opaque(front[0] * dark, front[1] * dark, front[2] * dark), cv::FILLED);
+}
+
+void paint_tree(cv::Mat& picture, RandomEngine& engine) {
+  const int x = static_cast<int>(uniform_below(engine, kAround));
+  const int size = static_cast<int>(between(engine, 20, 85));
+  for (int i = 0; i < 14; ++i) {
+    const double shade = between(engine, 50, 130);
+    const int up = static_cast<int>(between(engine, 0, size));
+    const int aside = static_cast<int>(between(engine, -size, size));
+    const cv::Point leaf(x + aside, kHorizon - size / 2 - up);
+    cv::circle(picture, leaf, size / 3 + 2, opaque(shade * 0.55, shade, shade * 0.75), cv::FILLED);
+  }
 }
 
 }  // namespace
@@ -86,6 +117,36 @@ void filter_strip(const Texture& texture, size_t level, double center, double wi
     bytes[i] = static_cast<uint8_t>((sums[i] * factor + (1u << 23)) >> 24);
 }
 
+Texture make_panorama(uint64_t seed) {
+  RandomEngine engine = named_engine(seed, "outside");
+  cv::Mat picture(kHigh, kAround, CV_8UC4);
+  for (int y = 0; y < kHigh; ++y) {
+    const double up = static_cast<double>(kHorizon - y) / kHorizon;
+    picture.row(y).setTo(up > 0 ? opaque(250 - 20 * up, 240 - 45 * up, 232 - 80 * up)
+                                : opaque(95 + 30 * up, 125 + 30 * up, 118 + 30 * up));
+  }
+  for (int i = 0; i < 16; ++i) {  // clouds
+    const int down = static_cast<int>(between(engine, 0, 0.6 * kHorizon));
+    const cv::Point middle(static_cast<int>(uniform_below(engine, kAround)), down);
+    cv::ellipse(
+        picture, middle,
+        {static_cast<int>(between(engine, 80, 300)), static_cast<int>(between(engine, 15, 50))}, 0,
+        0, 360, opaque(246, 244, 240), cv::FILLED, cv::LINE_AA);
+  }
+  for (int i = 0; i < 20; ++i) paint_house(picture, engine);
+  for (int i = 0; i < 40; ++i) paint_tree(picture, engine);
+  return make_wall_texture(picture);
+}
+
+void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
+                    std::vector<cv::Vec4b>& strip) {
+  const double turn = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
+  const double texels = pixel_rad / (2 * std::numbers::pi) * kAround;
+  // Clockwise, in the direction of a turn to the right.
+  filter_strip(panorama, choose_level(panorama, texels), (0.5 - turn) * kAround,
+               std::max(1.0, texels), strip);
+}
+
 int wall_texels(double meters) { return static_cast<int>(std::lround(meters * kTexelsPerMeter)); }
 
 bool chance(RandomEngine& engine, double probability) { return uniform_unit(engine) < probability; }
@@ -95,6 +156,8 @@ double between(RandomEngine& engine, double low, double high) {
 }
 
 cv::Scalar color(double blue, double green, double red) { return {blue, green, red, 0}; }
+
+cv::Scalar opaque(double blue, double green, double red) { return {blue, green, red, 255}; }
 
 cv::Scalar any_color(RandomEngine& engine, double low, double high) {
   const double blue = between(engine, low, high), green = between(engine, low, high);
@@ -111,6 +174,10 @@ cv::Rect WallBrush::area(double x, double bottom, double width, double height) c
           wall_texels(kRoomHeightM - bottom) - top};
 }
 
+cv::Mat WallBrush::part(double x, double bottom, double width, double height) const {
+  return picture(area(x, bottom, width, height) & cv::Rect({}, picture.size()));
+}
+
 void WallBrush::fill(double x, double bottom, double width, double height,
                      const cv::Scalar& paint) {
   const cv::Rect place = area(x, bottom, width, height);
@@ -119,12 +186,8 @@ void WallBrush::fill(double x, double bottom, double width, double height,
 
 void WallBrush::fill_framed(double x, double bottom, double width, double height,
                             const cv::Scalar& inside, const cv::Scalar& frame, double frame_m) {
-  const cv::Rect shadow =
-      area(x + 0.02, bottom - 0.03, width, height) & cv::Rect(0, 0, picture.cols, picture.rows);
-  if (!shadow.empty()) {
-    cv::Mat part = picture(shadow);
-    part.convertTo(part, -1, 0.7);
-  }
+  cv::Mat shadow = part(x + 0.02, bottom - 0.03, width, height);
+  if (!shadow.empty()) shadow.convertTo(shadow, -1, 0.7);
   fill(x, bottom, width, height, frame);
   fill(x + frame_m, bottom + frame_m, width - 2 * frame_m, height - 2 * frame_m, inside);
 }
@@ -247,11 +310,8 @@ void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& eng
   for (int i = 0; i < static_cast<int>(length_m * wear * 0.7); ++i) {  // repairs
     const double x = between(engine, 0, length_m), z = between(engine, 0.1, 2.4);
     const double height = between(engine, 0.2, 0.9), width = between(engine, 0.3, 1.2);
-    const cv::Rect patch =
-        brush.area(x, z, width, height) & cv::Rect(0, 0, picture.cols, picture.rows);
-    if (patch.empty()) continue;
-    cv::Mat part = picture(patch);
-    part.convertTo(part, -1, between(engine, 0.78, 1.15));
+    cv::Mat patch = brush.part(x, z, width, height);
+    if (!patch.empty()) patch.convertTo(patch, -1, between(engine, 0.78, 1.15));
   }
   for (int i = 0; i < static_cast<int>(length_m * wear * 6); ++i) {  // scuffs
     const double shade = between(engine, 35, 110), z = between(engine, 0.1, 1.1);
@@ -262,7 +322,7 @@ void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& eng
 
 void lay_tiles(cv::Mat& picture, const cv::Rect& part, int texels, RandomEngine& engine,
                const cv::Scalar& base, double spread, const cv::Scalar& joint) {
-  cv::Mat area = picture(part & cv::Rect(0, 0, picture.cols, picture.rows));
+  cv::Mat area = picture(part & cv::Rect({}, picture.size()));
   for (int y = 0; y < area.rows; y += texels)
     for (int x = 0; x < area.cols; x += texels) {
       const double shade = 1 + between(engine, -spread, spread);

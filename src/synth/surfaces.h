@@ -41,6 +41,15 @@ size_t choose_level(const Texture& texture, double texels);
 void filter_strip(const Texture& texture, size_t level, double center, double width,
                   std::vector<cv::Vec4b>& strip);
 
+/// The distant surroundings of a building in daylight, without parallax: sky, houses, trees and
+/// ground. It has the layout of a wall's texture: strips go once around by azimuth, and cover
+/// tangents of elevation from 1 to -1.
+Texture make_panorama(uint64_t seed);
+
+/// The strip of a panorama in a direction (any length > 0), for pixels `pixel_rad` wide.
+void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
+                    std::vector<cv::Vec4b>& strip);
+
 /// Paints onto the image of a wall, in meters from its left end and from the floor.
 ///
 /// It has two random engines: `style` chooses objects, positions and colors, and is the same for
@@ -56,6 +65,8 @@ struct WallBrush {
 
   /// The pixels of an area, which may extend beyond the ends of the wall.
   cv::Rect area(double x, double bottom, double width, double height) const;
+  /// The visible part of the image in an area; may be empty.
+  cv::Mat part(double x, double bottom, double width, double height) const;
   /// Fills the visible part of an area, if any.
   void fill(double x, double bottom, double width, double height, const cv::Scalar& color);
   /// A framed area with a shadow below and to its right, which makes objects look
@@ -73,17 +84,15 @@ struct WallBrush {
 /// Meters on a wall as texels of its level 0, rounded.
 int wall_texels(double meters);
 
-/// True with this probability.
+/// True with this probability; and uniform in [low, high).
 bool chance(RandomEngine& engine, double probability);
-
-/// Uniform in [low, high).
 double between(RandomEngine& engine, double low, double high);
 
-/// A color of daylight share 0.
+/// A color of daylight share 0; the same with each channel uniform in [low, high); and a color of
+/// daylight alone, or of full coverage.
 cv::Scalar color(double blue, double green, double red);
-
-/// A color of daylight share 0, with each channel uniform in [low, high).
 cv::Scalar any_color(RandomEngine& engine, double low, double high);
+cv::Scalar opaque(double blue, double green, double red);
 
 /// A color with each channel multiplied by a factor, which may exceed 1.
 cv::Scalar darker(const cv::Scalar& color, double factor);
@@ -132,5 +141,13 @@ void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& eng
 /// Paints tiles over a part of the image of a plan, with sides of `texels`.
 void lay_tiles(cv::Mat& picture, const cv::Rect& part, int texels, RandomEngine& engine,
                const cv::Scalar& base, double spread, const cv::Scalar& joint);
+
+inline constexpr double kSlotM = 2;  ///< width of the slots in which walls are furnished
+
+/// Furnishes one slot of a wall. Halls have fewer doors and larger boards.
+void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows);
+
+/// Paints the frames of a glass front and the view through it over the whole image.
+void paint_glass_front(WallBrush& brush);
 
 }  // namespace vpr

@@ -1,14 +1,15 @@
 #include "synth/walking.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/random.h"
-#include "synth/progress.h"
 
 namespace vpr {
 namespace {
@@ -44,11 +45,145 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
                               walk.name, point.x, point.y));
 }
 
-double in_turn(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
+double wrapped_degrees(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
 
 constexpr std::array<double, 2> kTremorHz = {4.7, 6.9};
 constexpr double kJoltHz = 8;
 constexpr double kJoltDecayS = 0.1;
+
+/// The holding style on one walk, in addition to the sway of all walks.
+struct Hold {
+  double height_m = 0;
+  double pitch_deg = 0;
+  double roll_deg = 0;
+  double heading_deg = 0;
+  double aside_m = 0;
+  double sway = 1;  ///< factor
+
+  /// Scaled by variety.hands; level if that is 0.
+  Hold(const World& world, const std::string& name) {
+    const double hands = world.variety.hands;
+    if (hands == 0) return;
+    RandomEngine engine = named_engine(world.seed, "hand/" + name);
+    const auto draw = [&](double most) { return hands * most * (2 * uniform_unit(engine) - 1); };
+    height_m = draw(0.12);
+    pitch_deg = draw(4);
+    roll_deg = draw(2);
+    heading_deg = draw(3);
+    aside_m = draw(0.15);
+    sway = std::max(0.2, 1 + draw(0.4));
+  }
+};
+
+/// The tremor of a hand in one direction.
+class Tremor {
+ public:
+  Tremor(RandomEngine& engine, double most_deg) : most_deg_(most_deg) {
+    for (double& phase : phases_) phase = kTurn * uniform_unit(engine);
+  }
+  Swing at(double time_s) const {
+    double sines = 0, rates = 0;
+    for (size_t i = 0; i < 2; ++i) {
+      const double turned = kTurn * kTremorHz[i] * time_s + phases_[i];
+      sines += std::sin(turned);
+      rates += kTurn * kTremorHz[i] * std::cos(turned);
+    }
+    return {most_deg_ * sines / 2, most_deg_ * rates / 2};
+  }
+
+ private:
+  double most_deg_;
+  std::array<double, 2> phases_{};
+};
+
+/// One frame of a walk.
+struct Progress {
+  double path_m = 0;         ///< along the path
+  double walking_s = 0;      ///< time walked so far, without stops
+  bool follows_cut = false;  ///< the recording was cut just before this frame
+};
+
+constexpr size_t kMaxFrames = 100'000;
+
+void check_frames(const Walk& walk, double frames) {
+  if (frames > static_cast<double>(kMaxFrames))
+    throw Error(ErrorKind::usage, fmt::format("the walk {} would have {} frames; the maximum is {}",
+                                              walk.name, frames, kMaxFrames));
+}
+
+[[noreturn]] void refuse_missed(const Walk& walk, std::string_view what, double at_m,
+                                double length_m) {
+  throw Error(ErrorKind::usage,
+              fmt::format("the walk {} has a {} {} m, which it does not reach: its path is "
+                          "{:.2f} m long, and it passes stops and cuts in their order",
+                          walk.name, what, at_m, length_m));
+}
+
+// The frames of a walk along a path of `length_m`, at least one. `variation` returns the relative
+// deviation from the stated speed at a time in seconds. The walk passes stops and cuts in their
+// order. Frames are recorded during a stop, and the first frame after a cut is at the end of the
+// step that reached it.
+std::vector<Progress> uneven_progress(const World& world, const Walk& walk, double length_m,
+                                      const std::function<double(double time_s)>& variation) {
+  for (const WalkCut& known : walk.cuts)
+    if (known.to_m > length_m) refuse_missed(walk, "cut to", known.to_m, length_m);
+  std::vector<Progress> frames;
+  Progress now;
+  size_t stop = 0;
+  size_t cut = 0;
+  for (;;) {
+    // Cuts before a step leaves this part; several cuts may follow each other.
+    for (; cut < walk.cuts.size() && now.path_m >= walk.cuts[cut].at_m; ++cut) {
+      now.path_m = walk.cuts[cut].to_m + (now.path_m - walk.cuts[cut].at_m);
+      now.follows_cut = !frames.empty();
+    }
+    const double end_m =
+        cut == walk.cuts.size() ? length_m : std::min(length_m, walk.cuts[cut].at_m);
+    if (now.path_m > end_m) break;
+    frames.push_back(now);
+    now.follows_cut = false;
+    check_frames(walk, static_cast<double>(frames.size()));
+    if (stop < walk.stops.size() && walk.stops[stop].at_m == now.path_m) {
+      const auto standing = static_cast<size_t>(std::floor(walk.stops[stop].seconds * world.fps));
+      check_frames(walk, static_cast<double>(frames.size() + standing));
+      frames.insert(frames.end(), standing, now);
+      ++stop;
+    }
+    const double time_s = static_cast<double>(frames.size()) / world.fps;
+    double speed = walk.speed_m_s;
+    for (const WalkPace& pace : walk.paces)
+      if (pace.from_m <= now.path_m) speed = pace.speed_m_s;
+    double next = now.path_m + speed * (1 + variation(time_s)) / world.fps;
+    const bool stands = stop < walk.stops.size() && walk.stops[stop].at_m >= now.path_m &&
+                        walk.stops[stop].at_m <= std::min(next, end_m);
+    if (stands) next = walk.stops[stop].at_m;
+    now.path_m = next;
+    now.walking_s += 1 / world.fps;
+  }
+  if (stop < walk.stops.size()) refuse_missed(walk, "stop at", walk.stops[stop].at_m, length_m);
+  if (cut < walk.cuts.size()) refuse_missed(walk, "cut at", walk.cuts[cut].at_m, length_m);
+  return frames;
+}
+
+// The frames of a walk that is not is_uneven: walk.frames, or a number determined by the speed,
+// from end to end.
+std::vector<Progress> even_progress(const World& world, const Walk& walk, double length_m,
+                                    const std::function<double(double time_s)>& variation) {
+  size_t count = walk.frames;
+  if (count == 0) {
+    const double frames = std::floor(length_m / walk.speed_m_s * world.fps) + 1;
+    check_frames(walk, frames);
+    count = static_cast<size_t>(frames);
+  }
+  std::vector<double> shares(count, 0);
+  for (size_t i = 1; i < count; ++i)
+    shares[i] = shares[i - 1] + 1 + variation(static_cast<double>(i) / world.fps);
+  const double all = count > 1 ? shares.back() : 1;
+  std::vector<Progress> frames;
+  for (size_t i = 0; i < count; ++i)
+    frames.push_back({shares[i] / all * length_m, static_cast<double>(i) / world.fps, false});
+  return frames;
+}
 
 }  // namespace
 
@@ -75,17 +210,22 @@ Path::Path(const std::vector<std::vector<double>>& given) {
     way_.push_back(way_.back() + distance(points_[i - 1], points_[i]));
 }
 
-Point Path::at(double way_m) const {
-  if (way_m <= 0 || points_.size() == 1) return points_.front();
-  const auto next = std::lower_bound(way_.begin(), way_.end(), way_m);
-  if (next == way_.end()) return points_.back();
-  const auto i = static_cast<size_t>(next - way_.begin());
-  const double step = way_[i] - way_[i - 1];
-  return between_points(points_[i - 1], points_[i], step == 0 ? 0 : (way_m - way_[i - 1]) / step);
+Point Path::at(double path_m, double aside_m) const {
+  Point point = path_m <= 0 ? points_.front() : points_.back();
+  const auto next = std::lower_bound(way_.begin(), way_.end(), path_m);
+  if (next != way_.begin() && next != way_.end()) {
+    const auto i = static_cast<size_t>(next - way_.begin());
+    const double step = way_[i] - way_[i - 1];
+    point =
+        between_points(points_[i - 1], points_[i], step == 0 ? 0 : (path_m - way_[i - 1]) / step);
+  }
+  if (aside_m == 0) return point;
+  const double normal = (heading_at(path_m) + 90) * kTurn / 360;
+  return {point.x + aside_m * std::cos(normal), point.y + aside_m * std::sin(normal)};
 }
 
-double Path::heading_at(double way_m) const {
-  const double behind = std::clamp(way_m - kLookAheadM / 2, 0.0, std::max(0.0, length_m() - 0.1));
+double Path::heading_at(double path_m) const {
+  const double behind = std::clamp(path_m - kLookAheadM / 2, 0.0, std::max(0.0, length_m() - 0.1));
   const double ahead = std::min(behind + 1.5 * kLookAheadM, length_m());
   const Point from = at(behind), to = at(ahead);
   if (from.x == to.x && from.y == to.y) return 0;
@@ -102,10 +242,8 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   const double step_phase = uniform_unit(engine);
   const Hold hold(world, walk.name);
   const double shake = walk.shake * hold.sway;
-  RandomEngine nerves = named_engine(world.seed, "tremor/" + walk.name);
-  const Tremor turning(nerves, walk.tremor_deg), nodding(nerves, walk.tremor_deg);
-  const Jolt jolt_up(world.seed, walk.name + "/up", walk.jolt_deg);
-  const Jolt jolt_aside(world.seed, walk.name + "/aside", walk.jolt_deg / 2);
+  RandomEngine tremor_engine = named_engine(world.seed, "tremor/" + walk.name);
+  const Tremor turning(tremor_engine, walk.tremor_deg), nodding(tremor_engine, walk.tremor_deg);
   const Path path(walk.path);
   const auto variation = [&](double time_s) { return walk.unevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
@@ -114,18 +252,16 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   for (const Progress& now : frames) {
     CameraPose pose;
     pose.time_s = static_cast<double>(poses.size()) / world.fps;
-    pose.way_m = now.way_m;
+    pose.path_m = now.path_m;
     const double step = kTurn * (kStepsPerS * now.walking_s + step_phase);
-    const double heading = path.heading_at(pose.way_m);
+    const double heading = path.heading_at(pose.path_m);
     const double aside =
-        shake * (0.15 * side.at(pose.way_m, 13) + 0.02 * std::sin(step / 2)) + hold.aside_m;
-    const double normal = (heading + 90) * kTurn / 360;
-    const Point on_path = path.at(pose.way_m);
-    pose.position = {on_path.x + aside * std::cos(normal), on_path.y + aside * std::sin(normal)};
+        shake * (0.15 * side.at(pose.path_m, 13) + 0.02 * std::sin(step / 2)) + hold.aside_m;
+    pose.position = path.at(pose.path_m, aside);
     check_open(walk, plan, pose.position);
     const double turned = heading + hold.heading_deg +
                           shake * (1.5 * look.at(pose.time_s, 7) + 0.8 * std::sin(step / 2 + 1));
-    pose.heading_deg = in_turn(turned);
+    pose.heading_deg = wrapped_degrees(turned);
     pose.height_m = kEyeHeightM + hold.height_m + shake * 0.012 * std::sin(step);
     pose.pitch_deg =
         hold.pitch_deg + shake * (0.7 * nod.at(pose.time_s, 5) + 0.4 * std::sin(step + 2));
@@ -143,11 +279,14 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   for (size_t i = 0; i < poses.size(); ++i) {
     const bool stands = i > 0 && frames[i].walking_s == frames[i - 1].walking_s;
     const double steps = stands ? 0 : kStepsPerS * frames[i].walking_s + step_phase;
-    for (const Swing& turn : {turning.at(poses[i].time_s), jolt_aside.at(steps)}) {
-      poses[i].heading_deg = in_turn(poses[i].heading_deg + turn.angle_deg);
+    const auto jolt = [&](const char* direction, double most_deg) {
+      return jolt_at(world.seed, walk.name + direction, most_deg, steps);
+    };
+    for (const Swing& turn : {turning.at(poses[i].time_s), jolt("/aside", walk.jolt_deg / 2)}) {
+      poses[i].heading_deg = wrapped_degrees(poses[i].heading_deg + turn.angle_deg);
       poses[i].turn_deg_s += turn.rate_deg_s;
     }
-    for (const Swing& turn : {nodding.at(poses[i].time_s), jolt_up.at(steps)}) {
+    for (const Swing& turn : {nodding.at(poses[i].time_s), jolt("/up", walk.jolt_deg)}) {
       poses[i].pitch_deg += turn.angle_deg;
       poses[i].nod_deg_s += turn.rate_deg_s;
     }
@@ -175,38 +314,11 @@ CameraPose held_by(const World& world, const std::string& name, CameraPose pose)
   return pose;
 }
 
-Hold::Hold(const World& world, const std::string& name) {
-  const double hands = world.variety.hands;
-  if (hands == 0) return;
-  RandomEngine engine = named_engine(world.seed, "hand/" + name);
-  const auto draw = [&](double most) { return hands * most * (2 * uniform_unit(engine) - 1); };
-  height_m = draw(0.12);
-  pitch_deg = draw(4);
-  roll_deg = draw(2);
-  heading_deg = draw(3);
-  aside_m = draw(0.15);
-  sway = std::max(0.2, 1 + draw(0.4));
-}
-
-Tremor::Tremor(RandomEngine& engine, double most_deg) : most_deg_(most_deg) {
-  for (double& phase : phases_) phase = kTurn * uniform_unit(engine);
-}
-
-Swing Tremor::at(double time_s) const {
-  double sines = 0, rates = 0;
-  for (size_t i = 0; i < 2; ++i) {
-    const double turned = kTurn * kTremorHz[i] * time_s + phases_[i];
-    sines += std::sin(turned);
-    rates += kTurn * kTremorHz[i] * std::cos(turned);
-  }
-  return {most_deg_ * sines / 2, most_deg_ * rates / 2};
-}
-
-Swing Jolt::at(double steps) const {
-  if (most_deg_ == 0 || steps < 1) return {};
+Swing jolt_at(uint64_t seed, const std::string& name, double most_deg, double steps) {
+  if (most_deg == 0 || steps < 1) return {};
   const double struck = std::floor(steps);
-  RandomEngine engine = named_engine(seed_, fmt::format("jolt/{}/{:.0f}", name_, struck));
-  const double most = most_deg_ * (0.3 + 1.4 * uniform_unit(engine));
+  RandomEngine engine = named_engine(seed, fmt::format("jolt/{}/{:.0f}", name, struck));
+  const double most = most_deg * (0.3 + 1.4 * uniform_unit(engine));
   const double since_s = (steps - struck) / kStepsPerS;
   const double pulse = kTurn * kJoltHz;
   const double left = most * std::exp(-since_s / kJoltDecayS);

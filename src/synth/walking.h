@@ -1,11 +1,9 @@
 // A person who walks along a path with a phone: position and orientation of the camera per frame.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
-#include "base/random.h"
 #include "synth/floor_plan.h"
 #include "synth/world.h"
 
@@ -16,10 +14,10 @@ class Path {
  public:
   explicit Path(const std::vector<std::vector<double>>& corners);
   double length_m() const { return way_.back(); }
-  /// Clamped to the ends.
-  Point at(double way_m) const;
+  /// Clamped to the ends; `aside_m` is the distance to the left of the path.
+  Point at(double path_m, double aside_m = 0) const;
   /// The heading of a person who walks there and looks slightly ahead, in degrees.
-  double heading_at(double way_m) const;
+  double heading_at(double path_m) const;
 
  private:
   std::vector<Point> points_;
@@ -28,7 +26,7 @@ class Path {
 
 struct CameraPose {
   double time_s = 0;
-  double way_m = 0;  ///< along the path
+  double path_m = 0;  ///< along the path
   Point position;
   double heading_deg = 0;  ///< 0 to 360
   double height_m = kEyeHeightM;
@@ -60,51 +58,16 @@ double heading_difference(double a_deg, double b_deg);
 
 inline constexpr double kStepsPerS = 1.8;
 
-/// The holding style on one walk, in addition to the sway of all walks.
-struct Hold {
-  double height_m = 0;
-  double pitch_deg = 0;
-  double roll_deg = 0;
-  double heading_deg = 0;
-  double aside_m = 0;
-  double sway = 1;  ///< factor
-
-  /// Scaled by variety.hands; level if that is 0.
-  Hold(const World& world, const std::string& name);
-};
-
 /// An angle and its rate of change.
 struct Swing {
   double angle_deg = 0;
   double rate_deg_s = 0;
 };
 
-/// The tremor of a hand in one direction.
-class Tremor {
- public:
-  Tremor(RandomEngine& engine, double most_deg);
-  Swing at(double time_s) const;
-
- private:
-  double most_deg_;
-  std::array<double, 2> phases_{};
-};
-
 /// The jolt of the camera at a step: a damped vibration that starts when the heel strikes, with a
-/// random strength from 0.3 to 1.7 per step.
-class Jolt {
- public:
-  /// `name` is the name of the walk and of the direction; `most_deg` is the amplitude of a step of
-  /// strength 1 without damping.
-  Jolt(uint64_t seed, std::string name, double most_deg)
-      : seed_(seed), name_(std::move(name)), most_deg_(most_deg) {}
-  /// After this number of steps; the fraction is the time since the last step.
-  Swing at(double steps) const;
-
- private:
-  uint64_t seed_;
-  std::string name_;
-  double most_deg_;
-};
+/// random strength from 0.3 to 1.7 per step. `name` is the name of the walk and of the direction;
+/// `most_deg` is the amplitude of a step of strength 1 without damping; the fraction of `steps` is
+/// the time since the last step.
+Swing jolt_at(uint64_t seed, const std::string& name, double most_deg, double steps);
 
 }  // namespace vpr

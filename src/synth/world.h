@@ -1,4 +1,4 @@
-// The input of vpr-synth: buildings as floor plans, and walks through them (vpr.world/1).
+// The input of vpr-synth: buildings as floor plans, and walks through them (vpr.world/3).
 //
 // Meters. x is to the right and y up on the plan; headings are in degrees, counterclockwise from x.
 #pragma once
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 
 namespace vpr {
 
@@ -26,18 +27,8 @@ struct BuildingVariety {
   double changes = 0;       ///< 0 to 1: share of objects at walls that differ between days
   double hands = 0;         ///< 0 to 3: variation between walks in how the phone is held
 };
-
-template <class Visitor>
-void visit_fields(BuildingVariety& variety, Visitor&& visit) {
-  visit("finishes", variety.finishes);
-  visit("bareness", variety.bareness);
-  visit("wear", variety.wear);
-  visit("window_light", variety.window_light);
-  visit("far_view", variety.far_view);
-  visit("reflections", variety.reflections);
-  visit("changes", variety.changes);
-  visit("hands", variety.hands);
-}
+VPR_FIELDS(BuildingVariety, finishes, bareness, wear, window_light, far_view, reflections, changes,
+           hands)
 
 /// The purpose of a walk's frames.
 enum class WalkUse { train, query, pretrain };
@@ -56,53 +47,28 @@ struct Conditions {
   double shutter_s = 0;
   double exposure_lag_s = 0;  ///< delay of the automatic exposure
 };
-
-template <class Visitor>
-void visit_fields(Conditions& conditions, Visitor&& visit) {
-  visit("lamps", conditions.lamps);
-  visit("daylight", conditions.daylight);
-  visit("warmth", conditions.warmth);
-  visit("exposure", conditions.exposure);
-  visit("noise", conditions.noise);
-  visit("shutter_s", conditions.shutter_s);
-  visit("exposure_lag_s", conditions.exposure_lag_s);
-}
+VPR_FIELDS(Conditions, lamps, daylight, warmth, exposure, noise, shutter_s, exposure_lag_s)
 
 /// The speed of a walk from this point of the path to the next WalkPace.
 struct WalkPace {
   double from_m = 0;  ///< distance walked along the path
   double speed_m_s = 1.2;
 };
-
-template <class Visitor>
-void visit_fields(WalkPace& pace, Visitor&& visit) {
-  visit("from_m", pace.from_m);
-  visit("speed_m_s", pace.speed_m_s);
-}
+VPR_FIELDS(WalkPace, from_m, speed_m_s)
 
 /// A point at which the person stands for a while.
 struct WalkStop {
   double at_m = 0;  ///< along the path
   double seconds = 5;
 };
-
-template <class Visitor>
-void visit_fields(WalkStop& stop, Visitor&& visit) {
-  visit("at_m", stop.at_m);
-  visit("seconds", stop.seconds);
-}
+VPR_FIELDS(WalkStop, at_m, seconds)
 
 /// A point at which the recording is cut and continues elsewhere, further on or back.
 struct WalkCut {
   double at_m = 0;  ///< along the path; 0: the walk begins at to_m
   double to_m = 0;
 };
-
-template <class Visitor>
-void visit_fields(WalkCut& cut, Visitor&& visit) {
-  visit("at_m", cut.at_m);
-  visit("to_m", cut.to_m);
-}
+VPR_FIELDS(WalkCut, at_m, to_m)
 
 /// A path that a person walks along with a phone.
 struct Walk {
@@ -126,29 +92,11 @@ struct Walk {
   uint64_t day = 0;         ///< all walks of one day share its changes
   Conditions conditions;
 };
+VPR_FIELDS(Walk, name, use, floor, path, frames, speed_m_s, paces, stops, cuts, unevenness, shake,
+           tremor_deg, jolt_deg, passers_by, standing, crossing, ahead, day, conditions)
 
-template <class Visitor>
-void visit_fields(Walk& walk, Visitor&& visit) {
-  visit("name", walk.name);
-  visit("use", walk.use);
-  visit("floor", walk.floor);
-  visit("path", walk.path);
-  visit("frames", walk.frames);
-  visit("speed_m_s", walk.speed_m_s);
-  visit("paces", walk.paces);
-  visit("stops", walk.stops);
-  visit("cuts", walk.cuts);
-  visit("unevenness", walk.unevenness);
-  visit("shake", walk.shake);
-  visit("tremor_deg", walk.tremor_deg);
-  visit("jolt_deg", walk.jolt_deg);
-  visit("passers_by", walk.passers_by);
-  visit("standing", walk.standing);
-  visit("crossing", walk.crossing);
-  visit("ahead", walk.ahead);
-  visit("day", walk.day);
-  visit("conditions", walk.conditions);
-}
+/// Whether a walk has its own speeds, stops or cuts, which determine its number of frames.
+bool is_uneven(const Walk& walk);
 
 /// Halls are wider and brighter than corridors and have other furnishings.
 enum class RoomKind { corridor, hall };
@@ -164,28 +112,14 @@ struct Room {
   double depth = 0;           ///< upward
   double lamp_spacing_m = 0;  ///< approximate distance between lamps; 0: 3 m, in halls 4 m
 };
-
-template <class Visitor>
-void visit_fields(Room& room, Visitor&& visit) {
-  visit("kind", room.kind);
-  visit("x", room.x);
-  visit("y", room.y);
-  visit("width", room.width);
-  visit("depth", room.depth);
-  visit("lamp_spacing_m", room.lamp_spacing_m);
-}
+VPR_FIELDS(Room, kind, x, y, width, depth, lamp_spacing_m)
 
 /// A square pillar of kPlanCellM, by its lower left corner.
 struct Pillar {
   double x = 0;
   double y = 0;
 };
-
-template <class Visitor>
-void visit_fields(Pillar& pillar, Visitor&& visit) {
-  visit("x", pillar.x);
-  visit("y", pillar.y);
-}
+VPR_FIELDS(Pillar, x, y)
 
 /// Walls along this line are glass fronts with daylight outside.
 struct GlassFront {
@@ -194,14 +128,7 @@ struct GlassFront {
   double to_x = 0;
   double to_y = 0;
 };
-
-template <class Visitor>
-void visit_fields(GlassFront& glass, Visitor&& visit) {
-  visit("from_x", glass.from_x);
-  visit("from_y", glass.from_y);
-  visit("to_x", glass.to_x);
-  visit("to_y", glass.to_y);
-}
+VPR_FIELDS(GlassFront, from_x, from_y, to_x, to_y)
 
 /// One floor of a building. With `like`, it uses the plan of another floor and a share of
 /// `resemblance` of its furnishing.
@@ -213,16 +140,7 @@ struct Floor {
   std::vector<Pillar> pillars;
   std::vector<GlassFront> glass;
 };
-
-template <class Visitor>
-void visit_fields(Floor& floor, Visitor&& visit) {
-  visit("name", floor.name);
-  visit("like", floor.like);
-  visit("resemblance", floor.resemblance);
-  visit("rooms", floor.rooms);
-  visit("pillars", floor.pillars);
-  visit("glass", floor.glass);
-}
+VPR_FIELDS(Floor, name, like, resemblance, rooms, pillars, glass)
 
 /// A place of FAB-MAP: one view per heading.
 struct WorldPlace {
@@ -232,15 +150,7 @@ struct WorldPlace {
   double y = 0;
   std::vector<double> headings;
 };
-
-template <class Visitor>
-void visit_fields(WorldPlace& place, Visitor&& visit) {
-  visit("name", place.name);
-  visit("floor", place.floor);
-  visit("x", place.x);
-  visit("y", place.y);
-  visit("headings", place.headings);
-}
+VPR_FIELDS(WorldPlace, name, floor, x, y, headings)
 
 enum class FrameFormat { jpg, png };
 template <>
@@ -267,27 +177,9 @@ struct World {
   std::vector<WorldPlace> places;
   std::vector<Walk> walks;
 };
-
-template <class Visitor>
-void visit_fields(World& world, Visitor&& visit) {
-  visit("name", world.name);
-  visit("seed", world.seed);
-  visit("fps", world.fps);
-  visit("image_width", world.image_width);
-  visit("image_height", world.image_height);
-  visit("view_deg", world.view_deg);
-  visit("format", world.format);
-  visit("resemblance", world.resemblance);
-  visit("variety", world.variety);
-  visit("same_place_m", world.same_place_m);
-  visit("same_heading_deg", world.same_heading_deg);
-  visit("ignore_m", world.ignore_m);
-  visit("place_radius_m", world.place_radius_m);
-  visit("place_ignore_m", world.place_ignore_m);
-  visit("floors", world.floors);
-  visit("places", world.places);
-  visit("walks", world.walks);
-}
+VPR_FIELDS(World, name, seed, fps, image_width, image_height, view_deg, format, resemblance,
+           variety, same_place_m, same_heading_deg, ignore_m, place_radius_m, place_ignore_m,
+           floors, places, walks)
 
 /// The cell size of floor plans, in meters.
 inline constexpr double kPlanCellM = 0.5;

@@ -1,31 +1,21 @@
 #include "truth/builder.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include <fmt/format.h>
 
-#include "base/error.h"
-#include "base/monitor.h"
 #include "base/output.h"
-#include "truth/ground_truth.h"
 
 namespace vpr {
 
 namespace {
 
-constexpr size_t kMaxExamples = 5;
 /// 16 bytes each. A matrix of 10 000 x 10 000 has a few runs per row, unless it is noise.
 constexpr size_t kMaxRuns = size_t{1} << 24;
 
 constexpr size_t kMaxGrownSequences = 10000;
 /// Query frames times training sequences, if only the file states their numbers.
 constexpr size_t kMaxGrownRows = size_t{1} << 25;
-
-bool stands_before(const GroundTruth::Pair& a, const GroundTruth::Pair& b) {
-  return std::tie(a.sequence, a.first, a.label, a.further) <
-         std::tie(b.sequence, b.first, b.label, b.further);
-}
 
 FrameCount frame_count(size_t frames) {
   return frames == kUnknownFrames ? FrameCount{0, true} : FrameCount{frames, false};
@@ -35,10 +25,23 @@ constexpr size_t kPieceBytes = size_t{1} << 20;
 
 }  // namespace
 
-GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument,
+size_t only_searched_sequence(const GroundTruthScope& scope, std::string_view what) {
+  const auto& sequences = scope.sequences;
+  const auto is_searched = &GroundTruthScope::TrainSequence::searched;
+  const auto count = std::ranges::count(sequences, true, is_searched);
+  if (count != 1)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} needs exactly one training sequence, but there are {}. Use pairs "
+                            "with a sequence column, or vpr-query --only-sequence",
+                            what, count));
+  return static_cast<size_t>(std::ranges::find(sequences, true, is_searched) - sequences.begin());
+}
+
+GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument, std::string_view format,
                                        const GroundTruthScope& scope,
                                        InconsistentPairs inconsistent, const Monitor& monitor)
     : argument_(argument),
+      format_(format),
       scope_(scope),
       inconsistent_(inconsistent),
       monitor_(monitor),
@@ -47,21 +50,6 @@ GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument,
   for (const auto& sequence : scope.sequences)
     train_.push_back(frame_count(sequence.sequence.frames));
   pairs_.resize(query_.frames);
-}
-
-size_t GroundTruthBuilder::only_searched(std::string_view what) const {
-  size_t searched = 0;
-  size_t index = 0;
-  for (size_t s = 0; s < scope_.sequences.size(); ++s) {
-    if (!scope_.sequences[s].searched) continue;
-    ++searched;
-    index = s;
-  }
-  if (searched == 1) return index;
-  throw Error(ErrorKind::usage,
-              fmt::format("{} needs exactly one training sequence, but the result has {}; use "
-                          "pairs with a sequence column, or vpr-query --only-sequence",
-                          what, searched));
 }
 
 size_t GroundTruthBuilder::find_sequence(const std::string& name) {
@@ -81,22 +69,17 @@ size_t GroundTruthBuilder::find_sequence(const std::string& name) {
   fail(fmt::format("the result has no training sequence \"{}\"", name));
 }
 
-void GroundTruthBuilder::require_query_frames(size_t frames) {
-  if (query_.grows && frames > kMaxGrownFrames)
-    fail(fmt::format("is for {} query frames, which is too many", frames));
-  if (!query_.grows && query_.frames != frames)
-    fail(fmt::format("is for {} query frames, but there are {}", frames, query_.frames));
-  query_ = {frames, false};
-  pairs_.resize(frames);
+void GroundTruthBuilder::require_frames(FrameCount& side, std::string_view name, size_t frames) {
+  if (side.grows ? frames > kMaxGrownFrames : frames != side.frames)
+    fail(fmt::format(
+        "is for {} {} frames, {}", frames, name,
+        side.grows ? "which is too many" : fmt::format("but there are {}", side.frames)));
+  side = {frames, false};
 }
 
-void GroundTruthBuilder::require_train_frames(size_t sequence, size_t frames) {
-  FrameCount& side = train_[sequence];
-  if (side.grows && frames > kMaxGrownFrames)
-    fail(fmt::format("is for {} training frames, which is too many", frames));
-  if (!side.grows && side.frames != frames)
-    fail(fmt::format("is for {} training frames, but there are {}", frames, side.frames));
-  side = {frames, false};
+void GroundTruthBuilder::require_query_frames(size_t frames) {
+  require_frames(query_, "query", frames);
+  pairs_.resize(frames);
 }
 
 void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::string& what) {
@@ -183,8 +166,7 @@ void GroundTruthBuilder::report_overlaps(size_t query, std::span<const GroundTru
 
 void GroundTruthBuilder::join(size_t query) {
   auto& pairs = pairs_[query];
-  if (!std::is_sorted(pairs.begin(), pairs.end(), stands_before))
-    std::sort(pairs.begin(), pairs.end(), stands_before);
+  if (!std::ranges::is_sorted(pairs)) std::ranges::sort(pairs);
   size_t kept = 0;
   for (size_t i = 0; i < pairs.size(); ++i) {
     GroundTruth::Pair pair = pairs[i];
@@ -227,21 +209,6 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
   result.truth = {std::move(pairs_), argument_.tolerance_frames, std::move(protocol)};
   result.findings = findings_;
   return result;
-}
-
-size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format) {
-  size_t searched = 0;
-  size_t index = 0;
-  const auto& sequences = ground_truth.scope.sequences;
-  for (size_t s = 0; s < sequences.size(); ++s) {
-    if (!sequences[s].searched) continue;
-    ++searched;
-    index = s;
-  }
-  if (searched == 1) return index;
-  throw Error(ErrorKind::usage,
-              fmt::format("the format {} holds one training sequence, but there are {}; use pairs",
-                          format, searched));
 }
 
 void require_writable(uint64_t count, uint64_t most, std::string_view what) {

@@ -18,34 +18,47 @@ namespace vpr {
 
 class Output;
 
+/// The maximum number of examples per kind of problem.
+inline constexpr size_t kMaxExamples = 5;
+
 /// The treatment of pairs that are out of range or contradict each other.
 enum class InconsistentPairs { refuse, count };
 
-/// The number of frames of one side; one that grows has as many as its largest index requires.
+/// The number of frames of one side. If it grows, the largest index in the file determines it.
 struct FrameCount {
   size_t frames = 0;
   bool grows = false;
+
+  std::optional<size_t> known() const { return grows ? std::nullopt : std::optional(frames); }
 };
 
-/// The target of all readers: it checks indices and labels, and counts inconsistencies.
+/// The index of the only searched sequence. Throws Error(usage) if there are several or none:
+/// `what` needs exactly one.
+size_t only_searched_sequence(const GroundTruthScope& scope, std::string_view what);
+
+/// Collects the pairs of a reader: checks indices and labels, and counts inconsistencies.
 class GroundTruthBuilder {
  public:
-  GroundTruthBuilder(const GroundTruthArgument& argument, const GroundTruthScope& scope,
-                     InconsistentPairs inconsistent, const Monitor& monitor);
+  /// `format`: the name of the file's format.
+  GroundTruthBuilder(const GroundTruthArgument& argument, std::string_view format,
+                     const GroundTruthScope& scope, InconsistentPairs inconsistent,
+                     const Monitor& monitor);
 
   const GroundTruthArgument& argument() const { return argument_; }
+  std::string_view format() const { return format_; }
   const GroundTruthScope& scope() const { return scope_; }
   const FrameCount& query() const { return query_; }
   const FrameCount& train(size_t sequence) const { return train_[sequence]; }
 
-  /// The index of the only searched sequence. Otherwise throws Error(usage): `what` needs exactly
-  /// one.
-  size_t only_searched(std::string_view what) const;
+  /// As only_searched_sequence.
+  size_t only_searched(std::string_view what) const { return only_searched_sequence(scope_, what); }
   /// Throws Error(data) if no sequence has this name.
   size_t find_sequence(const std::string& name);
   /// Checks the number of frames that the file states. Throws Error(data) if it differs.
   void require_query_frames(size_t frames);
-  void require_train_frames(size_t sequence, size_t frames);
+  void require_train_frames(size_t sequence, size_t frames) {
+    require_frames(train_[sequence], "training", frames);
+  }
 
   /// Sets the current position of the reader for errors; initially the whole file. Throws
   /// Error(interrupted) on a stop, because it is called often.
@@ -65,8 +78,8 @@ class GroundTruthBuilder {
   /// Labels references first .. last of `sequence`. Accepts any indices; those out of range are
   /// refused or counted.
   void add(size_t query, size_t sequence, size_t first, size_t last, PlaceLabel label);
-  /// A `same` pair whose reference may be after the last frame, where only the tolerance reaches
-  /// it.
+  /// A `same` pair whose reference may be after the last frame: frames within the tolerance of it
+  /// are labeled.
   void add_beyond_end(size_t query, size_t sequence, size_t reference);
   /// Reports an index `text` that is out of range and cannot become a pair.
   void report_out_of_range(std::string_view what, std::string_view text, const FrameCount& side);
@@ -75,6 +88,7 @@ class GroundTruthBuilder {
   InspectedGroundTruth finish(std::string protocol);
 
  private:
+  void require_frames(FrameCount& side, std::string_view name, size_t frames);
   void note(FindingKind kind, uint64_t count, const std::string& what);
   bool accept(size_t index, FrameCount& side, std::string_view what);
   void append(size_t query, const GroundTruth::Pair& pair);
@@ -83,6 +97,7 @@ class GroundTruthBuilder {
   void join(size_t query);
 
   const GroundTruthArgument& argument_;
+  std::string_view format_;
   GroundTruthScope scope_;
   InconsistentPairs inconsistent_;
   Monitor monitor_;
@@ -94,9 +109,6 @@ class GroundTruthBuilder {
   FileLocation location_;
   std::array<GroundTruthFinding, 3> findings_;
 };
-
-/// The index of the only searched sequence. Throws Error(usage) if there are several or none.
-size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format);
 
 /// Checks a size before writing. Throws Error(data) if there are more than `most` of `what`, such
 /// as "pairs".

@@ -1,6 +1,7 @@
 #include "truth/dataset.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include <fmt/format.h>
@@ -63,14 +64,12 @@ SequenceArgument sequence_argument(const Json& json, const fs::path& folder,
                                    const std::string& where) {
   std::string text;
   value_from_json(json, text, where, "sequence");
-  const fs::path path = fs::path(text).is_absolute() ? fs::path(text) : folder / text;
-  return parse_sequence_argument(path.string());
+  return parse_sequence_argument((folder / text).string());  // an absolute path stays
 }
 
 // Relative to the description; empty if the key is missing.
 fs::path optional_path(ObjectReader& reader, const std::string& key, const fs::path& folder) {
-  if (reader.find(key) == nullptr) return {};
-  return folder / reader.text(key);
+  return reader.find(key) == nullptr ? fs::path() : folder / reader.text(key);
 }
 
 NamedSequence named_sequence(ObjectReader& reader, const fs::path& folder) {
@@ -86,26 +85,27 @@ std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::
   ObjectReader reader(*json, query.where() + ", " + key);
   GroundTruthArgument argument;
   if (reader.find("format") != nullptr) argument.format = reader.text("format");
-  const auto path = [&](const std::string& name) {
-    return reader.find(name) == nullptr ? fs::path() : folder / reader.text(name);
-  };
-  argument.path = path("path");
-  visit_paths(argument.options, [&](const char* name, fs::path& file) { file = path(name); });
+  argument.path = optional_path(reader, "path", folder);
+  visit_paths(argument.options, [&](const char* name, fs::path& file) {
+    file = optional_path(reader, name, folder);
+  });
   if (argument.format.empty() && argument.path.empty())
     reader.fail("needs a \"format\" or a \"path\"");
-  if (const Json* tolerance = reader.find("tolerance"))
-    value_from_json(*tolerance, argument.tolerance_frames, reader.where(), "tolerance");
-  if (argument.tolerance_frames < 0) reader.fail("\"tolerance\" must not be negative");
-  visit_fields(argument.options, [&](const char* name, auto& field) {
+  const auto read = [&](const char* name, auto& field) {
     if (const Json* value = reader.find(name)) value_from_json(*value, field, reader.where(), name);
-  });
+  };
+  read("tolerance", argument.tolerance_frames);
+  visit_fields(argument.options, read);
+  if (argument.tolerance_frames < 0) reader.fail("\"tolerance\" must not be negative");
   reader.finish();
   return argument;
 }
 
-void check_names(const std::vector<std::string>& names, const std::string& where) {
+// `name_of` returns the name of an item.
+void check_names(const auto& items, const std::string& where, auto name_of) {
   std::set<std::string> seen;
-  for (const std::string& name : names) {
+  for (const auto& item : items) {
+    const std::string& name = std::invoke(name_of, item);
     if (name.empty()) throw Error(ErrorKind::usage, fmt::format("{}: a name is empty", where));
     if (!seen.insert(name).second)
       throw Error(ErrorKind::usage, fmt::format("{}: the name \"{}\" is used twice", where, name));
@@ -128,15 +128,12 @@ Dataset read_dataset(const fs::path& path) {
   for (const Json& item : reader.list("pretrain"))
     dataset.pretrain.push_back(sequence_argument(item, folder, where + ", pretrain"));
   if (!(dataset.frames_per_second >= 0)) reader.fail("\"fps\" must not be negative");
-  std::vector<std::string> names;
   for (const Json& item : reader.list("train")) {
     ObjectReader train(item, where + ", train");
     dataset.train.push_back(named_sequence(train, folder));
     train.finish();
-    names.push_back(dataset.train.back().name);
   }
-  check_names(names, where + ", train");
-  names.clear();
+  check_names(dataset.train, where + ", train", &NamedSequence::name);
   for (const Json& item : reader.list("places")) {
     ObjectReader place(item, where + ", places");
     DatasetPlace& added = dataset.places.emplace_back();
@@ -145,10 +142,8 @@ Dataset read_dataset(const fs::path& path) {
       added.views.push_back(sequence_argument(view, folder, place.where()));
     place.finish();
     if (added.views.empty()) place.fail(fmt::format("\"{}\" has no sequences", added.name));
-    names.push_back(added.name);
   }
-  check_names(names, where + ", places");
-  names.clear();
+  check_names(dataset.places, where + ", places", &DatasetPlace::name);
   for (const Json& item : reader.list("queries")) {
     ObjectReader query(item, where + ", queries");
     DatasetQuery& added = dataset.queries.emplace_back();
@@ -156,9 +151,9 @@ Dataset read_dataset(const fs::path& path) {
     added.sequence_ground_truth = ground_truth(query, "ground_truth", folder);
     added.place_ground_truth = ground_truth(query, "place_ground_truth", folder);
     query.finish();
-    names.push_back(added.sequence.name);
   }
-  check_names(names, where + ", queries");
+  check_names(dataset.queries, where + ", queries",
+              [](const DatasetQuery& query) -> const std::string& { return query.sequence.name; });
   dataset.plan = optional_path(reader, "plan", folder);
   dataset.place_poses = optional_path(reader, "place_poses", folder);
   reader.finish();
@@ -173,12 +168,10 @@ const DatasetQuery& select_query(const Dataset& dataset, const std::optional<std
   }
   if (names.empty())
     throw Error(ErrorKind::usage, fmt::format("the data set {} has no queries", dataset.name));
-  if (!name)
-    throw Error(ErrorKind::usage, fmt::format("the data set {} has the queries {}; choose one with "
-                                              "--query NAME",
-                                              dataset.name, fmt::join(names, ", ")));
-  throw Error(ErrorKind::usage, fmt::format("the data set {} has no query {}; it has {}",
-                                            dataset.name, *name, fmt::join(names, ", ")));
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("the data set {} has {}. Choose one of {} with --query NAME", dataset.name,
+                  name ? "no query " + *name : "several queries", fmt::join(names, ", ")));
 }
 
 }  // namespace vpr

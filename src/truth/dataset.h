@@ -1,4 +1,4 @@
-// Data set descriptions (vpr.dataset/1): their sequences, places and ground truth.
+// Data set descriptions (vpr.dataset/3): their sequences, places and ground truth.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {
@@ -34,22 +35,22 @@ struct GroundTruthOptions {
   /// poses; nullopt with file names: 25, as in the benchmark.
   std::optional<double> radius_m = {};
   std::optional<double> angle_deg = {};  ///< maximum difference of their headings, inclusive
-  /// Aligned: query frame i is training frame `reference_step` * i, rounded. Nullopt: 1.
-  std::optional<double> reference_step = {};
+  /// Aligned: query frame i is training frame `train_step` * i, rounded. Nullopt: 1.
+  std::optional<double> train_step = {};
   MatrixRows matrix_rows = MatrixRows::automatic;
   /// Trajectories: the times of query and training frames: a list, a folder of images with times as
   /// names, or a video; empty: pose i belongs to frame i.
   std::filesystem::path query_times = {};
-  std::filesystem::path reference_times = {};
+  std::filesystem::path train_times = {};
   std::filesystem::path query_pose_times = {};  ///< for trajectory files without times
-  std::filesystem::path reference_pose_times = {};
+  std::filesystem::path train_pose_times = {};
   /// GPS: folders or lists with the images named in a CSV
   std::filesystem::path query_images = {};
-  std::filesystem::path reference_images = {};
+  std::filesystem::path train_images = {};
   /// Maximum distance of a frame to its nearest pose in seconds. Nullopt: 0.02, or 1 for GPS.
   std::optional<double> max_difference_s = {};
-  std::optional<double> offset_s = {};            ///< added to the times of the query
-  std::optional<double> reference_offset_s = {};  ///< added to the times of the training frames
+  std::optional<double> offset_s = {};        ///< added to the times of the query
+  std::optional<double> train_offset_s = {};  ///< added to the times of the training frames
 
   bool operator==(const GroundTruthOptions&) const = default;
 };
@@ -60,24 +61,16 @@ void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference", options.reference);
   visit("soft", options.soft);
   visit("query_times", options.query_times);
-  visit("reference_times", options.reference_times);
+  visit("train_times", options.train_times);
   visit("query_pose_times", options.query_pose_times);
-  visit("reference_pose_times", options.reference_pose_times);
+  visit("train_pose_times", options.train_pose_times);
   visit("query_images", options.query_images);
-  visit("reference_images", options.reference_images);
+  visit("train_images", options.train_images);
 }
 
 /// The other options, with their keys in data set descriptions.
-template <class Visitor>
-void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
-  visit("radius_m", options.radius_m);
-  visit("angle_deg", options.angle_deg);
-  visit("reference_step", options.reference_step);
-  visit("matrix_rows", options.matrix_rows);
-  visit("max_difference_s", options.max_difference_s);
-  visit("offset_s", options.offset_s);
-  visit("reference_offset_s", options.reference_offset_s);
-}
+VPR_FIELDS(GroundTruthOptions, radius_m, angle_deg, train_step, matrix_rows, max_difference_s,
+           offset_s, train_offset_s)
 
 /// The path and the format of a ground truth, with its options.
 struct GroundTruthArgument {

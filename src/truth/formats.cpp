@@ -1,6 +1,7 @@
 #include "truth/formats.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,60 +10,64 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/text.h"
-#include "truth/gps.h"
-#include "truth/matrix_file.h"
-#include "truth/pairs.h"
-#include "truth/poses.h"
-#include "truth/trajectory.h"
-#include "truth/utm_names.h"
+#include "truth/positions.h"
+#include "truth/readers.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kStartBytes = 65536;
+constexpr std::string_view kAll = "-all";
 
-bool has_path(const GroundTruthFormat& format) {
-  return std::find(format.options.begin(), format.options.end(), "path") != format.options.end();
+bool uses(const GroundTruthFormat& format, std::string_view option) {
+  return std::ranges::find(format.options, option) != format.options.end();
 }
 
-// The names of all formats that use an option.
-std::string format_names_of(std::string_view option) {
-  std::vector<std::string_view> names;
-  for (const GroundTruthFormat& format : ground_truth_formats())
-    if (std::find(format.options.begin(), format.options.end(), option) != format.options.end())
-      names.push_back(format.name);
-  return fmt::format("{}", fmt::join(names, ", "));
+// docs/ground_truth.md has the sources with links.
+constexpr std::array<GroundTruthPreset, 4> kPresets = {{
+    {"nordland-exact", 0, 1, "the frame itself"},
+    {"nordland-vpr-bench", 1, 10,
+     "VPR-Bench, GSV-Cities, BoQ: one frame, every tenth frame is a query"},
+    {"nordland-patch-netvlad", 2, 1, "Patch-NetVLAD, SelaVPR: two frames"},
+    {"nordland-25m", 10, 1, "VPR-datasets-downloader: 25 m, which is ten frames"},
+}};
+
+bool is_of_data_set(const GroundTruthPreset& preset, std::string_view group) {
+  return group.ends_with(kAll) && group.size() > kAll.size() &&
+         preset.name.starts_with(group.substr(0, group.size() - kAll.size() + 1));
 }
 
-// The formats that use an option, for errors about options without effect.
-std::string use_of(std::string_view option) {
-  if (option == "range") return "; convert it to pairs, which accept one (vpr-eval convert)";
-  return fmt::format("; {} belongs to {}", option, format_names_of(option));
+uint32_t step_for(const GroundTruthPreset& preset, const GroundTruthScope& scope) {
+  for (const auto& sequence : scope.sequences)
+    if (sequence.searched && scope.query.frames > 1 &&
+        (sequence.sequence.frames + preset.train_step - 1) / preset.train_step ==
+            scope.query.frames)
+      return preset.train_step;
+  return 1;
 }
 
 }  // namespace
 
-StartedFile open_start(const std::filesystem::path& path) {
-  StartedFile opened;
-  FileStart& start = opened.start;
+FileStart open_start(const std::filesystem::path& path) {
+  FileStart start;
   start.path = parse_sequence_argument(path.string()).path;
   std::error_code error;
   start.is_folder = std::filesystem::is_directory(start.path, error);
-  if (start.is_folder) return opened;
-  opened.file = MappedFile(start.path);
-  start.bytes = opened.file.text().substr(0, kStartBytes);
+  if (start.is_folder) return start;
+  start.file = MappedFile(start.path);
+  start.bytes = start.file.text().substr(0, kStartBytes);
   for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes)))
     if (start.first_line.empty() && !line.starts_with('#')) start.first_line = line;
-  return opened;
+  return start;
 }
 
 std::span<const GroundTruthFormat> ground_truth_formats() {
-  static const std::vector<std::string_view> kPoseOptions = {"path", "range", "reference",
-                                                             "radius_m", "angle_deg"};
-  static const std::vector<std::string_view> kTimedOptions = {"path",     "range",     "reference",
-                                                              "radius_m", "angle_deg", "times"};
+  using Options = std::vector<std::string_view>;
+  static const Options kPoseOptions = {"path", "range", "reference", "radius_m", "angle_deg"};
+  static const Options kTimedOptions = {"path",     "range",     "reference",
+                                        "radius_m", "angle_deg", "times"};
   static const std::vector<GroundTruthFormat> kFormats = {
-      {"aligned", "query frame i is training frame i", {"reference_step"}, nullptr, read_aligned},
+      {"aligned", "query frame i is training frame i", {"train_step"}, nullptr, read_aligned},
       {"anchors",
        "CSV query,reference of a few frames, with linear interpolation",
        {"path", "range", "reference", "radius_m", "times"},
@@ -74,15 +79,21 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        is_pairs_csv,
        read_pairs_csv,
        write_pairs_csv},
-      {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions, is_pose_csv, read_poses},
-      {"tum", "trajectories: time x y z qx qy qz qw", kTimedOptions, is_tum, read_tum_poses},
-      {"kitti", "trajectories: 3 x 4 matrices", kTimedOptions, is_kitti, read_kitti_poses},
+      {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions,
+       [](const FileStart& start) { return is_pose_header(start.first_line); }, read_poses},
+      {"tum", "trajectories: time x y z qx qy qz qw", kTimedOptions,
+       [](const FileStart& start) { return pose_line_format(start.first_line) == "tum"; },
+       read_trajectories},
+      {"kitti", "trajectories: 3 x 4 matrices", kTimedOptions,
+       [](const FileStart& start) { return pose_line_format(start.first_line) == "kitti"; },
+       read_trajectories},
       {"euroc", "trajectories: CSV time in ns, x, y, z, qw, qx, qy, qz, ...", kTimedOptions,
-       is_euroc, read_euroc_poses},
+       [](const FileStart& start) { return pose_line_format(start.first_line) == "euroc"; },
+       read_trajectories},
       {"gps",
        "latitude and longitude: CSV lat,lon",
        {"path", "range", "reference", "radius_m", "angle_deg", "times", "images"},
-       is_gps,
+       [](const FileStart& start) { return is_gps_header(start.first_line); },
        read_gps},
       {"utm", "images named @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
       {"matrix",
@@ -95,7 +106,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
   return kFormats;
 }
 
-std::string format_names(bool (*wanted)(const GroundTruthFormat& format)) {
+std::string format_names(const std::function<bool(const GroundTruthFormat&)>& wanted) {
   std::vector<std::string_view> names;
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (wanted(format)) names.push_back(format.name);
@@ -112,50 +123,85 @@ std::string format_summaries() {
 std::vector<std::string> format_names() { return names_of(ground_truth_formats()); }
 
 const GroundTruthFormat& find_format(std::string_view name) {
-  refuse_unconverted_format(name);
+  refuse_convertible_format(name);
   return find_named(ground_truth_formats(), "ground truth format", name);
 }
 
 const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
-  const StartedFile opened = open_start(path);
-  const FileStart& start = opened.start;
+  const FileStart start = open_start(path);
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.recognize != nullptr && format.recognize(start)) return format;
-  refuse_unconverted(start.path, start.bytes);
+  refuse_convertible(start.path, start.bytes);
   if (start.path.extension() == ".csv") return find_format("pairs");
   throw Error(ErrorKind::usage,
-              fmt::format("{}: the format of this ground truth cannot be detected; "
-                          "pass --ground-truth-format, one of {}",
-                          path.string(), format_names(has_path)));
+              fmt::format("{}: cannot detect the format of this ground truth. Pass "
+                          "--ground-truth-format, one of {}",
+                          path.string(),
+                          format_names([](const auto& format) { return uses(format, "path"); })));
 }
 
 void require_options(const GroundTruthFormat& format, const GroundTruthArgument& argument) {
   const GroundTruthOptions& options = argument.options;
-  const auto check = [&](std::string_view option, bool is_given) {
-    const bool uses =
-        std::find(format.options.begin(), format.options.end(), option) != format.options.end();
-    if (is_given && !uses)
-      throw Error(ErrorKind::usage, fmt::format("{} has no effect on a ground truth of format {}{}",
-                                                option, format.name, use_of(option)));
-    if (option == "path" && uses && !is_given)
-      throw Error(ErrorKind::usage,
-                  fmt::format("the ground truth format {} needs a path", format.name));
+  if (uses(format, "path") && argument.path.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("the ground truth format {} needs a path", format.name));
+  const auto refuse_unused = [&](std::string_view option, bool is_set) {
+    if (!is_set || uses(format, option)) return;
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{} has no effect on a ground truth of format {}. {}", option, format.name,
+                    option == "range"
+                        ? "Convert it to pairs, which accept a range (vpr-eval convert)"
+                        : "It belongs to " + format_names([&](const auto& other) {
+                            return uses(other, option);
+                          })));
   };
-  check("path", !argument.path.empty());
-  check("range", !parse_sequence_argument(argument.path.string()).range.is_all());
-  check("reference", !options.reference.empty());
-  check("soft", !options.soft.empty());
-  check("radius_m", options.radius_m.has_value());
-  check("angle_deg", options.angle_deg.has_value());
-  check("reference_step", options.reference_step.has_value());
-  GroundTruthOptions timed = options;
-  bool has_times = timed.max_difference_s || timed.offset_s || timed.reference_offset_s;
-  visit_paths(timed, [&](const char* name, const std::filesystem::path& file) {
-    has_times = has_times || (std::string_view(name).ends_with("times") && !file.empty());
-  });
-  check("times", has_times);
-  check("images", !options.query_images.empty() || !options.reference_images.empty());
-  check("matrix_rows", options.matrix_rows != MatrixRows::automatic);
+  refuse_unused("path", !argument.path.empty());
+  refuse_unused("range", !parse_sequence_argument(argument.path.string()).range.is_all());
+  refuse_unused("reference", !options.reference.empty());
+  refuse_unused("soft", !options.soft.empty());
+  refuse_unused("radius_m", options.radius_m.has_value());
+  refuse_unused("angle_deg", options.angle_deg.has_value());
+  refuse_unused("train_step", options.train_step.has_value());
+  refuse_unused("times", options.max_difference_s || options.offset_s || options.train_offset_s ||
+                             !options.query_times.empty() || !options.train_times.empty() ||
+                             !options.query_pose_times.empty() ||
+                             !options.train_pose_times.empty());
+  refuse_unused("images", !options.query_images.empty() || !options.train_images.empty());
+  refuse_unused("matrix_rows", options.matrix_rows != MatrixRows::automatic);
+}
+
+std::span<const GroundTruthPreset> ground_truth_presets() { return kPresets; }
+
+const GroundTruthPreset* find_preset(std::string_view name) {
+  const auto* found = std::ranges::find(kPresets, name, &GroundTruthPreset::name);
+  return found == kPresets.end() ? nullptr : found;
+}
+
+std::vector<const GroundTruthPreset*> find_presets(const std::string& text) {
+  std::vector<const GroundTruthPreset*> found;
+  for (const std::string_view name : split(text, ',')) {
+    const size_t before = found.size();
+    for (const GroundTruthPreset& preset : kPresets)
+      if (preset.name == name || is_of_data_set(preset, name)) found.push_back(&preset);
+    if (found.size() > before) continue;
+    std::vector<std::string> names = names_of(kPresets);
+    names.insert(names.begin(), "nordland-all");
+    refuse_name("protocol", name, names);
+  }
+  return found;
+}
+
+GroundTruthArgument preset_argument(const GroundTruthPreset& preset, GroundTruthArgument argument,
+                                    const GroundTruthScope& scope) {
+  if (argument.tolerance_frames != 0 && argument.tolerance_frames != preset.tolerance_frames)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has a tolerance of {} frames, not {}. Use aligned for others",
+                            preset.name, preset.tolerance_frames, argument.tolerance_frames));
+  argument.format = "aligned";
+  argument.tolerance_frames = preset.tolerance_frames;
+  if (!argument.options.train_step) argument.options.train_step = step_for(preset, scope);
+  return argument;
 }
 
 }  // namespace vpr

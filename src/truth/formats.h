@@ -1,7 +1,9 @@
-// The table of ground truth formats with their names, detection, readers and writers.
+// The tables of ground truth formats (names, detection, readers and writers) and of the protocols
+// of published results.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,8 +17,9 @@ namespace vpr {
 
 class GroundTruthBuilder;
 
-/// The beginning of a file, by which its format is detected.
+/// An open file (for a folder only its name) and its beginning, by which its format is detected.
 struct FileStart {
+  MappedFile file;
   std::filesystem::path path;
   bool is_folder = false;
   std::string_view bytes;  ///< the file's first 64 KiB
@@ -24,21 +27,15 @@ struct FileStart {
   std::string_view first_line;
 };
 
-/// An open file (for a folder only its name) with its beginning.
-struct StartedFile {
-  MappedFile file;
-  FileStart start;
-};
-
 /// `path` may end in a range. Throws Error(input) if the file cannot be read.
-StartedFile open_start(const std::filesystem::path& path);
+FileStart open_start(const std::filesystem::path& path);
 
 /// An entry of the table of formats.
 struct GroundTruthFormat {
   std::string_view name;
   std::string_view summary;  ///< for help texts
   /// The options that it uses: "path", "range" (of frames, after the path), "reference", "soft",
-  /// "radius_m", "angle_deg", "reference_step", "matrix_rows"; "times": all options with times of
+  /// "radius_m", "angle_deg", "train_step", "matrix_rows"; "times": all options with times of
   /// frames and poses; "images": the images named in a list.
   std::vector<std::string_view> options;
   bool (*recognize)(const FileStart& start);         ///< null: selected only by its name
@@ -54,7 +51,7 @@ struct GroundTruthFormat {
 std::span<const GroundTruthFormat> ground_truth_formats();
 
 /// "pairs, aligned, ...": the names of the formats for which `wanted` is true.
-std::string format_names(bool (*wanted)(const GroundTruthFormat& format));
+std::string format_names(const std::function<bool(const GroundTruthFormat&)>& wanted);
 /// Names and summaries for help texts, one format per line.
 std::string format_summaries();
 std::vector<std::string> format_names();
@@ -70,5 +67,31 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path);
 /// Checks the options of an argument. Throws Error(usage) if the path is missing although the
 /// format needs it, or if an option is set that the format does not use.
 void require_options(const GroundTruthFormat& format, const GroundTruthArgument& argument);
+
+/// Both sequences show the same places at the same time; presets differ in the tolerance of a
+/// match. --ground-truth accepts the name.
+struct GroundTruthPreset {
+  std::string_view name;
+  int tolerance_frames;
+  /// The data set's query has every `train_step`-th frame. Applies only to sequences with query
+  /// frames = training frames / step, rounded up; others are compared one to one.
+  uint32_t train_step;
+  std::string_view source;  ///< the publications that use it
+};
+
+/// All presets, in the order of the help text.
+std::span<const GroundTruthPreset> ground_truth_presets();
+
+/// The preset with this name, or null.
+const GroundTruthPreset* find_preset(std::string_view name);
+
+/// The presets in `text`: names separated by commas, or DATASET-all for all of a data set
+/// ("nordland-all"). Throws Error(usage) with the nearest name.
+std::vector<const GroundTruthPreset*> find_presets(const std::string& text);
+
+/// The ground truth of a preset, with the other options of `argument`. Throws Error(usage) if the
+/// tolerance of `argument` contradicts the preset.
+GroundTruthArgument preset_argument(const GroundTruthPreset& preset, GroundTruthArgument argument,
+                                    const GroundTruthScope& scope);
 
 }  // namespace vpr

@@ -1,19 +1,38 @@
 #include "truth/ground_truth.h"
 
 #include <algorithm>
-#include <span>
+#include <array>
 
 #include <fmt/format.h>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/named_table.h"
+#include "base/text.h"
 #include "truth/builder.h"
 #include "truth/formats.h"
-#include "truth/presets.h"
 
 namespace vpr {
 
+using Pair = GroundTruth::Pair;
+
 namespace {
+
+// maximum number of pairs for the check of symmetry
+constexpr uint64_t kMaxCompared = uint64_t{1} << 26;
+
+// The number of frames in the union of the runs; sorts them.
+uint64_t covered_frames(std::vector<LabelRun>& runs) {
+  std::ranges::sort(runs, {}, &LabelRun::first);
+  uint64_t covered = 0;
+  size_t end = 0;
+  for (const LabelRun& run : runs) {
+    if (run.last < end) continue;
+    covered += run.last + 1 - std::max(end, run.first);
+    end = run.last + 1;
+  }
+  return covered;
+}
 
 InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTruthScope& scope,
                                    InconsistentPairs inconsistent, const Monitor& monitor) {
@@ -25,30 +44,26 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
   const GroundTruthFormat& format =
       argument.format.empty() ? detect_format(argument.path) : find_format(argument.format);
   require_options(format, argument);
-  GroundTruthBuilder builder(argument, scope, inconsistent, monitor);
-  const std::string protocol = format.read(builder);
-  InspectedGroundTruth result =
-      builder.finish(preset == nullptr ? protocol : preset_protocol(*preset, protocol));
+  GroundTruthBuilder builder(argument, format.name, scope, inconsistent, monitor);
+  std::string protocol = format.read(builder);
+  if (preset != nullptr)
+    protocol = fmt::format("{} ({}): {}", preset->name, preset->source, protocol);
+  InspectedGroundTruth result = builder.finish(protocol);
   result.format = format.name;
   return result;
-}
-
-// The scope of the files: whole recordings.
-GroundTruthScope recorded_scope(GroundTruthScope scope) {
-  const auto whole = [](Sequence& sequence) {
-    sequence.frames = sequence.recorded_frames();
-    sequence.selection = {};
-  };
-  whole(scope.query);
-  for (auto& train : scope.sequences) whole(train.sequence);
-  return scope;
 }
 
 // Copies the labels of each recorded frame to all frames that repeat it.
 InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                           InconsistentPairs inconsistent, const Monitor& monitor) {
-  InspectedGroundTruth result =
-      read_recorded(argument, recorded_scope(scope), inconsistent, monitor);
+  GroundTruthScope recorded = scope;  // files refer to whole recordings
+  const auto select_all = [](Sequence& sequence) {
+    sequence.frames = sequence.recorded_frames();
+    sequence.selection = {};
+  };
+  select_all(recorded.query);
+  for (auto& train : recorded.sequences) select_all(train.sequence);
+  InspectedGroundTruth result = read_recorded(argument, recorded, inconsistent, monitor);
   if (const Selection& selection = scope.query.selection; !selection.is_all()) {
     result.truth.pairs = selected(std::move(result.truth.pairs), selection);
     result.truth.protocol += ", query " + selection_text(selection);
@@ -64,17 +79,9 @@ InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruth
   return result;
 }
 
-// Refuses an argument that is not a file but differs from a known word by one or two typing errors.
-void refuse_mistyped_word(const std::string& text) {
-  std::vector<std::string> words = names_of(ground_truth_presets());
-  words.insert(words.begin(), "aligned");
-  const std::string best = nearest(text, words);
-  std::error_code error;
-  if (edit_distance(text, best) <= 2 && !std::filesystem::exists(text, error))
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("the ground truth {} is neither a file nor a known name; did you mean {}?",
-                    text, best));
+Pair pair_of(size_t sequence, const LabelRun& run) {
+  return {static_cast<uint32_t>(sequence), static_cast<uint32_t>(run.first), run.label,
+          static_cast<uint32_t>(run.last - run.first)};
 }
 
 // Appends a run, or extends the last one.
@@ -86,10 +93,10 @@ void append(std::vector<LabelRun>& runs, const LabelRun& run) {
 }
 
 // Runs of one label, extended by `reach` frames at both ends within the sequence.
-std::vector<LabelRun> widened_runs(std::span<const GroundTruth::Pair> pairs, size_t frames,
-                                   PlaceLabel label, int64_t reach) {
+std::vector<LabelRun> widened_runs(std::span<const Pair> pairs, size_t frames, PlaceLabel label,
+                                   int64_t reach) {
   std::vector<LabelRun> runs;
-  for (const GroundTruth::Pair& pair : pairs) {
+  for (const Pair& pair : pairs) {
     if (pair.label != label) continue;
     const int64_t first = std::max<int64_t>(0, pair.first - reach);
     const int64_t end = std::min(static_cast<int64_t>(frames), pair.last() + reach + 1);
@@ -99,47 +106,24 @@ std::vector<LabelRun> widened_runs(std::span<const GroundTruth::Pair> pairs, siz
   return runs;
 }
 
-using Pair = GroundTruth::Pair;
-
-// The selected frame nearest to a run without selected frames; `next` is the first one after it.
-uint32_t nearest_selected(const std::vector<uint32_t>& sources, const LabelRun& run, size_t next) {
-  if (next == sources.size()) return static_cast<uint32_t>(next - 1);
-  if (next == 0) return 0;
-  const bool is_before = run.first - sources[next - 1] <= sources[next] - run.last;
-  return static_cast<uint32_t>(is_before ? next - 1 : next);
-}
-
-// Converts the runs of a recording to its selected frames.
-void add_selected(std::vector<Pair>& row, uint32_t sequence, const std::vector<LabelRun>& runs,
-                  const std::vector<uint32_t>& sources) {
-  for (const LabelRun& run : runs) {
-    const auto first = std::ranges::lower_bound(sources, run.first);
-    const auto end = std::ranges::upper_bound(sources, run.last);
-    const auto index = static_cast<uint32_t>(first - sources.begin());
-    if (first != end)
-      row.push_back({sequence, index, run.label, static_cast<uint32_t>(end - first - 1)});
-    else if (run.label == PlaceLabel::same)
-      row.push_back({sequence, nearest_selected(sources, run, index), run.label, 0});
-  }
-}
-
-// Sorted and without duplicates; a frame with both labels is `same`.
-std::vector<Pair> without_overlaps(std::vector<Pair> row, size_t sequence_frames) {
-  GroundTruth one;
-  std::sort(row.begin(), row.end());
-  one.pairs = {std::move(row)};
-  std::vector<Pair> clean;
-  if (one.pairs[0].empty()) return clean;
-  const uint32_t sequence = one.pairs[0].front().sequence;
-  for (const LabelRun& run : label_runs(one, 0, sequence, sequence_frames))
-    clean.push_back({sequence, static_cast<uint32_t>(run.first), run.label,
-                     static_cast<uint32_t>(run.last - run.first)});
-  return clean;
+// The run among the selected frames. If none of them is in the run: the selected frame nearest to a
+// run of the same place, or nullopt.
+std::optional<LabelRun> selected_run(const LabelRun& run, const std::vector<uint32_t>& sources) {
+  const auto first =
+      static_cast<size_t>(std::ranges::lower_bound(sources, run.first) - sources.begin());
+  const auto end =
+      static_cast<size_t>(std::ranges::upper_bound(sources, run.last) - sources.begin());
+  if (first < end) return LabelRun{first, end - 1, run.label};
+  if (run.label != PlaceLabel::same) return std::nullopt;
+  const bool is_before =
+      end == sources.size() || (end > 0 && run.first - sources[end - 1] <= sources[end] - run.last);
+  const size_t nearest = is_before ? end - 1 : end;
+  return LabelRun{nearest, nearest, run.label};
 }
 
 }  // namespace
 
-std::span<const GroundTruth::Pair> GroundTruth::pairs_of(size_t query, size_t sequence) const {
+std::span<const Pair> GroundTruth::pairs_of(size_t query, size_t sequence) const {
   const auto& row = pairs[query];
   return {std::ranges::lower_bound(row, sequence, {}, &Pair::sequence),
           std::ranges::upper_bound(row, sequence, {}, &Pair::sequence)};
@@ -172,20 +156,18 @@ void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel>
 }
 
 bool GroundTruth::has_match(size_t query) const {
-  return std::any_of(pairs[query].begin(), pairs[query].end(),
-                     [](const Pair& pair) { return pair.label == PlaceLabel::same; });
+  return std::ranges::find(pairs[query], PlaceLabel::same, &Pair::label) != pairs[query].end();
 }
 
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {
   GroundTruth truth;
   truth.is_known = false;
   truth.protocol = "none";
-  std::vector<GroundTruth::Pair> all;
+  std::vector<Pair> all;
   for (size_t s = 0; s < scope.sequences.size(); ++s)
     if (const size_t frames = scope.sequences[s].sequence.frames;
         scope.sequences[s].searched && frames > 0)
-      all.push_back(
-          {static_cast<uint32_t>(s), 0, PlaceLabel::ignore, static_cast<uint32_t>(frames - 1)});
+      all.push_back(pair_of(s, {0, frames - 1, PlaceLabel::ignore}));
   truth.pairs.assign(scope.query.frames, all);
   return truth;
 }
@@ -201,10 +183,18 @@ InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
 }
 
 GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames) {
-  const bool is_word = text == "aligned" || find_preset(text) != nullptr;
-  if (!is_word) refuse_mistyped_word(text);
-  return is_word ? GroundTruthArgument{text, {}, tolerance_frames}
-                 : GroundTruthArgument{"", text, tolerance_frames};
+  std::vector<std::string> words = names_of(ground_truth_presets());
+  words.insert(words.begin(), "aligned");
+  const std::string word = nearest(text, words);
+  if (text == word) return {text, {}, tolerance_frames};
+  // A known word with one or two typing errors is not taken for a path.
+  std::error_code error;
+  if (edit_distance(text, word) <= 2 && !std::filesystem::exists(text, error))
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("the ground truth {} is neither a file nor a known name; did you mean {}?",
+                    text, word));
+  return {"", text, tolerance_frames};
 }
 
 std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
@@ -229,25 +219,113 @@ std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t 
 }
 
 void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope) {
+  GroundTruth selected;
+  selected.pairs.resize(truth.pairs.size());
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
-    std::vector<Pair> all;
+    std::vector<Pair> clean;
     for (size_t s = 0; s < scope.sequences.size(); ++s) {
       const Sequence& sequence = scope.sequences[s].sequence;
-      const auto runs = label_runs(truth, query, s, sequence.recorded_frames());
-      std::vector<Pair> row;
-      if (!sequence.selection.is_all()) {
-        add_selected(row, static_cast<uint32_t>(s), runs, sequence.selection.sources);
-      } else {
-        for (const LabelRun& run : runs)
-          row.push_back({static_cast<uint32_t>(s), static_cast<uint32_t>(run.first), run.label,
-                         static_cast<uint32_t>(run.last - run.first)});
-      }
-      row = without_overlaps(std::move(row), sequence.frames);
-      all.insert(all.end(), row.begin(), row.end());
+      std::vector<Pair>& row = selected.pairs[query];
+      row.clear();
+      for (const LabelRun& run : label_runs(truth, query, s, sequence.recorded_frames()))
+        if (sequence.selection.is_all())
+          row.push_back(pair_of(s, run));
+        else if (const auto found = selected_run(run, sequence.selection.sources))
+          row.push_back(pair_of(s, *found));
+      std::ranges::sort(row);
+      // Without overlaps: a frame with both labels is `same`.
+      for (const LabelRun& run : label_runs(selected, query, s, sequence.frames))
+        clean.push_back(pair_of(s, run));
     }
-    truth.pairs[query] = std::move(all);
+    selected.pairs[query] = std::move(clean);
   }
+  truth.pairs = std::move(selected.pairs);
   truth.tolerance_frames = 0;
+}
+
+GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Monitor& monitor) {
+  const GroundTruth& truth = ground_truth.truth;
+  const auto& sequences = ground_truth.scope.sequences;
+  GroundTruthSummary summary;
+  summary.query_frames = truth.pairs.size();
+  std::vector<std::vector<LabelRun>> matched(sequences.size());
+  for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    check_stop(monitor);
+    uint64_t matches = 0;
+    const auto& row = truth.pairs[query];
+    for (auto pair = row.begin(); pair != row.end();) {
+      const size_t s = pair->sequence;
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
+        const uint64_t count = run.last - run.first + 1;
+        (run.label == PlaceLabel::same ? matches : summary.ignored) += count;
+        if (run.label == PlaceLabel::same) matched[s].push_back(run);
+      }
+      pair = std::find_if(pair, row.end(), [&](const auto& other) { return other.sequence != s; });
+    }
+    summary.same += matches;
+    if (matches == 0) ++summary.queries_without_match;
+    summary.most_matches = std::max(summary.most_matches, matches);
+  }
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    summary.train_frames += sequences[s].sequence.frames;
+    summary.train_frames_without_match += sequences[s].sequence.frames - covered_frames(matched[s]);
+  }
+  if (sequences.size() == 1 && sequences[0].sequence.frames == truth.pairs.size() &&
+      summary.same <= kMaxCompared) {
+    summary.one_sided = 0;
+    for (size_t query = 0; query < truth.pairs.size(); ++query) {
+      check_stop(monitor);
+      for (const LabelRun& run : label_runs(truth, query, 0, truth.pairs.size()))
+        for (size_t reference = run.first; reference <= run.last; ++reference) {
+          if (run.label != PlaceLabel::same || truth.label(reference, 0, query) == PlaceLabel::same)
+            continue;
+          if ((*summary.one_sided)++ < kMaxExamples)
+            summary.one_sided_examples.push_back(
+                fmt::format("query {} and reference {} are the same place, but query {} and "
+                            "reference {} are not",
+                            query, reference, reference, query));
+        }
+    }
+  }
+  return summary;
+}
+
+void require_undamaged(const InspectedGroundTruth& ground_truth, const std::string& name) {
+  const auto finding = [&](FindingKind kind) -> const GroundTruthFinding& {
+    return ground_truth.findings[static_cast<size_t>(kind)];
+  };
+  const GroundTruthFinding& outside = finding(FindingKind::out_of_range);
+  const GroundTruthFinding& both = finding(FindingKind::contradiction);
+  if (outside.count == 0 && both.count == 0) return;
+  throw Error(ErrorKind::data,
+              fmt::format("{}: is damaged: {} out of range and {} with both labels "
+                          "(first: {})",
+                          name, counted(outside.count, "pair"), both.count,
+                          (outside.count > 0 ? outside : both).examples.front()));
+}
+
+std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
+                                     const Monitor& monitor) {
+  std::vector<uint64_t> place_among_searched;
+  uint64_t searched = 0;
+  for (const auto& sequence : scope.sequences)
+    place_among_searched.push_back(sequence.searched ? searched++ : searched);
+  ChecksumStream sum;
+  const auto add = [&](const auto& numbers) { sum.add(std::as_bytes(std::span(numbers))); };
+  add(std::array<uint64_t, 1>{truth.pairs.size()});
+  for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    check_stop(monitor);
+    const auto& row = truth.pairs[query];
+    for (size_t i = 0; i < row.size();) {
+      const size_t s = row[i].sequence;
+      i += truth.pairs_of(query, s).size();
+      if (!scope.sequences[s].searched) continue;
+      for (const LabelRun& run : label_runs(truth, query, s, scope.sequences[s].sequence.frames))
+        add(std::array<uint64_t, 5>{query, place_among_searched[s], run.first, run.last,
+                                    static_cast<uint64_t>(run.label)});
+    }
+  }
+  return sum.text();
 }
 
 }  // namespace vpr

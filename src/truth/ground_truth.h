@@ -17,16 +17,16 @@
 
 namespace vpr {
 
-/// The label of a pair of frames: another place, the same place, or a pair to ignore.
+/// The label of a pair of frames. Ignored pairs are neither correct nor incorrect.
 enum class PlaceLabel { different, same, ignore };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"different", "same",
                                                                            "ignore"};
 
-/// A number of frames that only the ground truth itself states.
+/// An unknown number of frames, which the ground truth itself determines.
 inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
-/// Upper bound of a number of frames that only a file states, against one large index in a damaged
-/// file.
+/// Upper bound of a number of frames that only a file states: a damaged file may have a large
+/// index.
 inline constexpr size_t kMaxGrownFrames = size_t{1} << 22;
 
 /// Reads the names of the frames of a sequence; null: unknown.
@@ -94,7 +94,7 @@ std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t 
 /// selected ones are ignored.
 void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope);
 
-/// A ground truth without any knowledge: every pair is labeled ignore.
+/// The ground truth if nothing is known: every pair of the searched sequences is labeled ignore.
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope);
 
 /// The kinds of inconsistencies in a ground truth.
@@ -135,5 +135,35 @@ InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
 
 /// Parses an argument of --ground-truth: a word (aligned, or the name of a preset) or a path.
 GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames);
+
+/// Counts over all sequences, with the tolerance applied.
+struct GroundTruthSummary {
+  uint64_t query_frames = 0;
+  uint64_t train_frames = 0;
+  uint64_t same = 0;                        ///< pairs of the same place
+  uint64_t ignored = 0;                     ///< pairs to ignore
+  uint64_t queries_without_match = 0;       ///< query frames without a pair of the same place
+  uint64_t train_frames_without_match = 0;  ///< training frames without a pair of the same place
+  uint64_t most_matches = 0;                ///< maximum over all query frames
+  /// Pairs (i, j) of the same place for which (j, i) is not: an error in a ground truth of a
+  /// sequence with itself, normal for two sequences. Set only for one training sequence with as
+  /// many frames as the query, and at most 2^26 pairs.
+  std::optional<uint64_t> one_sided;
+  std::vector<std::string> one_sided_examples;
+};
+
+/// Counts the pairs of a ground truth, in time linear in the runs of frames, not in pairs.
+GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Monitor& monitor = {});
+
+/// Throws Error(data), with the first such pair, if a pair is out of range or contradicts another.
+void require_undamaged(const InspectedGroundTruth& ground_truth, const std::string& name);
+
+/// The checksum of the labels of all pairs, with the tolerance applied, and of the number of query
+/// frames. It does not depend on the file's name, its format or the origin of the pairs: ground
+/// truths with equal labels have equal fingerprints. Training sequences count in their order among
+/// the searched ones, without their names; those at the end without any pair do not count. Time
+/// linear in the runs of labels.
+std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
+                                     const Monitor& monitor = {});
 
 }  // namespace vpr

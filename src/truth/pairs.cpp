@@ -1,5 +1,3 @@
-#include "truth/pairs.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,16 +5,14 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "base/csv.h"
 #include "base/error.h"
-#include "base/mapped_file.h"
 #include "base/text.h"
 #include "sequence/sequence_source.h"
-#include "truth/association.h"
 #include "truth/builder.h"
-#include "truth/check.h"
 #include "truth/ground_truth.h"
+#include "truth/readers.h"
 #include "truth/text_file.h"
 
 namespace vpr {
@@ -24,29 +20,6 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMaxLines = uint64_t{1} << 30;
-
-/// Column indices of a pairs file.
-struct PairColumns {
-  size_t count = 0;
-  bool has_sequence = false;
-  bool has_label = false;
-};
-
-PairColumns read_header(const std::vector<CsvRow>& rows, const GroundTruthBuilder& builder) {
-  if (!rows.empty()) {
-    const auto& names = rows.front().fields;
-    for (const bool has_sequence : {false, true}) {
-      for (const bool has_label : {false, true}) {
-        std::vector<std::string> wanted = {"query"};
-        if (has_sequence) wanted.emplace_back("sequence");
-        wanted.emplace_back("reference");
-        if (has_label) wanted.emplace_back("label");
-        if (names == wanted) return {wanted.size(), has_sequence, has_label};
-      }
-    }
-  }
-  builder.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
-}
 
 /// One side of a pair. `names` is read when the first name occurs.
 struct PairSide {
@@ -93,58 +66,46 @@ struct PairNames {
   std::map<size_t, std::optional<FrameNames>> train;
 };
 
-PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text) {
-  if (text == "same" || text.empty()) return PlaceLabel::same;
-  if (text == "ignore") return PlaceLabel::ignore;
-  builder.fail(fmt::format("label \"{}\" is neither same nor ignore", text));
-}
-
-// Whether the row's query frame is in the range.
-bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
-              size_t only_sequence, const FrameRange& range, PairNames& names) {
-  builder.at("line", row.line);
-  if (row.fields.size() != columns.count)
-    builder.fail(fmt::format("expected {} columns, found {}", columns.count, row.fields.size()));
+// Whether the query frame of the current row is in the range. `only_sequence`: of a file without a
+// column for sequences.
+bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, size_t only_sequence,
+              const FrameRange& range, PairNames& names) {
   const size_t sequence =
-      columns.has_sequence ? builder.find_sequence(row.fields[1]) : only_sequence;
+      rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence;
   const GroundTruthScope& scope = builder.scope();
-  const auto query = read_frame(builder, row.fields[0],
+  const auto query = read_frame(builder, rows.text("query"),
                                 {"query", builder.query(), scope.query_names, names.query}, range);
-  const auto reference = read_frame(builder, row.fields[columns.has_sequence ? 2 : 1],
+  const auto reference = read_frame(builder, rows.text("reference"),
                                     {"reference", builder.train(sequence),
                                      scope.sequences[sequence].names, names.train[sequence]},
                                     {});
-  const PlaceLabel label =
-      columns.has_label ? read_label(builder, row.fields.back()) : PlaceLabel::same;
-  if (query && reference) builder.add(*query, sequence, *reference, *reference, label);
+  const std::string& label = rows.text("label");
+  if (label != "same" && label != "ignore" && !label.empty())
+    builder.fail(fmt::format("label \"{}\" is neither same nor ignore", label));
+  if (query && reference)
+    builder.add(*query, sequence, *reference, *reference,
+                label == "ignore" ? PlaceLabel::ignore : PlaceLabel::same);
   return query.has_value();
 }
 
-void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
-  const auto in_range = frame_count(source.range);
-  if (in_range && !builder.query().grows && *in_range != builder.query().frames)
-    builder.fail(fmt::format("its range has {}, but the query has {}", counted(*in_range, "frame"),
-                             builder.query().frames));
-  if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
-}
-
 // Anchors have the same header as pairs, but a different meaning for the frames between them.
-void warn_of_anchors(const GroundTruthBuilder& builder, const PairColumns& columns,
-                     const std::vector<CsvRow>& rows) {
-  constexpr size_t kFramesAPair = 10;  // with fewer frames per pair it is not a mere outline
-  const size_t pairs = rows.size() - 1;
-  if (columns.has_label || pairs < 2 || builder.query().grows ||
-      pairs * kFramesAPair > builder.query().frames)
+void warn_of_anchors(const GroundTruthBuilder& builder, NamedRows& rows) {
+  constexpr size_t kFramesPerPair = 10;  // with fewer frames per pair, the pairs are dense
+  if (rows.has("label") || rows.size() < 2 || builder.query().grows ||
+      rows.size() * kFramesPerPair > builder.query().frames)
     return;
-  for (size_t r = 2; r < rows.size(); ++r) {
-    const auto before = parse_frame(rows[r - 1].fields.front());
-    const auto frame = parse_frame(rows[r].fields.front());
-    if (!before || !frame || frame->value <= before->value) return;
+  std::optional<size_t> last;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    const auto frame = parse_frame(rows.text("query"));
+    if (!frame || (last && frame->value <= *last)) return;
+    last = frame->value;
   }
   builder.warn_user(fmt::format(
       "{} labels {} of {}, and recognitions of the other frames count as incorrect. If the pairs "
       "are anchors of a route, add --ground-truth-format anchors",
-      builder.argument().path.string(), pairs, counted(builder.query().frames, "query frame")));
+      builder.argument().path.string(), rows.size(),
+      counted(builder.query().frames, "query frame")));
 }
 
 struct Anchor {
@@ -188,35 +149,30 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
   return anchors;
 }
 
-/// The position of a query frame on the training sequence, in frames; nullopt outside the anchors.
-std::optional<double> position_of(const std::vector<Anchor>& anchors, size_t& next, size_t query) {
-  while (next < anchors.size() && anchors[next].query < query) ++next;
-  if (next == anchors.size()) return std::nullopt;
-  const Anchor& b = anchors[next];
-  if (b.query == query) return static_cast<double>(b.reference);
-  if (next == 0) return std::nullopt;
-  const Anchor& a = anchors[next - 1];
-  const double share =
-      static_cast<double>(query - a.query) / static_cast<double>(b.query - a.query);
-  const auto from = static_cast<double>(a.reference);
-  return from + share * (static_cast<double>(b.reference) - from);
-}
-
-/// Calls `use` for the query frames between anchors, with their positions.
+/// Calls `use` for the query frames from the first to the last anchor, with their positions on the
+/// training sequence, in frames.
 template <class Use>
 void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& anchors,
                        const FrameRange& range, Use&& use) {
-  if (anchors.empty()) return;
-  size_t next = 0;
+  size_t next = 0;  // the first anchor at or after the frame
   for (size_t recorded = anchors.front().query; recorded <= anchors.back().query; ++recorded) {
+    if (anchors[next].query < recorded) ++next;
     const auto query = frame_in_range(range, recorded);
-    const auto position = position_of(anchors, next, recorded);
-    if (!query || !position) continue;
+    if (!query) continue;
     if (!builder.query().grows && *query >= builder.query().frames)
       builder.fail(fmt::format("query {} is out of range; there are {} frames{}", recorded,
                                builder.query().frames,
                                range.is_all() ? range_hint(builder.argument().path) : ""));
-    use(*query, *position);
+    const Anchor& b = anchors[next];
+    auto position = static_cast<double>(b.reference);
+    if (b.query != recorded) {
+      const Anchor& a = anchors[next - 1];
+      const double share =
+          static_cast<double>(recorded - a.query) / static_cast<double>(b.query - a.query);
+      const auto from = static_cast<double>(a.reference);
+      position = from + share * (position - from);
+    }
+    use(*query, position);
   }
 }
 
@@ -240,23 +196,23 @@ std::string in_meters(GroundTruthBuilder& builder, const Anchors& anchors,
   const GroundTruthOptions& options = builder.argument().options;
   if (builder.argument().tolerance_frames != 0)
     throw Error(ErrorKind::usage,
-                "anchors take a tolerance in frames or a radius in meters, not both");
+                "anchors accept a tolerance in frames or a radius in meters, not both");
   const size_t sequence = builder.only_searched("a radius of anchors");
   const Poses train = read_train_poses(options.reference, options, builder.monitor()).poses;
   builder.require_train_frames(sequence, train.size());
   Poses query;
-  std::vector<bool> nowhere;
+  std::vector<bool> unplaced;
   for (const auto& [anchored, list] : anchors)
     for_each_position(builder, list, range, [&](size_t frame, double position) {
       query.resize(std::max(query.size(), frame + 1));
-      nowhere.resize(query.size(), true);
+      unplaced.resize(query.size(), true);
       query[frame] = pose_at(train, position);
-      nowhere[frame] = false;
+      unplaced[frame] = false;
     });
   if (!builder.query().grows) query.resize(builder.query().frames);
-  nowhere.resize(query.size(), true);
+  unplaced.resize(query.size(), true);
   builder.require_query_frames(query.size());
-  return match_poses(builder, sequence, query, train, {}, nowhere);
+  return match_poses(builder, sequence, query, train, {}, unplaced);
 }
 
 std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
@@ -269,19 +225,6 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
   return "within " + counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame");
 }
 
-// Only the positions of training frames use times.
-void check_times(const GroundTruthOptions& options) {
-  const bool has_query_times =
-      options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();
-  const bool has_reference_times = options.reference_offset_s || options.max_difference_s ||
-                                   !options.reference_times.empty() ||
-                                   !options.reference_pose_times.empty();
-  if (has_query_times || (has_reference_times && !options.radius_m))
-    throw Error(ErrorKind::usage,
-                "with anchors, only the poses of training frames have times: use --radius with "
-                "--reference-times, without times or offset of the query");
-}
-
 }  // namespace
 
 bool is_pairs_csv(const FileStart& start) {
@@ -291,19 +234,28 @@ bool is_pairs_csv(const FileStart& start) {
 std::string read_pairs_csv(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
   const SequenceArgument source = parse_sequence_argument(path.string());
-  const MappedFile file(source.path);
-  const std::vector<CsvRow> rows = parse_csv(file.text(), path.string());
-  require_range(builder, source);
-  const PairColumns columns = read_header(rows, builder);
+  NamedRows rows(source.path, path.string(), {});
+  const auto in_range = frame_count(source.range);
+  if (in_range && !builder.query().grows && *in_range != builder.query().frames)
+    builder.fail(fmt::format("its range has {}, but the query has {}", counted(*in_range, "frame"),
+                             builder.query().frames));
+  if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
+  if (fmt::format("{}", fmt::join(rows.header(), ",")) !=
+      fmt::format("query,{}reference{}", rows.has("sequence") ? "sequence," : "",
+                  rows.has("label") ? ",label" : ""))
+    rows.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
   const size_t only_sequence =
-      columns.has_sequence
+      rows.has("sequence")
           ? 0
           : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
   PairNames names;
   size_t pairs = 0;
-  for (size_t r = 1; r < rows.size(); ++r)
-    pairs += read_row(builder, columns, rows[r], only_sequence, source.range, names) ? 1 : 0;
-  if (builder.argument().format.empty()) warn_of_anchors(builder, columns, rows);
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    builder.at("line", rows.line());
+    pairs += read_row(builder, rows, only_sequence, source.range, names) ? 1 : 0;
+  }
+  if (builder.argument().format.empty()) warn_of_anchors(builder, rows);
   const std::string text = "pairs: " + counted(pairs, "labeled pair");
   const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
   if (tolerance == 0) return text;
@@ -345,10 +297,19 @@ std::string read_anchors(GroundTruthBuilder& builder) {
   const GroundTruthOptions& options = builder.argument().options;
   if (options.radius_m.has_value() == options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: a tolerance of anchors in meters needs --radius and the poses of "
-                            "the training sequence (--ground-truth-reference)",
+                fmt::format("{}: a radius in meters needs both --radius and the poses of the "
+                            "training sequence (--ground-truth-train)",
                             builder.argument().path.string()));
-  check_times(options);
+  // Only the poses of training frames have times.
+  const bool has_query_times =
+      options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();
+  const bool has_reference_times = options.train_offset_s || options.max_difference_s ||
+                                   !options.train_times.empty() ||
+                                   !options.train_pose_times.empty();
+  if (has_query_times || (has_reference_times && !options.radius_m))
+    throw Error(ErrorKind::usage,
+                "with anchors, only the poses of training frames have times. Use --radius with "
+                "--train-times, without times or offset of the query");
   const SequenceArgument source = parse_sequence_argument(builder.argument().path.string());
   const Anchors anchors = read_file(builder, source.path);
   size_t count = 0;
@@ -365,7 +326,7 @@ bool is_anchors_csv(const FileStart& start) {
 
 std::string read_aligned(GroundTruthBuilder& builder) {
   const size_t sequence = builder.only_searched("the ground truth \"aligned\"");
-  const double step = builder.argument().options.reference_step.value_or(1);
+  const double step = builder.argument().options.train_step.value_or(1);
   if (!(step > 0 && step <= 1e6))
     throw Error(ErrorKind::usage, "the reference step must be above 0, and at most a million");
   if (builder.query().grows || builder.train(sequence).grows)

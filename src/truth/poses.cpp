@@ -1,91 +1,60 @@
-#include "truth/poses.h"
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/text.h"
-#include "truth/association.h"
+#include "sequence/sequence_source.h"
 #include "truth/builder.h"
-#include "truth/route.h"
+#include "truth/formats.h"
+#include "truth/positions.h"
+#include "truth/readers.h"
 #include "truth/text_file.h"
-#include "truth/trajectory.h"
 
 namespace vpr {
 
 namespace {
 
-Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames) {
-  PoseCsvRules rules{frames.frames, kMaxGrownFrames};
-  if (frames.grows) rules.frames.reset();
-  Poses poses;
-  for (const auto& found : read_pose_csv(path, rules)) {
-    if (found && found->is_on_earth)
-      throw Error(ErrorKind::data,
-                  fmt::format("{}: has latitudes and longitudes, but the other side has poses "
-                              "in meters; use the format gps for both sides",
-                              path.string()));
-    poses.push_back(found ? std::optional(found->pose) : std::nullopt);
-  }
-  return poses;
+/// In seconds. Receivers report one fix per second, so a frame is at most half a second from the
+/// nearest fix, or one second if a fix is missing.
+constexpr double kFixDifference = 1;
+// In meters; the radius of the deep visual geo-localization benchmark, which uses UTM names.
+constexpr double kUtmRadius = 25;
+constexpr double kMaxZones = 60;
+
+// Indices of the fields between the @ signs; field 0 is before the first one.
+enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kHeading = 9 };
+
+// Other programs that write such names may put something else there.
+bool is_zone(std::string_view field) {
+  const auto number = parse_real(field);
+  return number && field.size() <= 2 && *number >= 1 && *number <= kMaxZones;
 }
 
-/// The readers of a trajectory format: without times, and with checked times.
-struct TrajectoryReaders {
-  Trajectory (*without_times)(const std::filesystem::path& path);
-  Trajectory (*with_times)(const std::filesystem::path& path);
-};
-
-const std::filesystem::path& training_path(const GroundTruthArgument& argument) {
-  if (argument.options.reference.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has the poses of the query; pass those of the training sequence, "
-                            "as in --ground-truth-reference POSES",
-                            argument.path.string()));
-  return argument.options.reference;
-}
-
-/// `read(side, path)` returns the poses of one side.
+// `read(side, frames)` returns the poses of one side. Returns the protocol of match_poses.
 template <class Read>
-std::string read_both(GroundTruthBuilder& builder, std::string_view format, Read&& read) {
+std::string match_sides(GroundTruthBuilder& builder, Read&& read,
+                        std::optional<double> default_radius_m = std::nullopt) {
   const GroundTruthArgument& argument = builder.argument();
   const size_t sequence = builder.only_searched(argument.path.string());
-  const std::filesystem::path& reference = training_path(argument);
-  builder.at_file(argument.path);  // for errors about the whole file
-  const Poses query = read(PoseSide::query, argument.path);
-  const GroundTruthOptions& options = argument.options;
-  if (!options.query_times.empty()) builder.at_file(options.query_times);
+  if (argument.options.reference.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has the positions of the query. Pass those of the training "
+                            "sequence with --ground-truth-train",
+                            argument.path.string()));
+  const auto read_side = [&](PoseSide side, const FrameCount& frames) {
+    const SideOptions options = side_options(argument, side);
+    builder.at_file(options.poses);  // for errors about the whole file
+    Poses poses = read(side, frames);
+    if (!options.times.empty()) builder.at_file(options.times);
+    return poses;
+  };
+  const Poses query = read_side(PoseSide::query, builder.query());
   builder.require_query_frames(query.size());
-  builder.at_file(reference);
-  const Poses train = read(PoseSide::train, reference);
-  if (!options.reference_times.empty()) builder.at_file(options.reference_times);
+  const Poses train = read_side(PoseSide::train, builder.train(sequence));
   builder.require_train_frames(sequence, train.size());
-  return fmt::format("{} poses{}: {}", format, times_in_words(argument.options),
-                     match_poses(builder, sequence, query, train));
-}
-
-std::string read_trajectories(GroundTruthBuilder& builder, std::string_view format,
-                              const TrajectoryReaders& readers) {
-  return read_both(builder, format, [&](PoseSide side, const std::filesystem::path& path) {
-    const GroundTruthOptions& options = builder.argument().options;
-    const bool has_times =
-        !(side == PoseSide::query ? options.query_times : options.reference_times).empty();
-    return poses_of_side(options, side,
-                         (has_times ? readers.with_times : readers.without_times)(path),
-                         builder.monitor());
-  });
-}
-
-bool has_numbers(std::string_view line, size_t count) {
-  const auto words = split_words(line);
-  return words.size() == count && std::all_of(words.begin(), words.end(), [](std::string_view w) {
-           return parse_real(w).has_value();
-         });
+  return match_poses(builder, sequence, query, train, default_radius_m);
 }
 
 /// With a larger share of pairs of the same place, almost every match is correct.
@@ -113,40 +82,30 @@ bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
   return *angle <= *nearness.angle_deg;
 }
 
-/// Neighboring frames first .. last.
-struct FrameSpan {
-  size_t first = 0;
-  size_t last = 0;
-};
-
-/// Frames with a pose, sorted by the coordinate with the largest extent.
+/// Frames with a pose, sorted by the coordinate with the largest extent, and runs of frames without
+/// a pose.
 struct SortedPoses {
   size_t axis = 0;
   std::vector<size_t> known;
-  std::vector<FrameSpan> unknown;
-  size_t unknown_frames = 0;
+  std::vector<LabelRun> unknown;
 };
 
-size_t longest_axis(const Poses& poses) {
-  const std::array<double, 3> extents = extents_of(poses);
-  return static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
-}
-
 SortedPoses sort_poses(const Poses& poses) {
+  const std::array<double, 3> extents = extents_of(poses);
   SortedPoses sorted;
-  sorted.axis = longest_axis(poses);
+  sorted.axis =
+      static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
   for (size_t i = 0; i < poses.size(); ++i) {
     auto& unknown = sorted.unknown;
     if (poses[i])
       sorted.known.push_back(i);
-    else if (++sorted.unknown_frames; !unknown.empty() && unknown.back().last + 1 == i)
+    else if (!unknown.empty() && unknown.back().last + 1 == i)
       unknown.back().last = i;
     else
-      unknown.push_back({i, i});
+      unknown.push_back({i, i, PlaceLabel::ignore});
   }
-  std::stable_sort(sorted.known.begin(), sorted.known.end(), [&](size_t a, size_t b) {
-    return poses[a]->position[sorted.axis] < poses[b]->position[sorted.axis];
-  });
+  std::ranges::stable_sort(sorted.known, {},
+                           [&](size_t i) { return poses[i]->position[sorted.axis]; });
   return sorted;
 }
 
@@ -183,107 +142,131 @@ std::vector<size_t> near_frames(const Pose& query, const Poses& train, const Sor
   return frames;
 }
 
-Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> usual_radius_m) {
+Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> default_radius_m) {
   const GroundTruthOptions& options = builder.argument().options;
-  if (!options.radius_m && !usual_radius_m)
+  if (!options.radius_m && !default_radius_m)
     throw Error(
         ErrorKind::usage,
         fmt::format("{}: poses need the radius in meters within which frames show the same "
                     "place, such as --radius 2 (in a corridor 1 to 3, on a road often 25), or "
                     "\"radius_m\" in a data set",
                     builder.argument().path.string()));
-  const Nearness nearness{options.radius_m ? *options.radius_m : *usual_radius_m,
+  const Nearness nearness{options.radius_m ? *options.radius_m : *default_radius_m,
                           options.angle_deg};
   const auto is_length = [](double value) { return value >= 0 && std::isfinite(value); };
   if (!is_length(nearness.radius_m) || !is_length(nearness.angle_deg.value_or(0)))
-    throw Error(ErrorKind::usage, "radius and angle of a ground truth must be numbers, 0 or more");
+    throw Error(ErrorKind::usage,
+                "radius and angle of a ground truth must be finite and at least 0");
   return nearness;
-}
-
-void warn_of_large_share(const GroundTruthBuilder& builder, const Nearness& nearness, uint64_t same,
-                         uint64_t pairs) {
-  if (static_cast<double>(same) <= kLargeShare * static_cast<double>(pairs)) return;
-  builder.warn_user(
-      fmt::format("{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is "
-                  "correct; use a "
-                  "smaller --radius",
-                  builder.argument().path.string(), nearness.radius_m,
-                  100 * static_cast<double>(same) / static_cast<double>(pairs)));
-}
-
-std::string describe(const Nearness& nearness, int tolerance_frames, size_t unknown_query,
-                     size_t unknown_train) {
-  std::string text = fmt::format("within {} m", nearness.radius_m);
-  if (nearness.angle_deg) text += fmt::format(" and {} degrees", *nearness.angle_deg);
-  if (tolerance_frames != 0)
-    text += fmt::format(", and {} more", counted(static_cast<uint64_t>(tolerance_frames), "frame"));
-  if (unknown_query + unknown_train > 0)
-    text += fmt::format("; {} query and {} training frames without a pose are ignored",
-                        unknown_query, unknown_train);
-  return text;
 }
 
 }  // namespace
 
 std::string read_poses(GroundTruthBuilder& builder) {
-  return read_both(builder, "csv", [&](PoseSide side, const std::filesystem::path& path) {
-    return read_csv_poses(path, side == PoseSide::query
-                                    ? builder.query()
-                                    : builder.train(builder.only_searched(path.string())));
+  const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
+    const std::filesystem::path& path = side_options(builder.argument(), side).poses;
+    Trajectory found = read_pose_csv(path, {count.known()});
+    if (found.is_on_earth)
+      throw Error(ErrorKind::data, fmt::format("{}: has latitudes and longitudes, but the other "
+                                               "side has poses in meters. Use the format gps for "
+                                               "both sides",
+                                               path.string()));
+    return std::move(found.poses);
   });
+  return "csv poses: " + matched;
 }
 
-std::string read_tum_poses(GroundTruthBuilder& builder) {
-  return read_trajectories(builder, "tum", {read_tum_without_times, read_tum});
-}
-
-std::string read_kitti_poses(GroundTruthBuilder& builder) {
-  return read_trajectories(builder, "kitti", {read_kitti, read_kitti});
-}
-
-std::string read_euroc_poses(GroundTruthBuilder& builder) {
-  return read_trajectories(builder, "euroc", {read_euroc, read_euroc});
-}
-
-bool is_pose_csv(const FileStart& start) {
-  const std::vector<std::string> names = header_names(start.first_line);
-  return std::ranges::all_of(std::array{"frame", "x", "y"}, [&](const char* column) {
-    return std::ranges::find(names, column) != names.end();
+std::string read_trajectories(GroundTruthBuilder& builder) {
+  const GroundTruthArgument& argument = builder.argument();
+  const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount&) {
+    const SideOptions options = side_options(argument, side);
+    return poses_of_side(argument, side,
+                         read_pose_lines(options.poses, builder.format(), !options.times.empty()),
+                         builder.monitor());
   });
+  return fmt::format("{} poses{}: {}", builder.format(), describe_times(argument), matched);
 }
 
-bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }
+std::string read_gps(GroundTruthBuilder& builder) {
+  const GroundTruthArgument& argument = builder.argument();
+  const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
+    const SideOptions options = side_options(argument, side);
+    Poses poses =
+        poses_of_side(argument, side, read_fixes(options.poses, options.images, count.known()),
+                      builder.monitor(), kFixDifference);
+    const size_t missing = count_unknown(poses);
+    if (!options.times.empty()) return poses;  // poses_of_side has checked them
+    if (missing == poses.size())
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: has no fix for any frame", options.poses.string()));
+    if (missing * 2 > poses.size())
+      builder.warn_user(fmt::format("{}: {} of {} have no fix and are ignored",
+                                    options.poses.string(), missing,
+                                    counted(poses.size(), "frame")));
+    return poses;
+  });
+  return fmt::format("gps positions{}: {}", describe_times(argument, kFixDifference), matched);
+}
 
-bool is_kitti(const FileStart& start) { return has_numbers(start.first_line, 12); }
+std::optional<UtmName> parse_utm_name(std::string_view file_name) {
+  const auto dot = file_name.rfind('.');
+  const auto last_at = file_name.rfind('@');
+  // "@1.5@2.5.jpg": the last dot starts the extension, but "@1.5@2.5@" has no extension.
+  const bool has_extension =
+      dot != std::string_view::npos && last_at != std::string_view::npos && dot > last_at;
+  const auto fields = split(has_extension ? file_name.substr(0, dot) : file_name, '@');
+  if (fields.size() <= kNorth) return std::nullopt;
+  const auto east = parse_real(fields[kEast]);
+  const auto north = parse_real(fields[kNorth]);
+  if (!east || !north) return std::nullopt;
+  UtmName name;
+  name.pose.position = {*east, *north, 0};
+  if (fields.size() > kZone && is_zone(fields[kZone])) name.zone = fields[kZone];
+  if (fields.size() > kHeading) name.pose.heading_deg = parse_real(fields[kHeading]);
+  return name;
+}
 
-std::array<double, 3> extents_of(const Poses& poses) {
-  std::array<double, 3> extents{};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    double least = std::numeric_limits<double>::infinity();
-    double greatest = -least;
-    for (const auto& pose : poses) {
-      if (!pose) continue;
-      least = std::min(least, pose->position[axis]);
-      greatest = std::max(greatest, pose->position[axis]);
+std::string read_utm_names(GroundTruthBuilder& builder) {
+  const GroundTruthArgument& argument = builder.argument();
+  std::string zone;
+  const auto read = [&](PoseSide side, const FrameCount&) {
+    const SequenceSource sequence =
+        open_sequence(parse_sequence_argument(side_options(argument, side).poses.string()));
+    if (sequence.kind != SequenceKind::images)
+      builder.fail("is not a folder or list of images named @east@north@...");
+    Poses poses;
+    for (const auto& file : sequence.files) {
+      const std::string text = file.filename().string();
+      const auto name = parse_utm_name(text);
+      if (!name)
+        builder.fail(
+            fmt::format("{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
+                        "positions of JPEG images",
+                        text));
+      if (zone.empty()) zone = name->zone;
+      if (!name->zone.empty() && name->zone != zone)
+        builder.fail(
+            fmt::format("{} lies in UTM zone {}, but other images in {}. Distances "
+                        "between zones are unknown",
+                        text, name->zone, zone));
+      poses.emplace_back(name->pose);
     }
-    extents[axis] = greatest - least;
-  }
-  return extents;
+    return poses;
+  };
+  return fmt::format("UTM coordinates in file names: {}{}", match_sides(builder, read, kUtmRadius),
+                     argument.options.radius_m ? "" : ", the radius of the benchmark");
 }
 
-std::optional<double> angle_between(const Pose& a, const Pose& b) {
-  if (a.heading_deg && b.heading_deg)
-    return std::abs(std::remainder(*a.heading_deg - *b.heading_deg, 360.0));
-  if (!a.orientation || !b.orientation) return std::nullopt;
-  const double trace =
-      std::inner_product(a.orientation->begin(), a.orientation->end(), b.orientation->begin(), 0.0);
-  return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
+bool is_utm_names(const FileStart& start) {
+  if (start.is_folder) return true;
+  const size_t slash = start.first_line.rfind('/');  // npos + 1 is 0
+  return parse_utm_name(start.first_line.substr(slash + 1)).has_value();
 }
 
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train, std::optional<double> usual_radius_m,
-                        const std::vector<bool>& nowhere) {
-  const Nearness nearness = find_nearness(builder, usual_radius_m);
+                        const Poses& train, std::optional<double> default_radius_m,
+                        const std::vector<bool>& unplaced) {
+  const Nearness nearness = find_nearness(builder, default_radius_m);
   const SortedPoses sorted = sort_poses(train);
   if (uint64_t{query.size()} * sorted.known.size() > kMaxPairs &&
       is_everything_near(query, train, nearness))
@@ -293,7 +276,7 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
   uint64_t unknown = 0;
   for (size_t frame = 0; frame < query.size(); ++frame) {
     builder.check_stop();
-    if (frame < nowhere.size() && nowhere[frame]) continue;
+    if (frame < unplaced.size() && unplaced[frame]) continue;
     if (!query[frame]) {
       ++unknown;
       if (!train.empty()) builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
@@ -305,11 +288,24 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       ++same;
     }
     if (same > kMaxPairs) refuse_pairs(builder, nearness);
-    for (const FrameSpan& span : sorted.unknown)
-      builder.add(frame, sequence, span.first, span.last, PlaceLabel::ignore);
+    for (const LabelRun& run : sorted.unknown)
+      builder.add(frame, sequence, run.first, run.last, run.label);
   }
-  warn_of_large_share(builder, nearness, same, known * sorted.known.size());
-  return describe(nearness, builder.argument().tolerance_frames, unknown, sorted.unknown_frames);
+  const auto pairs = static_cast<double>(known * sorted.known.size());
+  if (static_cast<double>(same) > kLargeShare * pairs)
+    builder.warn_user(
+        fmt::format("{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is "
+                    "correct. Use a smaller --radius",
+                    builder.argument().path.string(), nearness.radius_m,
+                    100 * static_cast<double>(same) / pairs));
+  std::string protocol = fmt::format("within {} m", nearness.radius_m);
+  if (nearness.angle_deg) protocol += fmt::format(" and {} degrees", *nearness.angle_deg);
+  if (const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames))
+    protocol += fmt::format(", and {} more", counted(tolerance, "frame"));
+  if (const size_t unknown_train = count_unknown(train); unknown + unknown_train > 0)
+    protocol += fmt::format("; {} query and {} training frames without a pose are ignored", unknown,
+                            unknown_train);
+  return protocol;
 }
 
 }  // namespace vpr

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -12,22 +11,9 @@
 
 namespace vpr {
 
-namespace {
-
-std::optional<size_t> find_column(const std::vector<std::string>& header, std::string_view name) {
-  const auto found = std::find(header.begin(), header.end(), name);
-  if (found == header.end()) return std::nullopt;
-  return static_cast<size_t>(found - header.begin());
-}
-
-}  // namespace
-
-std::string FileLocation::text() const {
-  return unit.empty() ? file : fmt::format("{}, {} {}", file, unit, number);
-}
-
 void FileLocation::fail(std::string_view what) const {
-  throw Error(ErrorKind::data, fmt::format("{}: {}", text(), what));
+  const std::string position = unit.empty() ? "" : fmt::format(", {} {}", unit, number);
+  throw Error(ErrorKind::data, fmt::format("{}{}: {}", file, position, what));
 }
 
 std::optional<FrameText> parse_frame(std::string_view text) {
@@ -88,13 +74,13 @@ void NamedRows::go_to(size_t row) {
 }
 
 bool NamedRows::has(std::string_view column) const {
-  return find_column(rows_[0].fields, column).has_value();
+  return std::ranges::find(header(), column) != header().end();
 }
 
 const std::string& NamedRows::text(std::string_view column) const {
   static const std::string kNone;
-  const auto found = find_column(rows_[0].fields, column);
-  return found ? row_->fields[*found] : kNone;
+  const auto found = std::ranges::find(header(), column);
+  return found == header().end() ? kNone : row_->fields[found - header().begin()];
 }
 
 double NamedRows::real(std::string_view column) const {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/csv.h"
 #include "base/mapped_file.h"
+#include "base/text.h"
 
 namespace vpr {
 
@@ -23,8 +23,6 @@ struct FileLocation {
     unit = new_unit;
     number = new_number;
   }
-  /// "poses.csv, line 3".
-  std::string text() const;
   /// Throws Error(data): "poses.csv, line 3: WHAT".
   [[noreturn]] void fail(std::string_view what) const;
 };

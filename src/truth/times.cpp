@@ -1,39 +1,35 @@
 #include "truth/times.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <regex>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/npy.h"
 #include "base/text.h"
-#include "sequence/video_reader.h"
-#include "truth/text_file.h"
+#include "sequence/frames.h"
+#include "sequence/live_source.h"
 
 namespace vpr {
 namespace {
 
 constexpr int64_t kMaxTime = int64_t{1} << 62;
-
-int64_t nanoseconds_in(TimeUnit unit) {
-  switch (unit) {
-    case TimeUnit::seconds:
-      return kSecond;
-    case TimeUnit::milliseconds:
-      return 1'000'000;
-    case TimeUnit::microseconds:
-      return 1000;
-    case TimeUnit::nanoseconds:
-      return 1;
-  }
-  return kSecond;
-}
+/// Longer dates, which have many digits below nanoseconds, are refused.
+constexpr size_t kMaxDate = 64;
+/// Every video has a byte within this range that does not occur in text.
+constexpr size_t kStartBytes = 65536;
+constexpr size_t kDigitsOfClock = 10;  // seconds since 1970
+constexpr double kClearlyAbove = 1.05;
 
 // Digits as an integer; 0 if empty. Nullopt if there are too many.
-std::optional<int64_t> whole_number(std::string_view digits) {
+std::optional<int64_t> parse_digits(std::string_view digits) {
   int64_t value = 0;
   if (digits.empty()) return value;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -41,79 +37,78 @@ std::optional<int64_t> whole_number(std::string_view digits) {
   return value;
 }
 
-std::optional<int64_t> rounded_time(double value, int64_t scale) {
-  const double nanoseconds = value * static_cast<double>(scale);
-  if (!(std::abs(nanoseconds) <= static_cast<double>(kMaxTime))) return std::nullopt;
-  return std::llround(nanoseconds);
-}
-
-/// The remaining text of a parser.
-class Scanner {
- public:
-  explicit Scanner(std::string_view text) : rest_(text) {}
-
-  bool at_end() const { return rest_.empty(); }
-  /// Consumes and returns the next character if it is one of `wanted`; otherwise returns 0.
-  char take(std::string_view wanted) {
-    if (rest_.empty() || wanted.find(rest_.front()) == std::string_view::npos) return 0;
-    const char found = rest_.front();
-    rest_.remove_prefix(1);
-    return found;
-  }
-  /// Parses a number of `digits` digits from `least` to `most`, after the character `before` unless
-  /// that is 0.
-  std::optional<int> number(char before, size_t digits, int least, int most) {
-    if (before != 0 && take({&before, 1}) == 0) return std::nullopt;
-    int value = 0;
-    for (size_t i = 0; i < digits; ++i) {
-      const char digit = take("0123456789");
-      if (digit == 0) return std::nullopt;
-      value = 10 * value + (digit - '0');
-    }
-    return value >= least && value <= most ? std::optional(value) : std::nullopt;
-  }
-
- private:
-  std::string_view rest_;
-};
-
-// Nanoseconds after a decimal point; 0 without one. Nullopt if no digit follows it.
-std::optional<int64_t> scan_fraction(Scanner& scanner) {
-  if (scanner.take(".,") == 0) return 0;
-  int64_t fraction = 0;
-  int64_t unit = kSecond;
-  for (char digit = scanner.take("0123456789"); digit != 0; digit = scanner.take("0123456789")) {
-    unit /= 10;
-    fraction += (digit - '0') * unit;
-  }
-  return unit < kSecond ? std::optional(fraction) : std::nullopt;
-}
-
-// Seconds east of UTC.
-std::optional<int64_t> scan_zone(Scanner& scanner) {
-  const char sign = scanner.take("Zz+-");
-  if (sign == 0 || sign == 'Z' || sign == 'z') return 0;
-  const auto hours = scanner.number(0, 2, 0, 15);
-  const bool has_minutes = scanner.take(":") != 0 || !scanner.at_end();
-  const auto minutes = has_minutes ? scanner.number(0, 2, 0, 59) : 0;
-  if (!hours || !minutes) return std::nullopt;
-  return (sign == '+' ? 1 : -1) * (*hours * 3600 + *minutes * 60);
-}
-
-/// Every video has a byte within this range that does not occur in text.
-constexpr size_t kStartBytes = 65536;
-
 /// The index of the time column in the header; 0 if there is none.
 size_t time_column(const std::vector<std::string_view>& header) {
   for (const std::string_view name : {"time", "timestamp", "time_s", "timestamp_ns"})
-    for (size_t i = 0; i < header.size(); ++i)
-      if (header[i] == name) return i;
+    if (const auto found = std::ranges::find(header, name); found != header.end())
+      return static_cast<size_t>(found - header.begin());
   return 0;
 }
 
-bool is_text(const std::filesystem::path& path) {
-  const MappedFile file(path);
-  return file.text().substr(0, kStartBytes).find('\0') == std::string_view::npos;
+// The times that are the names of a sequence's images.
+std::vector<int64_t> times_of_names(const SequenceSource& sequence) {
+  TimeReader reader;
+  std::vector<int64_t> times;
+  for (const std::filesystem::path& file : sequence.files) {
+    const FileLocation location{file.string()};
+    const std::string name = file.stem().string();
+    if (times.empty() && !unit_of_time(name))
+      location.fail(
+          fmt::format("its name \"{}\" is not a time. scripts/convert/exif.py lists the times at "
+                      "which JPEG images were taken",
+                      name));
+    times.push_back(reader.read_next(location, name));
+  }
+  return times;
+}
+
+int64_t even_time(size_t frame, double fps) {
+  return std::llround(static_cast<double>(frame) * 1e9 / fps);
+}
+
+std::string text_of(const SequenceArgument& argument) {
+  return argument.path.string() + range_text(argument.range);
+}
+
+// For sequences other than videos.
+size_t count_frames(const SequenceSource& sequence) {
+  if (!sequence.is_one_array()) return sequence.files.size();
+  SequenceArgument argument = sequence.argument;
+  argument.range.last = argument.range.last.value_or(NpyArray(argument.path).shape().at(0));
+  return frame_count(argument.range).value_or(0);
+}
+
+// The times of the frames of a sequence, or nullopt if unknown.
+std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
+                                               const RateSource& source, const Monitor& monitor) {
+  if (!source.times.empty()) return read_frame_times(source.times, monitor);
+  const SequenceArgument& argument = sequence.argument;
+  if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
+  if (!sequence.is_one_array() && is_named_by_time(sequence.files.front()))
+    return times_of_names(sequence);
+  if (!source.recorded_fps) return std::nullopt;
+  std::vector<int64_t> times;
+  for (size_t i = 0; i < count_frames(sequence); ++i)
+    times.push_back(even_time(i, *source.recorded_fps / static_cast<double>(argument.range.step)));
+  return times;
+}
+
+// For a video, the rate that it states: its frames are not read.
+std::optional<double> stated_rate(const SequenceSource& sequence, const RateSource& source,
+                                  const Monitor& monitor) {
+  const SequenceArgument& argument = sequence.argument;
+  if (source.times.empty() && sequence.kind == SequenceKind::video) {
+    const double fps = VideoReader(argument, PixelFormat::gray).frames_per_second();
+    if (!(fps > 0 && fps <= kMaxFps)) return std::nullopt;
+    return fps / static_cast<double>(argument.range.step);
+  }
+  try {
+    const auto times = find_times(sequence, source, monitor);
+    return times ? median_fps(*times) : std::nullopt;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::data) throw;
+    return std::nullopt;  // the names are not times
+  }
 }
 
 }  // namespace
@@ -129,14 +124,19 @@ std::optional<TimeUnit> unit_of_time(std::string_view text) {
 }
 
 std::optional<int64_t> parse_time(std::string_view text, TimeUnit unit) {
+  constexpr std::array<int64_t, 4> kNanoseconds = {kSecond, 1'000'000, 1000, 1};
   const auto value = parse_real(text);
   if (!value) return std::nullopt;
-  const int64_t scale = nanoseconds_in(unit);
-  if (text.find_first_of("eE") != std::string_view::npos) return rounded_time(*value, scale);
+  const int64_t scale = kNanoseconds[static_cast<size_t>(unit)];
+  if (text.find_first_of("eE") != std::string_view::npos) {
+    const double rounded = *value * static_cast<double>(scale);
+    if (!(std::abs(rounded) <= static_cast<double>(kMaxTime))) return std::nullopt;
+    return std::llround(rounded);
+  }
   const bool is_negative = text.starts_with('-');
   if (is_negative || text.starts_with('+')) text.remove_prefix(1);
   const size_t point = std::min(text.find('.'), text.size());
-  const auto whole = whole_number(text.substr(0, point));
+  const auto whole = parse_digits(text.substr(0, point));
   if (!whole || *whole > kMaxTime / scale) return std::nullopt;
   int64_t nanoseconds = *whole * scale;
   int64_t digit = scale;
@@ -167,25 +167,29 @@ size_t nearest_time(std::span<const int64_t> times, int64_t time) {
 }
 
 std::optional<int64_t> parse_calendar_time(std::string_view text) {
-  Scanner scanner(text);
-  const auto year = scanner.number(0, 4, 1900, 2200);
-  const auto month = scanner.number('-', 2, 1, 12);
-  const auto day = scanner.number('-', 2, 1, 31);
-  if (scanner.take("T ") == 0) return std::nullopt;
-  const auto hour = scanner.number(0, 2, 0, 23);
-  const auto minute = scanner.number(':', 2, 0, 59);
-  const auto second = scanner.number(':', 2, 0, 60);
-  const auto fraction_ns = scan_fraction(scanner);
-  const auto zone_s = scan_zone(scanner);
-  if (!year || !month || !day || !hour || !minute || !second || !fraction_ns || !zone_s ||
-      !scanner.at_end())
+  static const std::regex kDate(
+      R"((\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d):(\d\d)(?:[.,](\d+))?(?:[Zz]|([+-]\d\d)(?::?(\d\d))?)?)");
+  std::cmatch parts;
+  if (text.size() > kMaxDate ||
+      !std::regex_match(text.data(), text.data() + text.size(), parts, kDate))
     return std::nullopt;
-  const std::chrono::year_month_day date{std::chrono::year(*year),
-                                         std::chrono::month(static_cast<unsigned>(*month)),
-                                         std::chrono::day(static_cast<unsigned>(*day))};
-  if (!date.ok()) return std::nullopt;
-  const int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
-  return (days * 86400 + *hour * 3600 + *minute * 60 + *second - *zone_s) * kSecond + *fraction_ns;
+  const auto number = [&](size_t part) { return std::atoi(parts.str(part).c_str()); };
+  const int zone_hours = std::abs(number(8));
+  const std::chrono::seconds zone =
+      std::chrono::hours(zone_hours) + std::chrono::minutes(number(9));
+  const std::chrono::year_month_day date{std::chrono::year(number(1)),
+                                         std::chrono::month(static_cast<unsigned>(number(2))),
+                                         std::chrono::day(static_cast<unsigned>(number(3)))};
+  if (number(1) < 1900 || number(1) > 2200 || !date.ok() || number(4) > 23 || number(5) > 59 ||
+      number(6) > 60 || zone_hours > 15 || number(9) > 59)
+    return std::nullopt;
+  const std::chrono::sys_seconds local =
+      std::chrono::sys_days(date) + std::chrono::hours(number(4)) +
+      std::chrono::minutes(number(5)) + std::chrono::seconds(number(6));
+  const std::chrono::sys_seconds utc = parts.str(8).starts_with('-') ? local + zone : local - zone;
+  std::string fraction = parts.str(7);
+  fraction.resize(9, '0');
+  return utc.time_since_epoch().count() * kSecond + *parse_digits(fraction);
 }
 
 int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit unit) {
@@ -202,13 +206,23 @@ void refuse_time_order(const FileLocation& location, int64_t before, int64_t tim
           : fmt::format("is before the time of the previous frame, {}", time_text(before))));
 }
 
+int64_t TimeReader::read(const FileLocation& location, std::string_view text) {
+  if (!unit_) unit_ = unit_of_time(text);
+  return read_time(location, text, unit_.value_or(TimeUnit::seconds));
+}
+
+int64_t TimeReader::read_next(const FileLocation& location, std::string_view text) {
+  const int64_t time = read(location, text);
+  if (last_ && time <= *last_) refuse_time_order(location, *last_, time);
+  return *(last_ = time);
+}
+
 std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   const MappedFile file(source.path);
   FileLocation location{path.string()};
+  TimeReader reader;
   std::vector<int64_t> times;
-  std::optional<TimeUnit> unit;
-  std::optional<int64_t> before;
   bool is_first = true;
   size_t column = 0;
   size_t line_number = 0;
@@ -223,34 +237,10 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
       continue;
     }
     if (column >= cells.size()) location.fail("has no time");
-    if (!unit) unit = unit_of_time(cells[column]);
-    if (!unit) location.fail(fmt::format("\"{}\" is not a valid time", cells[column]));
-    const int64_t time = read_time(location, cells[column], *unit);
-    if (before && time <= *before) refuse_time_order(location, *before, time);
-    before = time;
+    const int64_t time = reader.read_next(location, cells[column]);
     if (frame_in_range(source.range, index++)) times.push_back(time);
   }
   if (times.empty()) location.fail("has no times");
-  return times;
-}
-
-std::vector<int64_t> times_of_names(const SequenceSource& sequence) {
-  FileLocation location;
-  std::vector<int64_t> times;
-  std::optional<TimeUnit> unit;
-  for (const std::filesystem::path& file : sequence.files) {
-    location.file = file.string();
-    const std::string name = file.stem().string();
-    if (!unit) unit = unit_of_time(name);
-    if (!unit)
-      location.fail(
-          fmt::format("its name \"{}\" is not a time; scripts/convert/exif.py lists when "
-                      "JPEG images were taken",
-                      name));
-    const int64_t time = read_time(location, name, *unit);
-    if (!times.empty() && time <= times.back()) refuse_time_order(location, times.back(), time);
-    times.push_back(time);
-  }
   return times;
 }
 
@@ -259,8 +249,90 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const M
   std::error_code error;
   if (std::filesystem::is_directory(source.path, error))
     return times_of_names(open_sequence(source));
-  if (is_text(source.path)) return read_time_list(path);
-  return read_video_times(source, monitor);
+  const MappedFile file(source.path);
+  const bool is_text = file.text().substr(0, kStartBytes).find('\0') == std::string_view::npos;
+  return is_text ? read_time_list(path) : read_video_times(source, monitor);
+}
+
+bool is_named_by_time(const std::filesystem::path& file) {
+  const std::string name = file.stem().string();
+  const size_t point = std::min(name.find('.'), name.size());
+  const auto is_number = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  if (!is_number(std::string_view(name).substr(0, point))) return false;
+  return point < name.size() ? is_number(std::string_view(name).substr(point + 1))
+                             : name.size() >= kDigitsOfClock && !name.starts_with('0');
+}
+
+SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
+                           std::optional<double> fps, const Monitor& monitor) {
+  const SequenceSource sequence = open_sequence(argument);
+  if (!fps) {
+    argument.sequence.fps = stated_rate(sequence, source, monitor);
+    return argument;
+  }
+  const auto times = find_times(sequence, source, monitor);
+  if (!times)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: the times of its frames are unknown, but --fps needs them. Use "
+                            "--recorded-fps, a video, images with times as names, or a data set "
+                            "with \"fps\"",
+                            text_of(argument)));
+  if (!source.times.empty() && sequence.kind != SequenceKind::video)
+    if (const size_t frames = count_frames(sequence); frames != times->size())
+      throw Error(ErrorKind::data, fmt::format("{}: has {}, but {} has {}", source.times.string(),
+                                               counted(times->size(), "time"), text_of(argument),
+                                               counted(frames, "frame")));
+  const std::optional<double> own = median_fps(*times);
+  if (own && *fps > kClearlyAbove * *own)
+    warn(monitor, fmt::format("{}: has {:.3g} frames per second; --fps {} cannot add frames, and "
+                              "keeps each frame once",
+                              text_of(argument), *own, *fps));
+  Selection kept = resampled(*times, *fps);
+  if (times->size() > kMaxThinned * kept.frames())
+    throw Error(ErrorKind::usage, fmt::format("{}: --fps {} keeps {} of its {}; use a larger value",
+                                              text_of(argument), *fps, kept.frames(),
+                                              counted(times->size(), "frame")));
+  if (kept.frames() < times->size()) argument.sequence.selection = std::move(kept);
+  argument.sequence.fps = own ? std::optional(std::min(*own, *fps)) : std::nullopt;
+  return argument;
+}
+
+std::unique_ptr<LiveSource> open_resampled_source(std::unique_ptr<LiveSource> source, double fps,
+                                                  std::optional<double> recorded_fps) {
+  struct State {
+    std::unique_ptr<LiveSource> source;
+    Thinner thinner;
+    TimeReader names = TimeReader();
+    bool is_named = false;
+    size_t frames = 0;
+    std::optional<LiveFrame> last = {};
+  };
+  const auto state = std::make_shared<State>(State{std::move(source), Thinner(fps)});
+  const auto time_of = [=](const LiveFrame& frame) {
+    const size_t index = state->frames++;
+    if (index == 0) state->is_named = is_named_by_time(frame.file);
+    if (state->is_named)
+      return state->names.read_next({frame.file.string()}, frame.file.stem().string());
+    if (!recorded_fps)
+      throw Error(ErrorKind::usage, fmt::format("{}: its time is unknown, but --fps needs it. Use "
+                                                "--recorded-fps, or images with times as names",
+                                                frame.file.string()));
+    return even_time(index, *recorded_fps);
+  };
+  return std::make_unique<LiveSource>(
+      LiveSource{[=](const Monitor& monitor) -> std::optional<LiveFrame> {
+        for (;;) {
+          std::optional<LiveFrame> frame = state->source->next(monitor);
+          const bool is_kept =
+              frame ? state->thinner.keeps_before(time_of(*frame)) : state->thinner.keeps_last();
+          const bool is_end = !frame;
+          std::optional<LiveFrame> before = std::exchange(state->last, std::move(frame));
+          if (is_kept) return before;
+          if (is_end) return std::nullopt;
+        }
+      }});
 }
 
 }  // namespace vpr

@@ -1,9 +1,10 @@
-// Times as text (seconds, nanoseconds of a clock, or dates) and the times of the frames of a
-// sequence.
+// Times as text (seconds, nanoseconds of a clock, or dates), the times of the frames of a sequence,
+// its frame rate, and the selection of frames for a lower rate.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,10 +17,11 @@
 
 namespace vpr {
 
+struct LiveSource;
+
 /// Nanoseconds per second.
 inline constexpr int64_t kSecond = 1'000'000'000;
 
-/// The unit of the times in a file, determined by its first time.
 enum class TimeUnit { seconds, milliseconds, microseconds, nanoseconds };
 
 /// The unit of a number by its size, for clocks that count from 1970: seconds below 10^11,
@@ -50,6 +52,20 @@ int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit 
 /// Throws Error(data): times must increase, but `time` is not after `before`.
 [[noreturn]] void refuse_time_order(const FileLocation& location, int64_t before, int64_t time);
 
+/// Reads the times of one file as read_time does. Without `unit`, the first time determines it.
+class TimeReader {
+ public:
+  explicit TimeReader(std::optional<TimeUnit> unit = {}) : unit_(unit) {}
+
+  int64_t read(const FileLocation& location, std::string_view text);
+  /// Also throws Error(data) for a time that is not after the last one.
+  int64_t read_next(const FileLocation& location, std::string_view text);
+
+ private:
+  std::optional<TimeUnit> unit_;
+  std::optional<int64_t> last_;
+};
+
 /// Times in nanoseconds, one per line in the order of the frames: the first column of a CSV (or the
 /// column `time`, if there is a header), or the first word of a line, as in KITTI's times.txt and
 /// TUM's rgb.txt; lines that start with # are skipped. A range after the path selects frames.
@@ -57,15 +73,37 @@ int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit 
 /// times that do not increase.
 std::vector<int64_t> read_time_list(const std::filesystem::path& path);
 
-/// Times in nanoseconds from the names of a sequence's files, without their extensions. Throws as
-/// read_frame_times does.
-std::vector<int64_t> times_of_names(const SequenceSource& sequence);
-
 /// Times in nanoseconds, one per frame: from a list (read_time_list), from the names of the images
 /// of a folder, which must be numbers (1305031102.175304.png, 1403636579763555584.png), or from a
 /// video, relative to its first frame. A range after the path selects frames. Throws Error(input)
 /// if the path cannot be read; Error(data), with the image or line, for invalid times and times
 /// that do not increase.
 std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const Monitor& monitor);
+
+/// Whether the name of an image, without its extension, is a time: a number with a decimal point or
+/// at least ten digits.
+bool is_named_by_time(const std::filesystem::path& file);
+
+/// Sources of the times of frames other than the sequence itself.
+struct RateSource {
+  std::filesystem::path times = {};         ///< a file for read_frame_times; empty: none
+  std::optional<double> recorded_fps = {};  ///< used if neither times nor sequence state it
+};
+
+/// Returns the argument with its rate, if known: from the times of `source`, from times as file
+/// names (is_named_by_time), from a video, or from `recorded_fps`, which refers to all frames of
+/// the recording. With `fps`, which must pass check_fps, selects only the frames that Thinner
+/// keeps; warns if it is above the rate of the sequence. Throws Error(usage) for `fps` without
+/// known times; Error(data) if times do not increase or their number differs from the number of
+/// frames.
+SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
+                           std::optional<double> fps, const Monitor& monitor);
+
+/// The frames of `source` that Thinner keeps at `fps`, which must pass check_fps. The time of a
+/// frame is the name of its image (is_named_by_time); for other names, frames have the constant
+/// rate `recorded_fps`. Each frame is returned when the next one has arrived. Throws Error(usage)
+/// for the first frame if neither is known; Error(data) for times that do not increase.
+std::unique_ptr<LiveSource> open_resampled_source(std::unique_ptr<LiveSource> source, double fps,
+                                                  std::optional<double> recorded_fps);
 
 }  // namespace vpr

@@ -1,20 +1,21 @@
 #include "truth/trajectory.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
-#include <span>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include "base/converters.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/named_table.h"
 #include "base/text.h"
-#include "truth/gps.h"
-#include "truth/poses.h"
-#include "truth/route.h"
+#include "truth/formats.h"
+#include "truth/positions.h"
 #include "truth/text_file.h"
 #include "truth/times.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 /// Tolerance for the products of a matrix's rows: files with three digits have errors of 0.002.
 constexpr double kRotationError = 0.01;
+constexpr double kMaxSeconds = 4e9;
 
 // A quaternion x, y, z, w as a matrix.
 std::array<double, 9> rotation_of(const FileLocation& location, std::array<double, 4> q) {
@@ -35,14 +37,6 @@ std::array<double, 9> rotation_of(const FileLocation& location, std::array<doubl
   return {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
           2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
           2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
-}
-
-Pose tum_pose(const FileLocation& location, std::span<const double> v) {
-  return {{v[1], v[2], v[3]}, {}, rotation_of(location, {v[4], v[5], v[6], v[7]})};
-}
-
-Pose euroc_pose(const FileLocation& location, std::span<const double> v) {
-  return {{v[1], v[2], v[3]}, {}, rotation_of(location, {v[5], v[6], v[7], v[4]})};
 }
 
 // Whether the rows are orthonormal and right-handed, up to rounding.
@@ -58,96 +52,54 @@ bool is_rotation(const std::array<double, 9>& m) {
          0;
 }
 
-Pose kitti_pose(const FileLocation& location, std::span<const double> v) {
-  Pose pose;
-  pose.position = {v[3], v[7], v[11]};
-  pose.orientation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
-  if (!is_rotation(*pose.orientation)) location.fail("its matrix is not a rotation");
-  return pose;
-}
-
-/// Limit for a CSV, which may name any frame.
-constexpr size_t kMaxFrames = 1'000'000;
-
-/// The layout of a pose in one kind of file.
-struct LineLayout {
+/// A format with one pose per line.
+struct LineFormat {
+  std::string_view name;
   size_t columns = 0;
-  bool may_have_more = false;
-  std::optional<TimeUnit> unit = {};  ///< of the first column; unset: determined by the file
-  bool has_times = true;
+  bool may_have_more = false;         ///< columns, separated by commas
+  bool has_times = true;              ///< in the first column
+  std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
   Pose (*pose)(const FileLocation& location, std::span<const double> values) = nullptr;
 };
 
-constexpr LineLayout kTum = {8, false, {}, true, tum_pose};
-constexpr LineLayout kTumPoses = {8, false, {}, false, tum_pose};
-constexpr LineLayout kEuroc = {8, true, TimeUnit::nanoseconds, true, euroc_pose};
-constexpr LineLayout kKitti = {12, false, {}, false, kitti_pose};
+constexpr std::array<LineFormat, 3> kLineFormats = {{
+    {"tum",
+     8,
+     false,
+     true,
+     {},
+     [](const FileLocation& location, std::span<const double> v) {
+       return Pose{{v[1], v[2], v[3]}, {}, rotation_of(location, {v[4], v[5], v[6], v[7]})};
+     }},
+    {"kitti",
+     12,
+     false,
+     false,
+     {},
+     [](const FileLocation& location, std::span<const double> v) {
+       const std::array rotation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
+       if (!is_rotation(rotation)) location.fail("its matrix is not a rotation");
+       return Pose{{v[3], v[7], v[11]}, {}, rotation};
+     }},
+    {"euroc", 8, true, true, TimeUnit::nanoseconds,
+     [](const FileLocation& location, std::span<const double> v) {
+       return Pose{{v[1], v[2], v[3]}, {}, rotation_of(location, {v[5], v[6], v[7], v[4]})};
+     }},
+}};
 
-std::vector<double> read_numbers(const FileLocation& location, const LineLayout& layout,
-                                 std::span<const std::string_view> words) {
-  if (words.size() < layout.columns || (!layout.may_have_more && words.size() > layout.columns))
-    location.fail(fmt::format("expected {} numbers, found {}", layout.columns, words.size()));
-  std::vector<double> values;
-  for (const std::string_view word : words.first(layout.columns)) {
-    const auto value = parse_real(word);
-    if (!value) location.fail(fmt::format("\"{}\" is not a number", word));
-    values.push_back(*value);
-  }
-  return values;
-}
-
-Trajectory read_lines(const std::filesystem::path& path, const LineLayout& layout) {
-  const SequenceArgument source = parse_sequence_argument(path.string());
-  const MappedFile file(source.path);
-  FileLocation location{path.string()};
-  Trajectory found;
-  found.name = path.string();
-  std::optional<TimeUnit> unit = layout.unit;
-  size_t index = 0;
-  size_t line_number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
-    ++line_number;
-    const auto words = cells_of(line);
-    if (words.empty() || words.front().starts_with('#')) continue;
-    location.at("line", line_number);
-    const std::vector<double> values = read_numbers(location, layout, words);
-    if (layout.has_times && !unit) unit = unit_of_time(words[0]);
-    if (!frame_in_range(source.range, index++)) continue;
-    found.poses.emplace_back(layout.pose(location, values));
-    found.lines.push_back(line_number);
-    if (layout.has_times) found.times_ns.push_back(read_time(location, words[0], *unit));
-  }
-  return found;
-}
-
-}  // namespace
-
-Trajectory read_csv_trajectory(const std::filesystem::path& path, std::optional<size_t> frames) {
-  Trajectory found;
-  found.name = path.string();
-  for (const auto& row : read_pose_csv(path, {frames, kMaxFrames})) {
-    found.poses.push_back(row ? std::optional(row->pose) : std::nullopt);
-    if (row) found.is_on_earth = row->is_on_earth;
-  }
-  return found;
-}
-
-Trajectory read_tum(const std::filesystem::path& path) { return read_lines(path, kTum); }
-
-Trajectory read_tum_without_times(const std::filesystem::path& path) {
-  return read_lines(path, kTumPoses);
-}
-
-Trajectory read_euroc(const std::filesystem::path& path) { return read_lines(path, kEuroc); }
-
-Trajectory read_kitti(const std::filesystem::path& path) { return read_lines(path, kKitti); }
-
-bool is_euroc(const FileStart& start) {
-  const auto words = cells_of(start.first_line);
-  return words.size() >= kEuroc.columns &&
-         std::all_of(words.begin(), words.begin() + static_cast<ptrdiff_t>(kEuroc.columns),
-                     [](std::string_view word) { return parse_real(word).has_value(); }) &&
-         unit_of_time(words[0]) == TimeUnit::nanoseconds;
+// Reads any format, with fixes as positions on the earth.
+Trajectory read_any(const std::filesystem::path& path) {
+  const FileStart start = open_start(path);
+  const std::string_view format = pose_line_format(start.first_line);
+  if (!format.empty()) return read_pose_lines(path, format, true);
+  if (is_pose_header(start.first_line)) return read_pose_csv(path, {});
+  if (start.is_folder || is_gps_header(start.first_line)) return read_fixes(path);
+  refuse_convertible(start.path, start.bytes);
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: is not a trajectory. Use one pose per line in the format of TUM (8 "
+                          "numbers), KITTI (12 numbers) or EuRoC (time in ns and more, with "
+                          "commas), a CSV frame,x,y, or a CSV with lat and lon",
+                          path.string()));
 }
 
 void require_rising_times(const Trajectory& trajectory) {
@@ -159,7 +111,12 @@ void require_rising_times(const Trajectory& trajectory) {
   }
 }
 
-void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
+// Reads the times of the poses from a file; `remedy` is for a trajectory that has times.
+void add_times(Trajectory& trajectory, const std::filesystem::path& times,
+               const std::string& remedy) {
+  if (!trajectory.times_ns.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has its own times; remove {}", trajectory.name, remedy));
   trajectory.times_ns = read_time_list(times);
   if (trajectory.times_ns.size() != trajectory.poses.size())
     throw Error(ErrorKind::data,
@@ -168,34 +125,270 @@ void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
                             counted(trajectory.poses.size(), "pose")));
 }
 
-Trajectory read_any_trajectory(const std::filesystem::path& path) {
-  const StartedFile opened = open_start(path);
-  const FileStart& start = opened.start;
-  if (start.is_folder) return read_fixes(path);
-  if (is_tum(start)) return read_tum(path);
-  if (is_euroc(start)) return read_euroc(path);
-  if (is_kitti(start)) return read_kitti(path);
-  if (is_pose_csv(start)) return read_csv_trajectory(path);
-  if (is_gps(start)) return read_fixes(path);
-  refuse_unconverted(start.path, start.bytes);
-  throw Error(ErrorKind::usage,
-              fmt::format("{}: is not a trajectory; expected one pose per line in the format of "
-                          "TUM (8 numbers), KITTI "
-                          "(12 numbers) or EuRoC (time in ns and more, with commas), "
-                          "a CSV frame,x,y, or a CSV with lat and lon",
-                          path.string()));
+Pose between(const Trajectory& trajectory, size_t before, size_t after, int64_t time) {
+  const Pose& a = *trajectory.poses[before];
+  const Pose& b = *trajectory.poses[after];
+  const int64_t since = time - trajectory.times_ns[before];
+  const int64_t until = trajectory.times_ns[after] - time;
+  Pose pose = since <= until ? a : b;
+  const double share = static_cast<double>(since) / static_cast<double>(since + until);
+  for (size_t k = 0; k < 3; ++k)
+    pose.position[k] = a.position[k] + share * (b.position[k] - a.position[k]);
+  return pose;
+}
+
+// The lower of the two middle values for an even count; 0 for no values.
+int64_t median(std::vector<int64_t> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The extent of missing poses, its likely cause, and advice.
+std::string describe_missing(const Trajectory& trajectory, std::span<const int64_t> frame_times,
+                             const AssociationRules& rules) {
+  const std::vector<int64_t>& times = trajectory.times_ns;
+  std::vector<int64_t> differences;
+  for (const int64_t frame_time : frame_times) {
+    const int64_t time = frame_time + rules.offset_ns;
+    differences.push_back(std::abs(times[nearest_time(times, time)] - time));
+  }
+  const int64_t difference = median(std::move(differences));
+  std::vector<int64_t> gaps;
+  for (size_t i = 1; i < times.size(); ++i) gaps.push_back(times[i] - times[i - 1]);
+  // A frame between two poses is at most half their distance from one of them.
+  const int64_t gap = median(std::move(gaps));
+  const int64_t half = (gap + 1) / 2;
+  const bool is_dense = half <= rules.max_difference_ns || half < difference;
+  return fmt::format(
+      "they cover {} to {} s, but {} covers {} to {} s; the median difference to the nearest pose "
+      "is {} s. {}",
+      time_text(frame_times.front() + rules.offset_ns),
+      time_text(frame_times.back() + rules.offset_ns), trajectory.name, time_text(times.front()),
+      time_text(times.back()), time_text(difference),
+      is_dense ? "If the clocks differ, use --offset"
+               : fmt::format("Poses are {} s apart: --max-difference {}?", time_text(gap),
+                             time_text(half)));
+}
+
+int64_t nanoseconds(double seconds, const char* flag) {
+  if (!(std::abs(seconds) <= kMaxSeconds))
+    throw Error(ErrorKind::usage, fmt::format("{} must be from -{:g} to {:g} seconds, found {:g}",
+                                              flag, kMaxSeconds, kMaxSeconds, seconds));
+  return std::llround(seconds * double{kSecond});
+}
+
+AssociationRules rules_of(const GroundTruthArgument& argument, const SideOptions& side,
+                          double default_difference_s) {
+  AssociationRules rules;
+  rules.max_difference_ns = nanoseconds(
+      argument.options.max_difference_s.value_or(default_difference_s), "--max-difference");
+  if (rules.max_difference_ns < 0)
+    throw Error(ErrorKind::usage, "--max-difference must not be negative");
+  rules.offset_ns = nanoseconds(side.offset_s.value_or(0), side.offset_flag);
+  return rules;
+}
+
+// Removes poses without a position, which GPS files may have, together with their times.
+void remove_unknown(Trajectory& trajectory) {
+  std::vector<int64_t> times;
+  for (size_t i = 0; i < trajectory.poses.size(); ++i)
+    if (trajectory.poses[i]) times.push_back(trajectory.times_ns[i]);
+  trajectory.times_ns = std::move(times);
+  std::erase_if(trajectory.poses, [](const auto& pose) { return !pose; });
+  trajectory.lines.clear();  // lines of removed poses are no longer valid
+}
+
+}  // namespace
+
+size_t count_unknown(const Poses& poses) {
+  return static_cast<size_t>(std::ranges::count_if(poses, [](const auto& pose) { return !pose; }));
+}
+
+std::array<double, 3> extents_of(const Poses& poses) {
+  std::array<double, 3> extents{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    double least = std::numeric_limits<double>::infinity();
+    double greatest = -least;
+    for (const auto& pose : poses) {
+      if (!pose) continue;
+      least = std::min(least, pose->position[axis]);
+      greatest = std::max(greatest, pose->position[axis]);
+    }
+    extents[axis] = greatest - least;
+  }
+  return extents;
+}
+
+std::optional<double> angle_between(const Pose& a, const Pose& b) {
+  if (a.heading_deg && b.heading_deg)
+    return std::abs(std::remainder(*a.heading_deg - *b.heading_deg, 360.0));
+  if (!a.orientation || !b.orientation) return std::nullopt;
+  const double trace =
+      std::inner_product(a.orientation->begin(), a.orientation->end(), b.orientation->begin(), 0.0);
+  return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+std::string_view pose_line_format(std::string_view first_line) {
+  const auto cells = cells_of(first_line);
+  for (const LineFormat& format : kLineFormats) {
+    if (format.may_have_more
+            ? cells.size() < format.columns
+            : cells.size() != format.columns || first_line.find(',') != std::string_view::npos)
+      continue;
+    if (format.unit && unit_of_time(cells[0]) != format.unit) continue;
+    if (std::all_of(cells.begin(), cells.begin() + static_cast<ptrdiff_t>(format.columns),
+                    [](std::string_view cell) { return parse_real(cell).has_value(); }))
+      return format.name;
+  }
+  return {};
+}
+
+Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view format_name,
+                           bool with_times) {
+  const LineFormat& format = find_named(kLineFormats, "format of poses", format_name);
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  const MappedFile file(source.path);
+  FileLocation location{path.string()};
+  Trajectory found;
+  found.name = path.string();
+  TimeReader times(format.unit);
+  size_t index = 0;
+  size_t line_number = 0;
+  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+    ++line_number;
+    const auto words = cells_of(line);
+    if (words.empty() || words.front().starts_with('#')) continue;
+    location.at("line", line_number);
+    if (words.size() < format.columns || (!format.may_have_more && words.size() > format.columns))
+      location.fail(fmt::format("expected {} numbers, found {}", format.columns, words.size()));
+    std::vector<double> values;
+    for (const std::string_view word : std::span(words).first(format.columns)) {
+      const auto value = parse_real(word);
+      if (!value) location.fail(fmt::format("\"{}\" is not a number", word));
+      values.push_back(*value);
+    }
+    if (!frame_in_range(source.range, index++)) continue;
+    found.poses.emplace_back(format.pose(location, values));
+    found.lines.push_back(line_number);
+    if (with_times && format.has_times) found.times_ns.push_back(times.read(location, words[0]));
+  }
+  return found;
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times) {
-  Trajectory found = read_any_trajectory(path);
-  level(found);
+  Trajectory found = read_any(path);
+  std::optional<LocalPlane> plane;
+  for (auto& pose : found.poses) {
+    if (!pose || !found.is_on_earth) continue;
+    if (!plane) plane.emplace(pose->position);
+    pose->position = plane->local(pose->position);
+  }
+  found.is_on_earth = false;
   require_rising_times(found);
-  if (times.empty()) return found;
-  if (!found.times_ns.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has its own times; remove {}", path.string(), times.string()));
-  add_times(found, times);
+  if (!times.empty()) add_times(found, times, times.string());
   return found;
+}
+
+Poses poses_at(const Trajectory& trajectory, std::span<const int64_t> frame_times,
+               const AssociationRules& rules) {
+  const auto& times = trajectory.times_ns;
+  Poses poses;
+  size_t after = 0;  // the first pose at or after the frame
+  for (const int64_t frame_time : frame_times) {
+    const int64_t time = frame_time + rules.offset_ns;
+    while (after < times.size() && times[after] < time) ++after;
+    const size_t before = after > 0 ? after - 1 : 0;
+    const size_t last = std::min(after, times.size() - 1);
+    const int64_t difference =
+        std::min(std::abs(times[before] - time), std::abs(times[last] - time));
+    poses.emplace_back();
+    if (difference > rules.max_difference_ns) continue;
+    poses.back() = before == last || times[last] == time ? *trajectory.poses[last]
+                                                         : between(trajectory, before, last, time);
+  }
+  return poses;
+}
+
+Poses associate(const Trajectory& trajectory, std::span<const int64_t> frame_times,
+                const AssociationRules& rules, const std::string& frames, const Monitor& monitor) {
+  if (trajectory.poses.empty())
+    throw Error(ErrorKind::data, fmt::format("{}: has no poses", trajectory.name));
+  Poses poses = poses_at(trajectory, frame_times, rules);
+  const size_t missing = count_unknown(poses);
+  if (missing * 2 <= poses.size()) return poses;
+  const std::string within = time_text(rules.max_difference_ns);
+  const std::string cause = describe_missing(trajectory, frame_times, rules);
+  if (missing == poses.size())
+    throw Error(ErrorKind::data, fmt::format("{}: no frame has a pose within {} s "
+                                             "(--max-difference): {}",
+                                             frames, within, cause));
+  warn(monitor, fmt::format("{}: {} of {} have no pose within {} s and are ignored: {}", frames,
+                            missing, counted(poses.size(), "frame"), within, cause));
+  return poses;
+}
+
+SideOptions side_options(const GroundTruthArgument& argument, PoseSide side) {
+  const GroundTruthOptions& options = argument.options;
+  if (side == PoseSide::query)
+    return {"query",
+            "--offset",
+            argument.path,
+            options.query_times,
+            options.query_pose_times,
+            options.query_images,
+            options.offset_s};
+  return {"reference",           "--train-offset",         options.reference,
+          options.train_times,   options.train_pose_times, options.train_images,
+          options.train_offset_s};
+}
+
+std::string describe_times(const GroundTruthArgument& argument, double default_difference_s) {
+  const GroundTruthOptions& options = argument.options;
+  if (options.query_times.empty() && options.train_times.empty()) return "";
+  const AssociationRules rules =
+      rules_of(argument, side_options(argument, PoseSide::query), default_difference_s);
+  std::string words = fmt::format(" at the times of {}frames, the nearest within {} s",
+                                  options.train_times.empty()   ? "query "
+                                  : options.query_times.empty() ? "training "
+                                                                : "",
+                                  time_text(rules.max_difference_ns));
+  for (const PoseSide side : {PoseSide::query, PoseSide::train})
+    if (const SideOptions of = side_options(argument, side); of.offset_s)
+      words += fmt::format(", {} times {:+} s", of.name, *of.offset_s);
+  return words;
+}
+
+Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Trajectory trajectory,
+                    const Monitor& monitor, double default_difference_s) {
+  const SideOptions side = side_options(argument, pose_side);
+  if (side.times.empty()) {
+    if (!side.pose_times.empty() || side.offset_s)
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: pose i belongs to frame i. To associate frames by time, also "
+                              "pass the times of frames with --{}-times",
+                              trajectory.name, side.name));
+    return std::move(trajectory.poses);
+  }
+  if (!side.pose_times.empty())
+    add_times(trajectory, side.pose_times, fmt::format("--{}-pose-times", side.name));
+  if (trajectory.times_ns.empty() && !trajectory.poses.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has no times. Pass the times of its poses with --{}-pose-times",
+                            trajectory.name, side.name));
+  require_rising_times(trajectory);
+  remove_unknown(trajectory);
+  return associate(trajectory, read_frame_times(side.times, monitor),
+                   rules_of(argument, side, default_difference_s), side.times.string(), monitor);
+}
+
+TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+                            const Monitor& monitor) {
+  Trajectory trajectory = read_any(path);
+  const bool is_on_earth = trajectory.is_on_earth;
+  return {poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(trajectory), monitor),
+          is_on_earth};
 }
 
 }  // namespace vpr

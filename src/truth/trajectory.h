@@ -1,16 +1,41 @@
-// Trajectories of SLAM systems and data sets as text: poses, with times if the file has them.
+// Poses of frames: trajectories of SLAM systems and data sets, and their association with frames by
+// time, as in evo.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "truth/formats.h"
-#include "truth/poses.h"
+#include "base/monitor.h"
+#include "truth/dataset.h"
 
 namespace vpr {
+
+/// In meters; either the heading in degrees, or the orientation as a rotation matrix, row by row.
+struct Pose {
+  std::array<double, 3> position{};
+  std::optional<double> heading_deg;
+  std::optional<std::array<double, 9>> orientation;
+};
+
+/// One entry per frame; nullopt if the pose is unknown.
+using Poses = std::vector<std::optional<Pose>>;
+
+/// The number of frames without a pose.
+size_t count_unknown(const Poses& poses);
+
+/// The extent of the known poses along each coordinate in meters; minus infinity if all are
+/// unknown.
+std::array<double, 3> extents_of(const Poses& poses);
+
+/// Degrees between two orientations, 0 to 180: the difference of headings, or the angle of the
+/// rotation between two rotation matrices. Nullopt if the two poses have different kinds.
+std::optional<double> angle_between(const Pose& a, const Pose& b);
 
 /// The poses of one file, by frame.
 struct Trajectory {
@@ -18,45 +43,95 @@ struct Trajectory {
   Poses poses;                ///< nullopt if the file has no pose for a frame
   std::vector<size_t> lines;  ///< line of each pose in the file, counted from 1; empty for a CSV
   std::vector<int64_t> times_ns;  ///< one per pose, or empty if the file has no times
-  bool is_on_earth = false;       ///< positions are those of gps.h
+  bool is_on_earth = false;       ///< positions are those of earth_position()
+  /// of each frame of a CSV (read_pose_csv), empty for unknown floors; empty for other files
+  std::vector<std::string> floors;
 };
 
-/// One pose per line: time x y z qx qy qz qw (TUM). Times need not increase. All readers of this
-/// header accept a range after the path (PATH@FIRST:LAST[:STEP]), and throw Error(input) if a file
-/// cannot be read and Error(data), with the line, if it is damaged.
-Trajectory read_tum(const std::filesystem::path& path);
-/// As read_tum, but times may be any numbers and are ignored.
-Trajectory read_tum_without_times(const std::filesystem::path& path);
+/// The format of a file with one pose per line and this first line; empty for other files.
+/// - "tum" (the RGB-D benchmark of TU Munich): time x y z qx qy qz qw, separated by blanks.
+/// - "kitti" (the odometry benchmark): the 3 x 4 matrix (rotation, position) row by row, without
+///   times. A matrix whose first three columns are not a rotation is refused.
+/// - "euroc" (state_groundtruth_estimate0/data.csv): time in nanoseconds, x, y, z, qw, qx, qy, qz
+///   and optionally more, separated by commas.
+std::string_view pose_line_format(std::string_view first_line);
 
-/// One pose per line, separated by commas: time in nanoseconds, x y z, qw qx qy qz, and optionally
-/// more (EuRoC's state_groundtruth_estimate0/data.csv); lines that start with # are skipped.
-Trajectory read_euroc(const std::filesystem::path& path);
-/// Whether the first line holds an integer number of nanoseconds and at least seven more numbers.
-bool is_euroc(const FileStart& start);
+/// Reads a file in a format of pose_line_format; lines that start with # are skipped. Without
+/// `with_times`, times may be any numbers and are ignored; otherwise they need not increase. As in
+/// all readers of this header, a range may follow the path (PATH@FIRST:LAST[:STEP]). Throws
+/// Error(input) if the file cannot be read and Error(data), with the line, if it is damaged.
+Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view format,
+                           bool with_times);
 
-/// One pose per line, the 3 x 4 matrix row by row (KITTI), without times. Refuses a matrix that is
-/// not a rotation.
-Trajectory read_kitti(const std::filesystem::path& path);
-
-/// A CSV with columns frame, x and y, or latitude and longitude (read_pose_csv()), without times.
-/// `frames`: the number of frames of the sequence, if known.
-Trajectory read_csv_trajectory(const std::filesystem::path& path,
-                               std::optional<size_t> frames = std::nullopt);
-
-/// Reads any of these formats, detected by content, or GPS fixes (gps.h) as positions on the earth.
-/// Throws Error(usage) for other files.
-Trajectory read_any_trajectory(const std::filesystem::path& path);
-
-/// As read_any_trajectory, with GPS fixes projected to the plane that touches the earth at the
-/// first one. For a file without times, `times`, if not empty, has them: one per line and pose
-/// (KITTI's times.txt). Times must increase. Throws Error(usage) for other files, or if both files
-/// have times.
+/// Reads a trajectory in a format detected by content. GPS fixes are projected to the plane that
+/// touches the earth at the first one. For a file without times, `times`, if not empty, has them:
+/// one per line and pose (KITTI's times.txt). Times must increase. Throws Error(usage) for other
+/// files, or if both files have times.
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times);
 
-/// Reads the times of the poses from a file. Throws Error(data) if their numbers differ.
-void add_times(Trajectory& trajectory, const std::filesystem::path& times);
+/// The association of frames with poses.
+struct AssociationRules {
+  /// maximum distance of a frame to its nearest pose, inclusive; evo's default
+  int64_t max_difference_ns = 20'000'000;
+  int64_t offset_ns = 0;  ///< added to the times of frames
+};
 
-/// Throws Error(data), with the line, if a time is not after the previous one.
-void require_rising_times(const Trajectory& trajectory);
+/// One entry per frame: the position on the straight line between the poses before and after its
+/// time (before the first and after the last pose, the position of that pose), and heading and
+/// orientation of the nearest pose, the earlier one on a tie. Nullopt if the nearest pose is
+/// farther away than the maximum difference. Both times must increase; the trajectory must not be
+/// empty. One pass over both.
+Poses poses_at(const Trajectory& trajectory, std::span<const int64_t> frame_times,
+               const AssociationRules& rules);
+
+/// As poses_at, with checks: warns if more than half of the frames have no pose; throws Error(data)
+/// with both ranges of times if none has. Both messages include the median difference between
+/// frames and their nearest poses. `frames`: a description of the frames.
+Poses associate(const Trajectory& trajectory, std::span<const int64_t> frame_times,
+                const AssociationRules& rules, const std::string& frames, const Monitor& monitor);
+
+/// A side of a ground truth.
+enum class PoseSide { query, train };
+
+/// The options of one side, as in GroundTruthOptions.
+struct SideOptions {
+  const char* name;         ///< as in its flags
+  const char* offset_flag;  ///< of the offset
+  const std::filesystem::path& poses;
+  const std::filesystem::path& times;
+  const std::filesystem::path& pose_times;
+  const std::filesystem::path& images;
+  std::optional<double> offset_s;
+};
+
+/// References to parts of `argument`, which must outlive the result.
+SideOptions side_options(const GroundTruthArgument& argument, PoseSide side);
+
+/// evo's maximum distance between a frame and its nearest pose, in seconds.
+inline constexpr double kEvoDifference = 0.02;
+
+/// ", by time within 0.02 s" for a protocol; empty without times of frames. `default_difference_s`:
+/// the default of --max-difference.
+std::string describe_times(const GroundTruthArgument& argument,
+                           double default_difference_s = kEvoDifference);
+
+/// The poses of the frames of one side: by time if the options have the times of frames (as
+/// associate() does; poses without a position are removed first); otherwise pose i belongs to frame
+/// i. Throws as associate() and the readers of times do, and Error(usage) for options that lack a
+/// required option or have invalid values.
+Poses poses_of_side(const GroundTruthArgument& argument, PoseSide side, Trajectory trajectory,
+                    const Monitor& monitor, double default_difference_s = kEvoDifference);
+
+/// The poses of training frames.
+struct TrainPoses {
+  Poses poses;
+  bool is_on_earth = false;  ///< positions are those of earth_position()
+};
+
+/// The pose of each training frame, from `path` in any format of read_trajectory, by time if the
+/// options have the times of frames. Fixes keep their positions on the earth. Throws as
+/// poses_of_side does.
+TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+                            const Monitor& monitor);
 
 }  // namespace vpr

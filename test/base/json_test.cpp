@@ -100,14 +100,14 @@ TEST_CASE("errors distinguish schemas of another kind and of another version") {
       require_schema(Json{{"schema", schema}}, "result", "r.json", ErrorKind::data);
     });
   };
-  CHECK(text("vpr.result/1").empty());
-  for (const char* other : {"vpr.result/0", "vpr.result/2"})
+  CHECK(text("vpr.result/3").empty());
+  for (const char* other : {"vpr.result/2", "vpr.result/4"})
     CHECK(text(other) ==
           fmt::format("r.json: has schema {}, written by another version of the program "
-                      "(this one reads vpr.result/1). Run the command that wrote it "
+                      "(this one reads vpr.result/3). Run the command that wrote it "
                       "again",
                       other));
-  CHECK(text("vpr.report/1") == "r.json: expected schema vpr.result/1, found vpr.report/1");
+  CHECK(text("vpr.report/3") == "r.json: expected schema vpr.result/3, found vpr.report/3");
   CHECK(error_kind([] { require_schema(Json(3), "result", "r", ErrorKind::data); }) ==
         ErrorKind::data);
 }

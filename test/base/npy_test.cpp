@@ -10,10 +10,7 @@ using namespace vpr::test;
 namespace {
 
 std::filesystem::path write_example(const TemporaryFolder& folder) {
-  const std::vector<int32_t> values = {1, -2, 3, 4, 5, 6};
-  Output file(folder / "a.npy", Existing::refuse);
-  write_npy<int32_t>(file, values, {2, 3});
-  file.commit();
+  write_array<int32_t>(folder / "a.npy", {1, -2, 3, 4, 5, 6}, {2, 3});
   return folder / "a.npy";
 }
 
@@ -41,9 +38,7 @@ TEST_CASE("an array can be read back after writing") {
 
 TEST_CASE("an empty array can be read back") {
   const TemporaryFolder folder;
-  Output file(folder / "e.npy", Existing::refuse);
-  write_npy<int32_t>(file, {}, {0, 4});
-  file.commit();
+  write_array<int32_t>(folder / "e.npy", {}, {0, 4});
   CHECK(NpyArray(folder / "e.npy").values<int32_t>(2).empty());
 }
 

@@ -5,9 +5,8 @@
 
 #include "base/json.h"
 #include "bench/bench_result.h"
-#include "bench/bench_tables.h"
 #include "bench/generated.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "support.h"
 
 using namespace vpr;
@@ -79,9 +78,9 @@ TEST_CASE("a summary equals the closed forms of evenly spaced values") {
 TEST_CASE("work is repeated the minimum number of times and the minimum time, but not more") {
   size_t runs = 0;
   const auto count = [&] { ++runs; };
-  CHECK(time_repeatedly({0, 7, 100, 2}, count, {}).size() == 7);
+  CHECK(time_repeatedly({0, 7, 100, 2}, count, {}).repetitions == 7);
   CHECK(runs == 9);
-  CHECK(time_repeatedly({1000, 1, 12, 0}, count, {}).size() == 12);
+  CHECK(time_repeatedly({1000, 1, 12, 0}, count, {}).repetitions == 12);
 }
 
 TEST_CASE("a stop ends a measurement") {
@@ -95,17 +94,17 @@ TEST_CASE("a stop ends a measurement") {
 }
 
 TEST_CASE("generated sequences change little between frames, and more between days") {
-  const auto walk = generate_walk(200, 1);
-  CHECK(walk == generate_walk(200, 1));
-  CHECK(walk != generate_walk(200, 2));
-  const auto again = repeat_walk(walk, 50, 100, 150, 3);
+  const auto walk = generate_sequence(200, 1);
+  CHECK(walk == generate_sequence(200, 1));
+  CHECK(walk != generate_sequence(200, 2));
+  const auto again = repeat_sequence(walk, 50, 100, 150, 3);
   for (size_t i = 0; i + 1 < 100; ++i) {
-    CHECK(plain_hamming(walk[i], walk[i + 1]) > 20);
-    CHECK(plain_hamming(walk[i], walk[i + 1]) <= 60);
-    CHECK(plain_hamming(walk[50 + i], again[i]) > 80);
-    CHECK(plain_hamming(walk[50 + i], again[i]) <= 150);
+    CHECK(reference_hamming(walk[i], walk[i + 1]) > 20);
+    CHECK(reference_hamming(walk[i], walk[i + 1]) <= 60);
+    CHECK(reference_hamming(walk[50 + i], again[i]) > 80);
+    CHECK(reference_hamming(walk[50 + i], again[i]) <= 150);
   }
-  CHECK(plain_hamming(walk[0], walk[199]) > 500);
+  CHECK(reference_hamming(walk[0], walk[199]) > 500);
 }
 
 TEST_CASE("ratios and their quartiles equal values computed by hand") {
@@ -134,7 +133,7 @@ TEST_CASE("rows in only one run are listed; runs without common rows are refused
   BenchResult older = make_run(1);
   BenchResult newer = make_run(1);
   older.rows[0].work = "openable";
-  newer.rows[0].parameters[0].second = 5;
+  newer.rows[0].parameters[0].value = 5;
   const BenchComparison comparison = compare_benches(older, newer);
   CHECK(comparison.ratios.size() == 1);
   CHECK(comparison.only_in_one.size() == 2);

@@ -1,8 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include "bench/fabmap_bench.h"
+#include "bench/benches.h"
 #include "bench/generated.h"
-#include "bench/matching_bench.h"
 #include "support.h"
 
 using namespace vpr;
@@ -26,8 +25,7 @@ MatchingBenchSettings small_settings() {
 
 TEST_CASE("every method has a row for every case") {
   const MatchingBenchSettings settings = small_settings();
-  BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
-  add_matching_comparisons(result, settings);
+  const BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
   CHECK(result.left_out.empty());
   REQUIRE(result.rows.size() == 4 * settings.methods.size() + 1);
   for (const BenchRow& row : result.rows) {
@@ -56,15 +54,15 @@ TEST_CASE("a window that exceeds the frames is omitted and reported") {
 }
 
 TEST_CASE("nothing is timed if a distance is wrong") {
-  const auto train = generate_walk(100, 1);
+  const auto train = generate_sequence(100, 1);
   RowKernels broken = select_kernels();
   broken.slide = [](const uint32_t* before, const uint16_t* entering, const uint16_t*,
                     uint32_t* after, size_t count) {
     // omits the outgoing distances
     for (size_t i = count; i-- > 0;) after[i] = before[i] + entering[i];
   };
-  const MatchingCase example(train, repeat_walk(train, 0, 50, 30, 2),
-                             {5, size_t{1} << 30, broken, {}, 1});
+  const auto query = repeat_sequence(train, 0, 50, 30, 2);
+  const MatchingCase example = make_case(train, query, {5, size_t{1} << 30, broken, {}, 1});
   CHECK(error_kind([&] { check_methods(example, {"fastable-online"}, {}); }) ==
         ErrorKind::expectation);
   CHECK(!error_kind([&] { check_methods(example, {"openable"}, {}); }));
@@ -76,8 +74,8 @@ TEST_CASE("recorded codes are timed up to the length of the recording") {
   settings.databases = {40, 100};
   settings.window_lengths = {5};
   settings.clustered_recognitions = 0;
-  const auto walk = generate_walk(60, 1);
-  const RecordedCodes recorded{walk, repeat_walk(walk, 10, 25, 5, 2)};
+  const auto walk = generate_sequence(60, 1);
+  const RecordedCodes recorded{walk, repeat_sequence(walk, 10, 25, 5, 2)};
   const BenchResult result = bench_matching(settings, recorded, 1, select_kernels(), {});
   CHECK(result.left_out.size() == 1);
   REQUIRE(result.rows.size() == 2);
@@ -139,8 +137,8 @@ TEST_CASE("generated vectors form a sequence, and the same sequence with other n
   for (size_t q = 0; q < 20; ++q) {
     size_t best = 0;
     for (size_t i = 1; i < 60; ++i)
-      if (wide_cosine_distance(again.rows()[q], walk.rows()[i]) <
-          wide_cosine_distance(again.rows()[q], walk.rows()[best]))
+      if (distance_of(ElementType::int16).pair(again.rows()[q], walk.rows()[i]) <
+          distance_of(ElementType::int16).pair(again.rows()[q], walk.rows()[best]))
         best = i;
     CHECK(best == q + 15);
   }

@@ -8,7 +8,7 @@
 
 namespace vpr::test {
 
-/// A vpr.world/1 with the requested walks, in this order: "one", "two" and "other" are training
+/// A vpr.world/3 with the requested walks, in this order: "one", "two" and "other" are training
 /// walks through one corridor each, "back" and "again" are queries through the corridors of "one"
 /// and "two".
 inline std::string building(uint64_t seed, const std::vector<std::string>& walks) {
@@ -20,7 +20,7 @@ inline std::string building(uint64_t seed, const std::vector<std::string>& walks
     if (is_query) json["conditions"] = {{"exposure", 0.92}, {"noise", 5}};
     return json;
   };
-  Json world = {{"schema", "vpr.world/1"}, {"name", "test"},      {"seed", seed},
+  Json world = {{"schema", "vpr.world/3"}, {"name", "test"},      {"seed", seed},
                 {"image_width", 160},      {"image_height", 120}, {"format", "png"},
                 {"resemblance", 0},        {"same_place_m", 1},   {"ignore_m", 1}};
   Json rooms = Json::array();

@@ -34,7 +34,7 @@ TEST_CASE("train, query and evaluate yield correct counts") {
   CHECK(report == file_json(out / "e.json"));
   CHECK(report["counts"]["recognitions"]["correct"].get<int>() > 20);
   CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
-  CHECK(report["counts"]["distinct"].get<int>() >= 1);
+  CHECK(report["counts"]["recognitions"]["distinct"].get<int>() >= 1);
   CHECK(report["best_match"]["rate"].get<double>() > 0.8);
 }
 
@@ -144,13 +144,13 @@ TEST_CASE("a search can be limited to a sequence by name") {
   const TemporaryFolder out;
   run_ok("vpr-query", query_words({"--only-sequence", "two", "-o", out / "r.json"}));
   const Json result = file_json(out / "r.json");
-  CHECK(result["targets"][0]["searched"] == false);
+  CHECK(result["sequences"][0]["searched"] == false);
   check_failure("vpr-query", query_words({"--only-sequence", "three", "--json"}), 2, "one, two");
 }
 
 TEST_CASE("settings are read from a file, and flags take precedence") {
   const TemporaryFolder out;
-  write_text(out / "c.json", R"({"schema": "vpr.config/1", "c_l": 5, "t_r": 0.3, "seed": 9,
+  write_text(out / "c.json", R"({"schema": "vpr.config/3", "c_l": 5, "t_r": 0.3, "seed": 9,
                                        "clustering": {"eps": 3}})");
   const Words base = {world().database(), "--dataset", world().dataset(),
                       "--json",           "--config",  out / "c.json"};
@@ -242,7 +242,7 @@ TEST_CASE("tables can be text, CSV, Markdown and LaTeX") {
   };
   CHECK(has(table("text"), "c_l"));
   CHECK(table("csv").find(
-            "name,method,query,c_l,t_r,scale,recognitions right,recognitions wrong,") == 0);
+            "name,method,query,c_l,t_r,scale,recognitions correct,recognitions incorrect,") == 0);
   CHECK(has(table("markdown"), "| c_l |"));
   CHECK(has(table("latex"), "\\begin{tabular}"));
 }
@@ -257,7 +257,7 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   CHECK(looked.err.empty());
   CHECK(has(looked.out, "Nothing is judged without a ground truth."));
   CHECK(has(looked.out, "recognitions"));
-  CHECK_FALSE(has(looked.out, "right"));
+  CHECK_FALSE(has(looked.out, "correct"));
   const std::string page = read_text(out / "page.html");
   CHECK(has(page, "recognized, not judged"));
   CHECK(has(page, "data:image/jpeg"));
@@ -267,7 +267,7 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   CHECK(eval({"--html", out / "other.html", "--json"}).exit_code == 2);
   CHECK_FALSE(fs::exists(out / "other.html"));
   write_text(out / "bare.json",
-             Json{{"schema", "vpr.dataset/1"},
+             Json{{"schema", "vpr.dataset/3"},
                   {"name", "bare"},
                   {"fps", 4},
                   {"queries", {{{"name", "back"}, {"sequence", world().walk("back")}}}}}

@@ -44,7 +44,7 @@ struct Arrays {
     for (const char* precision : {"8", "16"})
       run_ok("vpr-train", {"descriptors", "--npy", path("db.npy"), "--sequence", "one=0:28",
                            "--sequence", "two=28:60", "--names", path("names.txt"), "--c-l", "5",
-                           "--precision", precision, "-o", database(precision)});
+                           "--value-bits", precision, "-o", database(precision)});
   }
   std::string path(const std::string& name) const { return folder / name; }
   std::string database(const std::string& precision = "8") const {
@@ -93,7 +93,7 @@ TEST_CASE("every decision and score supports imported descriptors, and cells are
       CHECK(json["totals"]["recognitions"] > 0);
       CHECK(json.contains("verification") == !has_rates);
       for (const Json& best : json["clusters"]) {
-        CHECK(best["target"] == 1);
+        CHECK(best["sequence"] == 1);
         CHECK(best["train"]["window"].get<int>() == best["query"]["window"].get<int>() + 2);
       }
     }
@@ -118,7 +118,7 @@ TEST_CASE("imported descriptors are evaluated and swept like others") {
   check_failure("vpr-eval",
                 {out / "r.json", "--ground-truth", "aligned", "--query", arrays().path("q.npy"),
                  "--html", out / "r2.html"},
-                2, "pictures need the images");
+                2, "plots need its images");
   const Json sweep =
       printed_json("vpr-tune", {"fastable", out / "part.vprdb", "--query", arrays().path("q.npy"),
                                 "--ground-truth", "aligned", "--c-l", "1,5", "--json"});
@@ -132,25 +132,25 @@ TEST_CASE("more sequences can be added, with the same descriptors only") {
   write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
   check_failure("vpr-train",
                 {"add", arrays().database(), "--train", out / "short.npy", "-o", out / "x.vprdb"},
-                4, "short.npy: its descriptors have 10 numbers, those of the database 48");
+                4, "short.npy: its descriptors have 10 numbers, descriptors of the database 48");
   check_failure("vpr-query", {arrays().database(), "--query-npy", out / "short.npy", "--c-l", "2"},
-                4, "descriptors of the database have 48 numbers, those of the query 10");
+                4, "descriptors of the database have 48 numbers, descriptors of the query 10");
   check_failure("vpr-train",
                 {"descriptors", "--npy", arrays().path("db.npy"), "--npy", out / "short.npy", "-o",
                  out / "x.vprdb"},
-                4, "10 numbers, those of the database 48");
+                4, "10 numbers, descriptors of the database 48");
 }
 
 TEST_CASE("images and descriptors of another kind are refused with the reason") {
   const TemporaryFolder out;
   const std::string images = world().walk("back");
   check_failure("vpr-query", {arrays().database(), "--query", images}, 4,
-                "described by another program");
+                "the database has imported descriptors");
   check_failure("vpr-query", {world().database(), "--query-npy", arrays().path("q.npy")}, 4,
                 "holds descriptors, but frames of the database are described by ldb");
   check_failure("vpr-query", {world().fabmap(), "--query-npy", arrays().path("q.npy")}, 4,
                 "images are needed");
-  check_failure("vpr-query", {arrays().database(), "--query-npy", images}, 2, "is no .npy file");
+  check_failure("vpr-query", {arrays().database(), "--query-npy", images}, 2, "is not a .npy file");
   check_failure("vpr-query",
                 {arrays().database(), "--query-npy", arrays().path("q.npy"), "--query", images}, 2,
                 "--query does not go with --query-npy");
@@ -159,17 +159,18 @@ TEST_CASE("images and descriptors of another kind are refused with the reason") 
   };
   const std::string db = arrays().path("db.npy");
   check_failure(train({}), 2, "--npy");
-  check_failure(train({"--npy", images}), 2, "is no .npy file");
+  check_failure(train({"--npy", images}), 2, "is not a .npy file");
   check_failure(train({"--npy", out / "missing.npy"}), 3, "missing.npy");
   check_failure(train({"--npy", db, "--bits"}), 4, "bits are uint8");
-  check_failure(train({"--npy", db, "--precision", "12"}), 2, "16 or 8");
-  check_failure(train({"--npy", db, "--bits", "--precision", "8"}), 2, "--bits are exact");
+  check_failure(train({"--npy", db, "--value-bits", "12"}), 2, "16 or 8");
+  check_failure(train({"--npy", db, "--bits", "--value-bits", "8"}), 2, "have no effect on --bits");
   check_failure(train({"--npy", db, "--sequence", "a"}), 2, "NAME=FIRST:LAST");
   check_failure(train({"--npy", db, "--sequence", "a=b"}), 2, "NAME=FIRST:LAST");
   check_failure(train({"--npy", db, "--sequence", "a=0:61"}), 2, "exceeds");
   check_failure(train({"--npy", db, "--sequence", "a=0:9", "--sequence", "a=9:20"}), 2,
-                "two sequences are called a");
-  check_failure(train({"--npy", db, "--npy", db + "@0:9", "--sequence", "a=0:9"}), 2, "one --npy");
+                "two sequences have the name a");
+  check_failure(train({"--npy", db, "--npy", db + "@0:9", "--sequence", "a=0:9"}), 2,
+                "a single --npy");
   write_text(out / "few.txt", "a\nb\n");
   check_failure(train({"--npy", db, "--names", out / "few.txt"}), 4, "few.txt: names 2 frames");
   std::vector<float> values(12, 1);
@@ -257,7 +258,7 @@ TEST_CASE("exported descriptors have the same distances after import") {
                            out / (kind + name + ".vprdb"), "--quiet"});
     const std::string train = exported(out / (kind + "one.vprdb"), kind + "one.npy");
     const std::string query = exported(out / (kind + "back.vprdb"), kind + "back.npy");
-    const Words flags = kind == "ldb" ? Words{"--bits"} : Words{"--precision", "8"};
+    const Words flags = kind == "ldb" ? Words{"--bits"} : Words{"--value-bits", "8"};
     CHECK(distances(out / (kind + "one.vprdb"), back) == distances(imported(train, flags), query));
   }
   exported(arrays().database(), "vectors.npy");
@@ -280,7 +281,7 @@ TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
   write_array(out / "db.npy", train, {150, kLength});
   write_array(out / "q.npy", query, {150, kLength}, true);
   const Json report =
-      printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
+      printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--train-npy", out / "db.npy",
                                 "--recall-at", "5,10,100", "--ground-truth", "aligned",
                                 "--tolerance", "0", "--html", out / "page.html", "--json"});
   // The definition, product by product.
@@ -317,25 +318,25 @@ TEST_CASE("descriptors without a database must match each other") {
   const auto evaluate = [&](Words words) {
     return run_program("vpr-eval", joined(words, {"--ground-truth", "aligned", "--json"}));
   };
-  const Json bits = printed_json(
-      evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "bits.npy"}));
+  const Json bits =
+      printed_json(evaluate({"--query-npy", out / "bits.npy", "--train-npy", out / "bits.npy"}));
   CHECK(bits["metrics"]["recall_at"]["1"] == 1.0);
-  check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "short.npy"}), 4,
-                "has descriptors of length 48 (60 x 48), ");
-  check_failure(evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "wide.npy"}), 4,
+  check_failure(evaluate({"--query-npy", db, "--train-npy", out / "short.npy"}), 4,
+                "the array is 60 x 48, but ");
+  check_failure(evaluate({"--query-npy", out / "bits.npy", "--train-npy", out / "wide.npy"}), 4,
                 "is an array transposed?");
-  check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "bits.npy"}), 4, "type <f4");
-  check_failure(evaluate({"--query-npy", db, "--reference-npy", world().walk("back")}), 4,
-                "is no .npy file of descriptors");
+  check_failure(evaluate({"--query-npy", db, "--train-npy", out / "bits.npy"}), 4, "type <f4");
+  check_failure(evaluate({"--query-npy", db, "--train-npy", world().walk("back")}), 4,
+                "is not a .npy file of descriptors");
   check_failure(evaluate({"--query-npy", db}), 2, "go together");
-  check_failure(evaluate({"--query-npy", db, "--reference-npy", db, "--similarity"}), 2,
+  check_failure(evaluate({"--query-npy", db, "--train-npy", db, "--similarity"}), 2,
                 "--similarity is for --scores");
-  check_failure(evaluate({"--query-npy", db, "--reference-npy", db, "--recall-at", "0"}), 2,
-                "--recall-at takes 1");
+  check_failure(evaluate({"--query-npy", db, "--train-npy", db, "--recall-at", "0"}), 2,
+                "--recall-at must be 1");
   std::vector<float> values(12, 1);
   values[7] = std::numeric_limits<float>::quiet_NaN();
   write_array(out / "nan.npy", values, {4, 3});
-  check_failure(evaluate({"--query-npy", out / "nan.npy", "--reference-npy", out / "nan.npy"}), 4,
+  check_failure(evaluate({"--query-npy", out / "nan.npy", "--train-npy", out / "nan.npy"}), 4,
                 "nan.npy: row 2: value 1 is nan");
 }
 
@@ -375,7 +376,7 @@ TEST_CASE("chords distinguish frames that are closer than the unit of cosine dis
     const auto trained =
         run_ok("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", metric, "--c-l",
                              "3", "-o", out / "db.vprdb", "--force"});
-    CHECK(has(trained.err, "--metric chord tells them apart") == (least == 0));
+    CHECK(has(trained.err, "Use --metric chord") == (least == 0));
     const Json result = printed_json(
         "vpr-query", {out / "db.vprdb", "--query-npy", out / "q.npy", "--c-l", "1", "--t-r", "0.2",
                       "--verify", "50", "-o", out / "r.json", "--json", "--force"});
@@ -385,7 +386,7 @@ TEST_CASE("chords distinguish frames that are closer than the unit of cosine dis
     const auto right = report["best_match"]["rate"].get<double>();
     CHECK((least == 1 ? right == 1 : right < 0.5));
     // In float64 both orders are equal.
-    CHECK(printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
+    CHECK(printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--train-npy", out / "db.npy",
                                     "--metric", metric, "--ground-truth", "aligned", "--tolerance",
                                     "0", "--json"})["metrics"]["recall_at"]["1"] == 1.0);
   }
@@ -433,7 +434,7 @@ TEST_CASE("vectors with lengths are compared by Euclidean distances") {
                                   "--json"})["best_match"]["rate"] == 1.0);
   for (const auto& [metric, least] : {std::pair("l2", 1.0), std::pair("cosine", 0.0)}) {
     const Json report = printed_json(
-        "vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy", "--metric",
+        "vpr-eval", {"--query-npy", out / "q.npy", "--train-npy", out / "db.npy", "--metric",
                      metric, "--ground-truth", "aligned", "--tolerance", "0", "--json"});
     const auto recall = report["metrics"]["recall_at"]["1"].get<double>();
     CHECK(recall >= least);
@@ -454,9 +455,9 @@ TEST_CASE("vectors with lengths are compared by Euclidean distances") {
                 {out / "db.vprdb", "--query-npy", out / "far.npy", "--c-l", "3", "--t-r", "0.2"}, 4,
                 "more than twice as long");
   check_failure("vpr-train",
-                {"descriptors", "--npy", out / "db.npy", "--metric", "l2", "--precision", "8", "-o",
-                 out / "y.vprdb"},
-                2, "--precision");
+                {"descriptors", "--npy", out / "db.npy", "--metric", "l2", "--value-bits", "8",
+                 "-o", out / "y.vprdb"},
+                2, "--value-bits");
   check_failure(
       "vpr-eval",
       {"--scores", out / "db.npy", "--distance", "--metric", "l2", "--ground-truth", "aligned"}, 2,

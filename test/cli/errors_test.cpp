@@ -75,7 +75,7 @@ TEST_CASE("sequences that are missing, empty or out of range are refused") {
                 "once");
   check_refused(Bench::train({"-o", out}), 2, "--train");
   check_refused(Bench::train({"--train", folder / "one"}), 2, "-o");
-  check_refused(Bench::train({"--train-folders", folder / "one", "-o", out}), 3, "sub-folders");
+  check_refused(Bench::train({"--train-folders", folder / "one", "-o", out}), 3, "subfolders");
   check_nothing_written();
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("missing, invalid, damaged or newer databases are refused") {
   };
   check_refused(damaged("codes.npy", [](std::string& t) { t[t.size() - 9] ^= 1; }), 4, "checksum");
   check_refused(damaged("manifest.json",
-                        [](std::string& t) { t.replace(t.find("database/1"), 10, "database/7"); }),
+                        [](std::string& t) { t.replace(t.find("database/3"), 10, "database/7"); }),
                 4, "another version");
   check_refused(
       damaged("manifest.json",
@@ -173,7 +173,7 @@ TEST_CASE("hostile nesting is an error, not a crash") {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   write_text(out / "c.json", R"({"c_l": )" + deep + "}");
   check_refused(bench().query({"--config", out / "c.json"}), 2, "not valid JSON");
-  write_text(out / "r.json", R"({"schema": "vpr.result/1", "x": )" + deep + "}");
+  write_text(out / "r.json", R"({"schema": "vpr.result/3", "x": )" + deep + "}");
   check_refused(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}), 4,
                 "not valid JSON");
 }
@@ -195,7 +195,7 @@ TEST_CASE("numbers have common notations and are checked for their range") {
   ok(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}));
   ok(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}));
   for (const char* kind : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
-                           "r.best_scores.npy", "r.margins.npy", "r.views.npy"})
+                           "r.best_scores.npy", "r.margins.npy", "r.keyframes.npy"})
     fs::remove(bench().folder / kind);
   check_refused(bench().query({"--threads", "-1"}), 2, "threads");
   check_refused(bench().query({"--seed", "99999999999999999999999"}), 2, "seed");
@@ -379,7 +379,7 @@ TEST_CASE("ground truth that is missing or does not match is refused") {
   check_refused(eval("nonsense"), 4, "header");
   check_refused(
       run_program("vpr-eval", {bench().database() + "/manifest.json", "--ground-truth", "aligned"}),
-      4, "vpr.result/2");
+      4, "vpr.result/3");
 }
 
 TEST_CASE("an interrupt during training exits with 130 and leaves nothing behind") {

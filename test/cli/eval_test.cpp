@@ -70,7 +70,7 @@ TEST_CASE("scores of any program are evaluated with the field's metrics") {
   CHECK(report["metrics"]["recall_at"]["5"] == 0.75);
   CHECK(report["metrics"]["recall_at"]["10"].get<double>() == Approx(10 / 12.0));
   CHECK(report["metrics"]["recall_at"]["20"] == 1);
-  CHECK(report["localization"]["right"] == 4);
+  CHECK(report["localization"]["correct"] == 4);
   CHECK(report["localization"]["longest_gap_frames"] == 8);
   CHECK(report["outcomes"]["best"] == "cccccccccwww");
 }
@@ -83,14 +83,14 @@ TEST_CASE("similarities and a user's threshold are evaluated") {
   CHECK(report["method"] == "mine");
   CHECK(report["metrics"]["single_best"]["max_f1"] ==
         report_of(scored(folder))["metrics"]["single_best"]["max_f1"]);
-  CHECK(report["localization"]["right"] == 5);
-  CHECK(report["localization"]["wrong"] == 1);
+  CHECK(report["localization"]["correct"] == 5);
+  CHECK(report["localization"]["incorrect"] == 1);
   CHECK_FALSE(report.contains("oracle"));
   const auto text = run_program("vpr-eval", {"--scores", turned, "--similarity", "--ground-truth",
                                              "aligned", "--threshold", "-5"});
   CHECK(text.out.starts_with(
-      "Best match right in 9 of 12 frames (75.0 %). Recognized in 6 of 12 frames, "
-      "1 of them wrong; the first right one at frame 0.\n"));
+      "Best match correct in 9 of 12 frames (75.0 %). Recognized in 6 of 12 frames, "
+      "1 of them incorrect; the first correct one at frame 0.\n"));
 }
 
 TEST_CASE("an operating point from the ground truth is not compared with a chosen one") {
@@ -112,7 +112,7 @@ TEST_CASE("an operating point from the ground truth is not compared with a chose
   CHECK(has(text, "0.5833*"));
   const std::string csv =
       run_program("vpr-eval", {"compare", oracle, late, fixed, "--format", "csv"}).out;
-  CHECK(has(csv, "queries,fixed,,same,wrong,1,"));
+  CHECK(has(csv, "queries,fixed,,same,incorrect,1,"));
   // Next to a chosen threshold with fewer, the best possible one is not marked; otherwise it may
   // be.
   const auto less = run_program("vpr-eval", {"compare", oracle, late, "--format", "markdown"}).out;
@@ -127,7 +127,7 @@ TEST_CASE("the headline of lists without confidence is the number of correct one
   const auto run =
       run_program("vpr-eval", {"--predictions", folder / "pairs.txt", "--ground-truth", "aligned"});
   INFO(run.err);
-  CHECK(run.out.starts_with("Best match right in 3 of 4 frames (75.0 %).\n"));
+  CHECK(run.out.starts_with("Best match correct in 3 of 4 frames (75.0 %).\n"));
 }
 
 TEST_CASE("positions yield gaps in meters") {
@@ -137,17 +137,17 @@ TEST_CASE("positions yield gaps in meters") {
   write_text(folder / "p.csv", poses);
   const Json report = report_of(scored(folder, {"--poses", folder / "p.csv"}));
   CHECK(report["localization"]["longest_gap_m"] == 16);
-  CHECK(report["localization"]["first_fix_m"] == 0);
+  CHECK(report["localization"]["first_recognition_m"] == 0);
 }
 
 TEST_CASE("metrics can be expected") {
   const TemporaryFolder folder;
-  write_text(folder / "x.json", R"({"schema": "vpr.expected/1", "metrics":
+  write_text(folder / "x.json", R"({"schema": "vpr.expected/3", "metrics":
       {"recall_at": {"1": {"value": 0.8, "tolerance": 0.01}}}})");
   const auto run = run_program("vpr-eval", scored(folder, {"--expect", folder / "x.json"}));
   CHECK(run.exit_code == 5);
   CHECK(has(run.err, "metrics.recall_at.1: expected 0.8 +- 0.01, found 0.75"));
-  write_text(folder / "y.json", R"({"schema": "vpr.expected/1", "counts": {"distinct": 3}})");
+  write_text(folder / "y.json", R"({"schema": "vpr.expected/3", "counts": {"distinct": 3}})");
   CHECK(run_program("vpr-eval", scored(folder, {"--expect", folder / "y.json"})).exit_code == 2);
 }
 
@@ -208,9 +208,9 @@ TEST_CASE("images: a page with the frames of both sequences, and plots") {
               "precision-recall.svg", "recall-at.png", "recall-at.svg", "risk-coverage.png",
               "risk-coverage.svg", "timeline.png", "timeline.svg"});
   CHECK(run.out.starts_with(
-      "Best match right in 9 of 12 frames (75.0 %); 4 before the first mistake, at a "
+      "Best match correct in 9 of 12 frames (75.0 %); 4 before the first mistake, at a "
       "threshold chosen from the ground truth.\n"));
-  CHECK(has(page, "Best match right in 9 of 12 frames"));
+  CHECK(has(page, "Best match correct in 9 of 12 frames"));
   CHECK_FALSE(has(page, "Recognized in"));
   CHECK(run_program("vpr-eval", words(folder / "q")).exit_code == 2);  // the page exists
   CHECK(run_program("vpr-eval", joined(words(folder / "q/1.png"), {"--force"})).exit_code != 0);
@@ -226,7 +226,7 @@ TEST_CASE("reports are compared query by query") {
                         scores + ".json", "--quiet"});
   const Words words = {"compare", folder / "s.npy.json", folder / "w.npy.json"};
   const Json found = report_of(joined(words, {"--json", "-o", folder / "c.json"}));
-  CHECK(found["schema"] == "vpr.comparison/1");
+  CHECK(found["schema"] == "vpr.comparison/3");
   CHECK(found["metrics"][1]["report"] == "w");
   CHECK(found["metrics"][1]["difference"].get<double>() == Approx(-3.0 / 12));
   CHECK(found["paired"][0]["only_first"] == 3);
@@ -256,9 +256,9 @@ TEST_CASE("damaged reports are refused") {
   CHECK(code("scores", "1 2 3 4 5 6 7 8 9 10 11 x") == 4);
   CHECK(code("ranks", "1 2 3 4 5 6 7 8 9 10 11 -1") == 4);
   CHECK(code("first_frame", -1) == 4);
-  CHECK(code("scores_are", "votes") == 4);
-  CHECK(code("fixes", "rrr") == 4);
-  CHECK(code("fixes", "rrrrrrrrrrrx") == 4);
+  CHECK(code("score_order", "votes") == 4);
+  CHECK(code("recognized", "rrr") == 4);
+  CHECK(code("recognized", "rrrrrrrrrrrx") == 4);
   Json old = good;
   old.erase("outcomes");
   write_text(folder / "old.json", old.dump());
@@ -325,9 +325,9 @@ TEST_CASE("single queries are written as rows for data frames") {
   run_ok("vpr-eval", words("--outcomes-csv", "o.csv"));
   const std::string text = read_text(folder / "o.csv");
   CHECK(text.starts_with(
-      "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank,"
-      "margin\n\"a,b\",queries,0,0,references,0,1,right,yes,right,1,\n"));
-  CHECK(has(text, "\"a,b\",queries,11,11,references,0,11,wrong,yes,none,"));
+      "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,recognition,rank,"
+      "margin\n\"a,b\",queries,0,0,references,0,1,correct,yes,correct,1,\n"));
+  CHECK(has(text, "\"a,b\",queries,11,11,references,0,11,incorrect,yes,none,"));
   CHECK(std::count(text.begin(), text.end(), '\n') == 13);
   CHECK(run_program("vpr-eval", words("--outcomes-csv", "o.csv")).exit_code == 2);  // it exists
   CHECK(run_program("vpr-eval", words("--recognitions-csv", "r.csv")).exit_code == 2);
@@ -406,11 +406,11 @@ TEST_CASE("a resampled query is compared with the query over its own frames") {
     return (out / (name + ".json")).string();
   };
   const std::string plain = evaluate("plain", {});
-  const std::string slow = evaluate("slow", {"--warp", "0.5"});
+  const std::string slow = evaluate("slow", {"--speed", "0.5"});
   const Json found = printed_json("vpr-eval", {"compare", plain, slow, "--json"});
   CHECK(found["ground_truths"] == "same");
   CHECK(found["reports"][1]["paired"] == false);
-  CHECK(found["reports"][1]["walk"] == "replayed: 0.5, seed 1");
+  CHECK(found["reports"][1]["walk"] == "speed 0.5, seed 1");
   CHECK(found["reports"][1]["queries"] == 2 * found["reports"][0]["queries"].get<int>());
   CHECK(found["paired"].empty());
   // Every frame is shown twice: the shares are equal.

@@ -93,7 +93,7 @@ TEST_CASE("a database imported from vocabulary, tree and words has the same post
   const TemporaryFolder out;
   run_ok("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
                        world().walk("one"), "--features", "sift", "--words", "60", "--clustering",
-                       "radius", "--radius", "300", "-o", out / "r.vprdb"});
+                       "radius", "--cluster-radius", "300", "-o", out / "r.vprdb"});
   const auto files = openfabmap_files(out / "r.vprdb", out.path());
   ok(import_openfabmap_files(files, out / "i.vprdb"));
   for (const std::string name : {"r", "i"})
@@ -135,8 +135,8 @@ TEST_CASE("with --loop, a recording recognizes its own earlier frames, none with
 
 TEST_CASE("an explanation lists words and draws them") {
   const TemporaryFolder out;
-  const auto outcome = ok(
-      run_query({"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"}));
+  const auto outcome =
+      ok(run_query({"--explain", "20", "--train", world().walk("one"), "-o", out / "r.json"}));
   CHECK(has(outcome.out, "Frame 20:"));
   CHECK(read_text(out / "r.explain.png").substr(1, 3) == "PNG");
   const Json explanation = file_json(out / "r.json")["explanation"];
@@ -146,7 +146,7 @@ TEST_CASE("an explanation lists words and draws them") {
     CHECK(place["against"][0]["log_odds"].get<double>() < 0);
   }
   check_failure(run_query({"--explain", "999", "--json"}), 2, "--explain 999");
-  check_failure(run_query({"--explain", "2", "--train-images", "none=x", "-o", out / "s.json"}), 2,
+  check_failure(run_query({"--explain", "2", "--train", "none=x", "-o", out / "s.json"}), 2,
                 "none");
   CHECK(!fs::exists(out / "s.json"));
 }
@@ -331,7 +331,7 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   run_ok("vpr-query",
          {out / "s.vprdb", "--query", walk, "--c-l", "4", "--t-r", "0.3", "-o", out / "s.json"});
   const Json result = file_json(out / "p.json");
-  CHECK(result["targets"][0]["frames"] == 2);
+  CHECK(result["sequences"][0]["frames"] == 2);
   CHECK(result["places"]["names"] == Json{"a", "b"});
   CHECK(result["places"]["views"] == frames);
   // Frames of the last place without a label in the ground truth of places.
@@ -348,7 +348,7 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
     evaluate("s", "aligned");
     const auto run =
         run_ok("vpr-eval", {"compare", out / "p-report.json", out / "s-report.json", "--json"});
-    CHECK(has(run.err, "ground truths of their own"));
+    CHECK(has(run.err, "places and frames have different ground truths"));
     return Json::parse(run.out);
   };
   const Json all = compare(0);
@@ -357,7 +357,7 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   CHECK(all["queries"]["with_match"] == frames - 3);
   CHECK(all["queries"]["disputed"] == 0);
   // A sequence against itself: both methods have every query correct.
-  CHECK(all["paired"][0]["both_right"] == frames - 3);
+  CHECK(all["paired"][0]["both_correct"] == frames - 3);
   const Json fewer = compare(5);
   CHECK(fewer["queries"]["common"] == frames - 3 - 5);
   CHECK(fewer["queries"]["disputed"] == 5);

@@ -30,16 +30,16 @@ TEST_CASE("a fused query reports its FAB-MAP database") {
   const Json json =
       printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--t-r", "-2", "--json"}));
   CHECK(json["settings"]["score"] == "zscore");
-  CHECK(json["settings"]["fuse_beta"] == 0.2);
+  CHECK(json["settings"]["fusion_weight"] == 0.2);
   CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
   CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
   const Json alone =
       printed_json(query({"--score", "zscore", "--c-l", "10", "--t-r", "-2", "--json"}));
-  CHECK_FALSE(alone["settings"].contains("fuse_beta"));
+  CHECK_FALSE(alone["settings"].contains("fusion_weight"));
   CHECK_FALSE(alone["provenance"].contains("fused"));
   CHECK(alone["provenance"]["query"] == json["provenance"]["query"]);
-  const Json weak = printed_json(query(
-      {"--fuse", world().fabmap(), "--fuse-beta", "0", "--c-l", "10", "--t-r", "-2", "--json"}));
+  const Json weak = printed_json(query({"--fuse", world().fabmap(), "--fusion-weight", "0", "--c-l",
+                                        "10", "--t-r", "-2", "--json"}));
   CHECK(weak["totals"] == alone["totals"]);
   CHECK(weak["clusters"] == alone["clusters"]);
 }
@@ -58,11 +58,11 @@ TEST_CASE("an automatic margin of fused scores causes a warning") {
 TEST_CASE("a result as settings selects the same database again") {
   const TemporaryFolder folder;
   const std::string result = folder / "r.json";
-  ok(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "--t-r", "-2", "-o",
-            result}));
+  ok(query({"--fuse", world().fabmap(), "--fusion-weight", "0.5", "--c-l", "10", "--t-r", "-2",
+            "-o", result}));
   check_failure(query({"--config", result}), 2, "--fuse");
   const Json json = printed_json(query({"--config", result, "--fuse", world().fabmap(), "--json"}));
-  CHECK(json["settings"]["fuse_beta"] == 0.5);
+  CHECK(json["settings"]["fusion_weight"] == 0.5);
 }
 
 TEST_CASE("live frames have the results of the whole fused query") {
@@ -98,8 +98,8 @@ TEST_CASE("incompatible databases for fusion are refused with advice") {
   check_failure("vpr-query",
                 {world().fabmap(), "--query", world().walk("again"), "--fuse", world().fabmap()}, 2,
                 "--fuse");
-  check_failure(query({"--fuse", world().fabmap(), "--fuse-beta", "3", "--t-r", "-2"}), 2,
-                "fuse_beta");
+  check_failure(query({"--fuse", world().fabmap(), "--fusion-weight", "3", "--t-r", "-2"}), 2,
+                "fusion_weight");
 }
 
 TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them") {
@@ -108,5 +108,5 @@ TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them")
                           "--ground-truth", "aligned", "--tolerance", "1000", "--fuse",
                           world().fabmap(), "--c-l", "5,10", "--t-r", "-3:-0.5:0.5"});
   CHECK(has(outcome.out, "--fuse " + world().fabmap()));
-  CHECK(has(outcome.out, "--fuse-beta 0.2"));
+  CHECK(has(outcome.out, "--fusion-weight 0.2"));
 }

@@ -114,13 +114,13 @@ TEST_CASE("invalid arguments of convert and check are refused") {
   const auto convert_to = [&](const std::string& to, Words more = {}) {
     return run_program("vpr-eval", joined({"convert", pairs, "--to", to, "-o", out / "x"}, more));
   };
-  check_failure(convert_to("aligned"), 2, "--to takes pairs, matrix");
+  check_failure(convert_to("aligned"), 2, "Use --to with pairs, matrix");
   check_failure(convert_to("matrices"), 2, "did you mean matrix");
-  check_failure(convert_to("matrix", {"--query-frames", "8"}), 2, "both");
-  check_failure(convert_to("matrix", {"--query", walk().path("one")}), 2, "both");
+  check_failure(convert_to("matrix", {"--query-frames", "8"}), 2, "go together");
+  check_failure(convert_to("matrix", {"--query", walk().path("one")}), 2, "go together");
   check_failure(convert_to("matrix", {"--query-frames", "8", "--result", walk().path("r.json")}), 2,
-                "once");
-  check_failure(convert_to("matrix", {"--from", "tum"}), 2, "--ground-truth-reference");
+                "Use one");
+  check_failure(convert_to("matrix", {"--from", "tum"}), 2, "--ground-truth-train");
   check_failure(convert_to("matrix", {"--radius", "3"}), 2, "radius_m");
   check_failure(convert_to("matrix", {"--matrix-rows", "rows"}), 2, "matrix-rows");
   check_failure("vpr-eval", {"convert", pairs, "--to", "matrix"}, 2, "-o");
@@ -130,7 +130,7 @@ TEST_CASE("invalid arguments of convert and check are refused") {
   CHECK(list_folder(out.path()).empty());
   // A loss of information is reported.
   const auto lossy = ok(convert_to("matrix"));
-  CHECK(has(lossy.err, "1 pair to ignore"));
+  CHECK(has(lossy.err, "1 pair labeled ignore"));
 }
 
 TEST_CASE("one command counts a result under every protocol") {
@@ -174,7 +174,7 @@ TEST_CASE("vpr-query and vpr-tune accept every format, and data sets name it") {
   const std::string expected =
       tune({"--query", walk().path("one"), "--ground-truth", walk().path("g.csv")});
   CHECK(tune({"--query", walk().path("one"), "--ground-truth", out / "g.npz"}) == expected);
-  write_text(out / "d.json", fmt::format(R"({{"schema": "vpr.dataset/1", "name": "d", "queries": [
+  write_text(out / "d.json", fmt::format(R"({{"schema": "vpr.dataset/3", "name": "d", "queries": [
       {{"name": "one", "sequence": "{}", "ground_truth": {{"path": "g.npz",
         "matrix_rows": "reference"}}}}]}})",
                                          walk().path("one")));
@@ -203,13 +203,13 @@ TEST_CASE("several results form one table, with a row and a name for each") {
   CHECK(read_text(out / "p.csv").starts_with("name,query,sequence,first_frame,frame,"));
   const Json reports =
       printed_json("vpr-eval", joined(words, {"--json", "-o", out / "reports.json"}));
-  CHECK(reports["schema"] == "vpr.reports/1");
+  CHECK(reports["schema"] == "vpr.reports/3");
   CHECK(reports["reports"][1]["name"] == "long");
   CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);
   check_failure("vpr-eval", joined(words, {"--name", "one only"}), 2, "2 results and 1 names");
   check_failure("vpr-eval", joined(words, {"--html", out / "x.html"}), 2, "one result");
   const std::string text = run_program("vpr-eval", words).out;
-  CHECK(has(text, "By view"));
+  CHECK(has(text, "By keyframe"));
 }
 
 TEST_CASE("options of a ground truth need one") {
@@ -229,9 +229,9 @@ TEST_CASE("poses by time and anchors are accepted as flags and in data sets") {
   write_text(folder / "late.txt", "50\n51\n");
   const std::string path = folder / "p.tum";
   const auto check = [&](const std::string& times, const std::string& offset) {
-    return run_program("vpr-eval", {"check", path, "--ground-truth-reference", path, "--radius",
-                                    "1", "--query-times", folder / times, "--offset", offset,
-                                    "--max-difference", "0.06", "--json"});
+    return run_program(
+        "vpr-eval", {"check", path, "--ground-truth-train", path, "--radius", "1", "--query-times",
+                     folder / times, "--offset", offset, "--max-difference", "0.06", "--json"});
   };
   const Json found = printed_json(check("t.txt", "100"));
   CHECK(found["frames"]["query"] == 3);

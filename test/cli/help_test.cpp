@@ -1,5 +1,5 @@
 // Help, versions, completions and suggestions.
-#include "common/help.h"
+#include "common/parser.h"
 
 #include <algorithm>
 
@@ -60,7 +60,7 @@ TEST_CASE("every command has a version, and help of 100 columns with common opti
     REQUIRE(common != std::string::npos);
     CHECK(run.out.find("--version", common) != std::string::npos);
     CHECK(has(run.out, "Example:\n"));
-    for (const std::string own : {"\nOptions:\n", "\nGround truth:\n", "\nPictures:\n"}) {
+    for (const std::string own : {"\nOptions:\n", "\nGround truth:\n", "\nReports and plots:\n"}) {
       const size_t at = run.out.find(own);
       if (at != std::string::npos) CHECK(at < common);
     }

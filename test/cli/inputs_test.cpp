@@ -70,7 +70,7 @@ struct Matrix {
     distances.assign(values.begin(), values.end());
     queries = array.shape()[0];
     references = array.shape()[1];
-    for (const Json& target : json["targets"]) frames.push_back(target["frames"]);
+    for (const Json& target : json["sequences"]) frames.push_back(target["frames"]);
     // Similarities with references first: multiples of 1/1024 below 2.
     std::vector<double> similarities(distances.size());
     for (size_t j = 0; j < queries; ++j)
@@ -103,8 +103,8 @@ RunOutcome query_matrix(const std::string& file, const Words& words,
 TEST_CASE("rows of descriptors are frames, not windows") {
   const TemporaryFolder folder;
   const std::string scores = distances(folder, 20, 20);
-  check_failure(evaluate({"--query-npy", scores, "--reference-npy", scores, "--ground-truth",
-                          "aligned", "--rows-are-windows-of", "10"}),
+  check_failure(evaluate({"--query-npy", scores, "--train-npy", scores, "--ground-truth", "aligned",
+                          "--rows-are-windows-of", "10"}),
                 2, "vpr-query --query-npy --c-l N");
 }
 
@@ -137,8 +137,8 @@ TEST_CASE("a shifted ground truth is distinguished from a failing method") {
   CHECK(warning(off, {"--tolerance", "2"}).empty());
   const std::string fast = distances(folder, 20, 40, 2);
   CHECK(warning(fast, {"--tolerance", "1"}) ==
-        "warning: the query has 20 frames and the training sequence 40: --reference-step 2?\n");
-  CHECK(warning(fast, {"--reference-step", "2"}).empty());
+        "warning: the query has 20 frames and the training sequence 40: --train-step 2?\n");
+  CHECK(warning(fast, {"--train-step", "2"}).empty());
   CHECK(warning(distances(folder, 20, 40), {}).empty());  // correct for any lengths
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("pairs name frames by number or by file") {
         {result, "--ground-truth", folder / name, "--json", "--quiet"}, more)))["best_match"];
   };
   const Json expected = counts("numbers.csv");
-  CHECK(expected["without_match"] != expected["queries"]);
+  CHECK(expected["no_ground_truth"] != expected["queries"]);
   CHECK(counts("named.csv") == expected);  // the query and the database of the run
   CHECK(counts("stems.csv") == expected);
   CHECK(counts("named.csv", {"--query", world().walk("back"), "--train", world().walk("one"),
@@ -186,14 +186,15 @@ TEST_CASE("pairs name frames by number or by file") {
 }
 
 TEST_CASE("a mistake on the command line is answered with a suggestion") {
-  check_failure("vpr-train", {"--train", "monday", "-o", "x"}, 2, "give a command: fastable, ");
+  check_failure("vpr-train", {"--train", "monday", "-o", "x"}, 2,
+                "a command is missing: fastable, ");
   check_failure("vpr-query", {world().database(), "tuesday"}, 2,
                 "unexpected argument tuesday; did you mean --query tuesday?");
   check_failure("vpr-train", {"fastable", "monday"}, 2, "did you mean --train monday?");
   check_failure("vpr-query", {world().database(), "--query", world().walk("back") + "@20"}, 3,
                 "A range is FIRST:LAST[:STEP], as in " + world().walk("back") + "@0:100");
   check_failure(evaluate({world().database(), "--ground-truth", "aligned"}), 4,
-                "is a database; give a result of vpr-query");
+                "is a database. Pass a result of vpr-query");
 }
 
 TEST_CASE("training images of several sizes cause a warning") {
@@ -303,13 +304,13 @@ TEST_CASE("incompatible flags of lists are refused") {
     check_failure(evaluate({"--predictions", scored.path("p.txt")}, words), 2, word);
   };
   check(kTruth, "has scores");
-  check({"--scores", scored.path("s.npy"), "--distance"}, "by themselves");
+  check({"--scores", scored.path("s.npy"), "--distance"}, "evaluate one of these");
   check({"--missing", "3", "--distance"}, "--missing");
   check({"--top-k", "3"}, "--top-k");
   check({"--top-k", "0", "--pairs", scored.path("x.txt")}, "--top-k must be");
-  check_failure(evaluate({"--predictions", scored.path("nowhere.txt")}, kTruth), 3, "nowhere.txt");
+  check_failure(evaluate({"--predictions", scored.path("off_map.txt")}, kTruth), 3, "off_map.txt");
   check({"--similarity", "--pairs", scored.path("x.txt"), "-o", scored.path("x.json")},
-        "there is no report to write");
+        "-o needs a ground truth");
   for (const Words& words : {Words{"--pairs", "x"}, Words{"--junit", "x"}, Words{"--update"}}) {
     check_failure(evaluate({"r.json", "s.json", "--ground-truth", "aligned"}, words), 2,
                   "take one result");
@@ -327,7 +328,7 @@ TEST_CASE("windows of a matrix of frame distances equal those of the database") 
         Words{"--decide", "margin", "--margin", "20"}}) {
     INFO(fmt::format("{}", fmt::join(words, " ")));
     const Words common = joined(
-        words, {"--c-l", "10", "--margin-width", "4", "--same-place", "none", "--force", "-o"});
+        words, {"--c-l", "10", "--exclusion-frames", "4", "--same-place", "none", "--force", "-o"});
     run_ok("vpr-query", joined({world().database(), "--query", world().walk("back")},
                                joined(common, {out / "coded.json"})));
     ok(query_matrix("s.npy", joined(common, {out / "read.json"})));
@@ -345,9 +346,8 @@ TEST_CASE("windows of a matrix of frame distances equal those of the database") 
 TEST_CASE("a result records the kind of scores of its matrix, and whether they were rounded") {
   const Json exact = printed_json(query_matrix("s.npy", {"--c-l", "7", "--t-r", "0.6", "--json"}));
   CHECK(exact["scores"]["is_exact"].get<bool>());
-  const Json rounded =
-      printed_json(query_matrix("turned.npy", {"--c-l", "7", "--t-r", "0.6", "--json"},
-                                {"--similarity", "--references-first"}));
+  const Json rounded = printed_json(query_matrix(
+      "turned.npy", {"--c-l", "7", "--t-r", "0.6", "--json"}, {"--similarity", "--train-first"}));
   CHECK(rounded["scores"]["kind"] == "similarity");
   CHECK_FALSE(rounded["scores"]["is_exact"].get<bool>());
 }
@@ -358,7 +358,7 @@ TEST_CASE("similarities have the best matches of distances, and are evaluated li
     INFO(score);
     for (const auto& [file, how] :
          {std::pair("s.npy", Words{"--distance"}),
-          std::pair("turned.npy", Words{"--similarity", "--references-first"})}) {
+          std::pair("turned.npy", Words{"--similarity", "--train-first"})}) {
       ok(query_matrix(
           file,
           {"--c-l", "10", "--score", score, "--force", "-o", out / fmt::format("{}.json", file)},
@@ -378,8 +378,8 @@ TEST_CASE("a matrix alone reports the missing inputs") {
   const auto check = [](const Words& words, int code, const std::string& word) {
     check_failure("vpr-query", joined({"--scores", matrix().path("s.npy")}, words), code, word);
   };
-  check({}, 2, "say what the scores are");
-  check({"--distance", "--decide", "margin"}, 2, "--margin-width");
+  check({}, 2, "the order of the scores is missing");
+  check({"--distance", "--decide", "margin"}, 2, "--exclusion-frames");
   check({"--distance", "--method", "filter"}, 2, "--method filter does not go with --scores");
   check({"--distance", "--method", "lsh"}, 2, "--method lsh does not go with --scores");
   check({"--distance", "--follow"}, 2, "--follow");
@@ -387,11 +387,12 @@ TEST_CASE("a matrix alone reports the missing inputs") {
   check({"--distance", "--score", "zscore", "--verify", "5"}, 2, "--verify");
   check({"--distance", "--train-sequence", "a=0:100000"}, 2, "the matrix has");
   check({"--distance", "--train-sequence", "0:5"}, 2, "NAME=FIRST:LAST");
-  check({"--distance", "--train-sequence", "a=0:5", "--train-sequence", "a=5:9"}, 2, "called a");
+  check({"--distance", "--train-sequence", "a=0:5", "--train-sequence", "a=5:9"}, 2,
+        "duplicate name of training sequences: a");
   check({"--distance", "--c-l", "100000"}, 2, "c_l");
   check_failure("vpr-query", {world().database(), "--scores", matrix().path("s.npy"), "--distance"},
                 2, "DB does not go with --scores");
-  check_failure("vpr-query", {"--query", world().walk("back")}, 2, "give the database");
+  check_failure("vpr-query", {"--query", world().walk("back")}, 2, "the database is missing");
   check_failure("vpr-query", {world().database(), "--query", world().walk("back"), "--similarity"},
                 2, "Use it with --scores");
 }

@@ -108,7 +108,7 @@ def follow_threshold(browser, report):
         return browser.evaluate("document.getElementById('accepted').textContent")
 
     last = report["curves"]["single_best"]["points"][-1]
-    assert f": {last['correct']} right, {last['incorrect']} wrong" in accepted(10 ** 6)
+    assert f": {last['correct']} correct, {last['incorrect']} incorrect" in accepted(10 ** 6)
     assert accepted(0) != accepted(10 ** 6)
 
 

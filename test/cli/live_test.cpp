@@ -58,9 +58,9 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
   const TemporaryFolder folder;
   const fs::path walk = world().walk("back");
   const std::string list =
-      list_of(walk, folder / "list.txt", "nowhere.png\n" + (walk / "00003.png").string() + "\n");
+      list_of(walk, folder / "list.txt", "off_map.png\n" + (walk / "00003.png").string() + "\n");
   Words names = images_of(walk);
-  names.insert(names.end(), {"nowhere.png", "00003.png"});
+  names.insert(names.end(), {"off_map.png", "00003.png"});
   for (const Words& words : std::vector<Words>{
            {"--c-l", "10"},
            {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
@@ -149,7 +149,7 @@ TEST_CASE("inputs that cannot be followed are refused with a sentence") {
            {{"--rates", "1,2"}, "rates"},
            {{"--method", "lsh"}, "lsh"},
            {{"--decide", "margin", "--max-memory", "100"}, "--max-memory"},
-           {{"--warp", "2"}, "--warp"},
+           {{"--speed", "2"}, "--speed"},
            {{"--verify", "3"}, "--verify"},
            {{"-o", "r.json"}, "--output"},
            {{"--save-matrix", "m.npy"}, "--save-matrix"}}) {
@@ -163,7 +163,7 @@ TEST_CASE("inputs that cannot be followed are refused with a sentence") {
   check_failure("vpr-query", words_of("/dev/null", {}), 3, "--follow");
   check_failure("vpr-query", words_of("/dev/video99", {"--follow"}), 3, "no such");
   const TemporaryFolder folder;
-  const std::string list = list_of(back, folder / "list.txt", "nowhere.png\n");
+  const std::string list = list_of(back, folder / "list.txt", "off_map.png\n");
   const auto unreadable = run_program("vpr-query", words_of(list, {"--follow", "--quiet"}));
   CHECK(unreadable.exit_code == 3);
   CHECK(lines_of(unreadable.out).size() + 1 == lines_of(read_text(list)).size());
@@ -220,7 +220,7 @@ TEST_CASE("settings that contradict the filter are refused") {
            {{"--c-l", "5"}, "--c-l"},
            {{"--score", "raw"}, "--score raw"},
            {{"--decide", "threshold"}, "--decide"},
-           {{"--margin-width", "4"}, "filter.near_views"},
+           {{"--exclusion-frames", "4"}, "filter.near_keyframes"},
            {{"--t-r", "-1"}, "--t-r"},
            {{"--verify", "3"}, "--verify does not go with --method filter"}}) {
     check_failure(query(joined({back}, words)), 2, named);

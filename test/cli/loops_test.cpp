@@ -43,10 +43,10 @@ TEST_CASE("a list of loop closures is evaluated by its trajectory, and drawn on 
   CHECK(run.err.empty());
   REQUIRE(run.exit_code == 0);
   const Json report = Json::parse(run.out);
-  CHECK(report["schema"] == "vpr.loops/1");
+  CHECK(report["schema"] == "vpr.loops/3");
   CHECK(report["name"] == "closures");
-  CHECK(report["loops"]["right"] == 2);
-  CHECK(report["loops"]["wrong"] == 1);
+  CHECK(report["loops"]["correct"] == 2);
+  CHECK(report["loops"]["incorrect"] == 1);
   CHECK(report["loops"]["too_near"] == 1);
   CHECK(report["loops"]["precision"].get<double>() == Approx(2 / 3.0));
   CHECK(report["frames"]["with_loop"] == 80);
@@ -54,26 +54,27 @@ TEST_CASE("a list of loop closures is evaluated by its trajectory, and drawn on 
   CHECK(report["frames"]["longest_missed"] == Json{{"first", 51}, {"last", 89}});
   CHECK(report["revisits"]["count"] == 1);
   CHECK(report["revisits"]["missed"].empty());
-  REQUIRE(report["wrong_loops"].size() == 1);
-  CHECK(report["wrong_loops"][0]["line"] == 3);
-  CHECK(report["wrong_loops"][0]["query"] == 70);
+  REQUIRE(report["incorrect_loops"].size() == 1);
+  CHECK(report["incorrect_loops"][0]["line"] == 3);
+  CHECK(report["incorrect_loops"][0]["query"] == 70);
   CHECK(report["metrics"]["recall_at_100_precision"].get<double>() == Approx(1 / 80.0));
   CHECK(report["trajectory"]["duration_s"] == 119);
   CHECK(list_folder(plots) == Words{".vpr-files", "loops.png", "loops.svg", "precision-recall.png",
                                     "precision-recall.svg"});
   const std::string page = read_text(laps.folder / "p.html");
-  CHECK(has(page, "1 of 3 loops are wrong. 2 of 80 frames near an earlier one have a right loop"));
+  CHECK(has(page,
+            "1 of 3 loops are incorrect. 2 of 80 frames near an earlier one have a correct loop"));
   CHECK(has(page, "line 3: frame 70 at frame 5"));
-  CHECK(has(page, "frame with a right loop"));
+  CHECK(has(page, "frame with a correct loop"));
   CHECK_FALSE(has(page, "{{"));
-  CHECK(has(read_text(plots + "/loops.svg"), "wrong loop"));
+  CHECK(has(read_text(plots + "/loops.svg"), "incorrect loop"));
 }
 
 TEST_CASE("a list without scores has no curve, and its table lists the incorrect loops") {
   const Laps laps;
   write_text(laps.loops, "170 130\n170.0 105\n");
   const auto run = ok(laps.run({"--radius", "1", "--gap", "20", "--name", "mine"}));
-  CHECK(has(run.out, "1 of 2 loops are wrong."));
+  CHECK(has(run.out, "1 of 2 loops are incorrect."));
   CHECK(has(run.out, "line 2: frame 70 at frame 5, 11.18 m away"));
   CHECK(has(run.out, "mine (within 1.0 m, 20 frames apart)"));
   CHECK_FALSE(has(run.out, "R@100P"));
@@ -90,9 +91,8 @@ TEST_CASE("--loops reports missing inputs, and refuses invalid lists with file a
   refused({"--gap", "3", "--similarity"}, 2, "--radius 2");
   refused({"--radius", "1", "--similarity"}, 2, "--gap 30s");
   refused({"--radius", "1", "--gap", "soon"}, 2, "--gap 300");
-  refused({"--radius", "1", "--gap", "3"}, 2, "--similarity (large ones)");
-  refused({"--radius", "1", "--gap", "3", "--ground-truth", "aligned"}, 2,
-          "by its trajectory alone");
+  refused({"--radius", "1", "--gap", "3"}, 2, "--similarity (higher is better)");
+  refused({"--radius", "1", "--gap", "3", "--ground-truth", "aligned"}, 2, "cannot be combined");
   const std::string out = laps.folder / "o";
   for (const auto& [flag, value] : {std::pair<std::string, std::string>("--offset", "1"),
                                     {"--angle", "5"},
@@ -103,9 +103,8 @@ TEST_CASE("--loops reports missing inputs, and refuses invalid lists with file a
                                     {"--query", "q"},
                                     {"--train", "t"},
                                     {"--confidence", "margin"}})
-    refused({"--radius", "1", "--gap", "3", "--similarity", flag, value}, 2,
-            "by its trajectory alone");
-  refused({"--radius", "1", "--gap", "3", "--similarity", "--update"}, 2, "trajectory alone");
+    refused({"--radius", "1", "--gap", "3", "--similarity", flag, value}, 2, "cannot be combined");
+  refused({"--radius", "1", "--gap", "3", "--similarity", "--update"}, 2, "cannot be combined");
   refused({"--radius", "1", "--gap", "3", "--similarity", "--rows-are-windows-of", "3"}, 2,
           "with --scores");
   for (const char* number : {"nan", "inf", "-1"}) {
@@ -169,7 +168,7 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
     const Json by_list = laps.judge(list, {"--distance"});
     CHECK(by_list["loops"] == by_result["loops"]);
     CHECK(by_list["metrics"] == by_result["metrics"]);
-    CHECK(by_list["wrong_loops"] == by_result["wrong_loops"]);
+    CHECK(by_list["incorrect_loops"] == by_result["incorrect_loops"]);
     // Windows of the second lap match the first lap, except those that begin in the first lap and
     // end in the second, which resemble none.
     CHECK(by_result["loops"]["listed"] == 50 - 3 - 15);
@@ -182,7 +181,7 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
                                  laps.result, "--json"}))["totals"]["recognitions"] == 17);
   const Json right = laps.judge(list, {"--distance"});
   CHECK(right["loops"]["listed"] == 17);
-  CHECK(right["loops"]["wrong"] == 0);
+  CHECK(right["loops"]["incorrect"] == 0);
   // The settings of a result repeat the query.
   const auto again = run_ok("vpr-query", {"--query", laps.frames, "--config", laps.result,
                                           "--save-loops", laps.folder / "again.csv"});
@@ -200,11 +199,11 @@ TEST_CASE("a gap in seconds uses the names of frames, or times") {
   write_text(times, text);
   ok(laps.query({"--loop-gap", "15", "--save-loops", frames}));
   ok(laps.query({"--loop-gap", "7.5s", "--save-loops", seconds}));
-  ok(laps.query({"--loop-gap", "7.5s", "--times", times, "--save-loops", listed}));
+  ok(laps.query({"--loop-gap", "7.5s", "--frame-times", times, "--save-loops", listed}));
   CHECK(read_text(seconds) == read_text(frames));
   CHECK(read_text(listed) == read_text(frames));
   write_text(times, "1\n2\n3\n");
-  check_failure(laps.query({"--loop-gap", "7.5s", "--times", times}), 4, "3 times");
+  check_failure(laps.query({"--loop-gap", "7.5s", "--frame-times", times}), 4, "3 times");
   // Names that may be frame numbers are used as times, with a message.
   const auto counted = run_ok(
       "vpr-query", {"--loop", "--loop-gap", "15s", "--c-l", "4", "--query", world().walk("one")});
@@ -221,14 +220,14 @@ TEST_CASE("--loop without a database refuses incompatible flags") {
   check_failure(laps.query({"--loop-gap", "soon"}), 2, "--loop-gap");
   refused({world().database()}, "DB does not go with --loop");
   refused({"--follow"}, "--follow");
-  refused({"--warp", "2"}, "--warp");
+  refused({"--speed", "2"}, "--speed");
   refused({"--method", "lsh"}, "lsh");
   refused({"--method", "filter"}, "filter");
   refused({"--rates", "1,2"}, "--rates");
   refused({"--score", "zscore-offline"}, "later frames");
   refused({"--t-r", "0.5", "--t-r-scale", "relative"}, "relative");
   refused({"--decide", "margin"}, "--margin");
-  refused({"--times", laps.poses}, "30s");
+  refused({"--frame-times", laps.poses}, "30s");
   refused({"--descriptor", "ldp"}, "ldb");
   refused({"--c-l", "51"}, "--c-l");
   const auto other = [&](Words words, const char* word) {

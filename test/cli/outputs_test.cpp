@@ -59,14 +59,14 @@ TEST_CASE("a matrix of another result is refused") {
   for (const std::string kind : {"recognitions", "recognition_scores", "best", "best_scores"})
     fs::rename(walks.path("c." + kind + ".npy"), walks.path("a." + kind + ".npy"));
   const auto unknown = ok(eval("a.npy"));
-  CHECK(has(unknown.err, "names no matrix"));
+  CHECK(has(unknown.err, "no matrix was saved"));
 }
 
 TEST_CASE("a claimed number of frames costs nothing") {
   const Walks walks;
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
   Json result = Json::parse(walks.read("r.json"));
-  result["targets"][0]["frames"] = 2147483647;
+  result["sequences"][0]["frames"] = 2147483647;
   result.erase("checksum");
   result["checksum"] = result_checksum(result);
   write_text(walks.path("r.json"), to_text(result));
@@ -109,7 +109,7 @@ TEST_CASE("the files of a data set are protected inputs as well") {
   const Walks walks;
   write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
   write_text(walks.path("dataset.json"),
-             R"({"schema": "vpr.dataset/1", "name": "w", "train": [{"name": "one",
+             R"({"schema": "vpr.dataset/3", "name": "w", "train": [{"name": "one",
                    "sequence": "one"}], "queries": [{"name": "two", "sequence": "two",
                    "ground_truth": {"format": "pairs", "path": "gt.csv"}}]})");
   for (const char* output : {"gt.csv", "two/10.png", "one/10.png"})

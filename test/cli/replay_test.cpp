@@ -1,11 +1,11 @@
-// --fps and --warp: the selected and resampled frames, and their evaluation.
+// --fps and --speed: the selected and resampled frames, and their evaluation.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "sequence/selection.h"
+#include "sequence/sequence.h"
 
 using namespace vpr;
 using namespace vpr::test;
@@ -44,7 +44,7 @@ void name_by_time(const std::string& walk, const fs::path& folder, int64_t start
 }  // namespace
 
 TEST_CASE(
-    "a thinned query has the results of the query frame by frame, with the same ground truth") {
+    "a resampled query has the results of the query frame by frame, with the same ground truth") {
   const TemporaryFolder out;
   ok(single(out / "plain.json", {}));
   const Json plain = evaluate(out / "plain.json");
@@ -54,21 +54,21 @@ TEST_CASE(
   std::string kept;
   for (size_t i = 0; i < expected.size(); i += 3) kept += expected[i];
   CHECK(outcomes(thin) == kept);
-  CHECK(thin["thinned"] == Json{{"fps", 10.0}, {"frames", expected.size()}});
-  CHECK(has(thin["protocol"]["ground_truth"], ", query thinned to 10 frames a second"));
+  CHECK(thin["resampled"] == Json{{"fps", 10.0}, {"frames", expected.size()}});
+  CHECK(has(thin["protocol"]["ground_truth"], ", query resampled to 10 frames per second"));
   const Json result = file_json(out / "thin.json");
   CHECK(result["query"]["fps"] == 10.0);
   CHECK(result["query"]["frames"] == kept.size());
   CHECK(read_array<int32_t>(out / "thin.source_frames.npy")[2] == 6);
   // Thinned, and then resampled.
   const auto both =
-      ok(single(out / "both.json", {"--recorded-fps", "30", "--fps", "10", "--warp", "reversed"}));
-  CHECK(has(both.out, "back, thinned to 10 frames a second, replayed by reversed"));
+      ok(single(out / "both.json", {"--recorded-fps", "30", "--fps", "10", "--speed", "reversed"}));
+  CHECK(has(both.out, "back, resampled to 10 frames per second, at speed reversed"));
   CHECK(outcomes(evaluate(out / "both.json")) == std::string(kept.rbegin(), kept.rend()));
   // The recording's own rate selects all frames.
   ok(single(out / "same.json", {"--recorded-fps", "30", "--fps", "30"}));
   CHECK(outcomes(evaluate(out / "same.json")) == expected);
-  CHECK_FALSE(file_json(out / "same.json")["query"].contains("thinned"));
+  CHECK_FALSE(file_json(out / "same.json")["query"].contains("resampled"));
 }
 
 TEST_CASE("names, lists and constant rates select the same frames, live or not") {
@@ -103,7 +103,7 @@ TEST_CASE("names, lists and constant rates select the same frames, live or not")
                 "--query-times does not go with --follow");
 }
 
-TEST_CASE("thinned training frames keep the ground truth of the recordings") {
+TEST_CASE("resampled training frames keep the ground truth of the recordings") {
   const TemporaryFolder out;
   const std::string database = out / "thin.vprdb";
   const Words train = {"fastable", "--train", world().walk("one"),
@@ -116,14 +116,15 @@ TEST_CASE("thinned training frames keep the ground truth of the recordings") {
   const auto info = run_program("vpr-train", {"info", database, "--json"});
   const Json sequence = printed_json(info)["sequences"][0];
   CHECK(sequence["fps"] == 4.0);
-  CHECK(sequence["thinned"] == Json{{"fps", 4.0}, {"frames", recorded}});
+  CHECK(sequence["resampled"] == Json{{"fps", 4.0}, {"frames", recorded}});
   // A sequence against itself: frame i matches frame i of the recording, and the nearest selected
   // one.
   ok(query(database, out / "r.json", {"--query", world().walk("one"), "--c-l", "1"}));
   const Json report =
       printed_json("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--json"});
-  CHECK(has(report["protocol"]["ground_truth"], "training frames thinned to 4 frames a second"));
-  CHECK(report["best_match"]["without_match"] == 0);
+  CHECK(
+      has(report["protocol"]["ground_truth"], "training frames resampled to 4 frames per second"));
+  CHECK(report["best_match"]["no_ground_truth"] == 0);
   const std::string best = outcomes(report);
   for (size_t i = 0; i < best.size(); i += 3) CHECK(best[i] == 'c');
   // The selection changes with its file.
@@ -144,17 +145,17 @@ TEST_CASE("two different rates cause a warning, unless the method estimates them
     return outcome.err;
   };
   CHECK(has(warned({"--recorded-fps", "24"}),
-            "the query has 24 frames a second and the training sequence one has 8"));
-  CHECK(has(warned({"--recorded-fps", "24"}), "give the query --fps 8, or use --method filter"));
-  CHECK(has(warned({"--recorded-fps", "4"}), "give vpr-train --fps 4"));
-  CHECK_FALSE(has(warned({"--recorded-fps", "24", "--fps", "8"}), "frames a second"));
-  CHECK_FALSE(has(warned({"--recorded-fps", "8.5"}), "frames a second"));
-  CHECK_FALSE(has(warned({}), "frames a second"));
-  CHECK_FALSE(has(warned({"--recorded-fps", "24", "--rates", "1,1/3"}), "frames a second"));
+            "the query has 24 frames per second, the training sequence one has 8"));
+  CHECK(has(warned({"--recorded-fps", "24"}), "--fps 8 for the query, or --method filter"));
+  CHECK(has(warned({"--recorded-fps", "4"}), "--fps 4 for vpr-train"));
+  CHECK_FALSE(has(warned({"--recorded-fps", "24", "--fps", "8"}), "frames per second"));
+  CHECK_FALSE(has(warned({"--recorded-fps", "8.5"}), "frames per second"));
+  CHECK_FALSE(has(warned({}), "frames per second"));
+  CHECK_FALSE(has(warned({"--recorded-fps", "24", "--rates", "1,1/3"}), "frames per second"));
   const auto filter =
       run_program("vpr-query", {database, "--query", world().walk("back"), "-o", out / "f.json",
                                 "--method", "filter", "--recorded-fps", "24"});
-  CHECK_FALSE(has(filter.err, "frames a second"));
+  CHECK_FALSE(has(filter.err, "frames per second"));
 }
 
 TEST_CASE("missing rates and invalid times are refused with advice") {
@@ -180,44 +181,44 @@ TEST_CASE("missing rates and invalid times are refused with advice") {
                        "--fps", "4", "--recorded-fps", "30", "-o", out / "one.json"});
   check_failure("vpr-train",
                 {"add", world().fabmap(), "--train", walk, "--fps", "2", "-o", out / "f.vprdb"}, 2,
-                "not thinned by --fps");
+                "does not support --fps");
 }
 
 TEST_CASE("a resampled query has the results of the query, frame by frame") {
   const TemporaryFolder out;
   ok(single(out / "plain.json", {}));
   const Json plain = evaluate(out / "plain.json");
-  CHECK_FALSE(plain.contains("warp"));
+  CHECK_FALSE(plain.contains("speed"));
   const std::string expected = outcomes(plain);
-  for (const char* warp : {"0.5", "0.67", "1.5", "2", "0.9", "varying", "stops", "reversed"}) {
-    INFO(warp);
-    const std::string result = out / (std::string(warp) + ".json");
-    ok(single(result, {"--warp", warp, "--seed", "3"}));
+  for (const char* speed : {"0.5", "0.67", "1.5", "2", "0.9", "varying", "stops", "reversed"}) {
+    INFO(speed);
+    const std::string result = out / (std::string(speed) + ".json");
+    ok(single(result, {"--speed", speed, "--seed", "3"}));
     const Json report = evaluate(result);
-    const Selection shown = warped(warp, expected.size(), 3);
-    CHECK(report["warp"] == Json{{"name", warp}, {"seed", 3}, {"frames", expected.size()}});
-    CHECK(has(report["protocol"]["ground_truth"], "query replayed "));
+    const Selection shown = at_speed(speed, expected.size(), 3);
+    CHECK(report["speed"] == Json{{"name", speed}, {"seed", 3}, {"frames", expected.size()}});
+    CHECK(has(report["protocol"]["ground_truth"], "query at speed "));
     std::string replayed;
     for (const uint32_t source : shown.sources) replayed += expected[source];
     CHECK(outcomes(report) == replayed);
   }
   const Json kept = file_json(out / "varying.json");
-  CHECK(kept["query"]["warp"]["name"] == "varying");
+  CHECK(kept["query"]["speed"]["name"] == "varying");
   CHECK(read_array<int32_t>(out / "varying.source_frames.npy").size() ==
         kept["query"]["frames"].get<size_t>());
 }
 
-TEST_CASE("a warp has the same bytes for any number of threads, and others for another seed") {
+TEST_CASE("a speed has the same bytes for any number of threads, and others for another seed") {
   const TemporaryFolder out;
   const auto bytes = [&](const std::string& name, const Words& more) {
-    ok(single(out / (name + ".json"), joined({"--warp", "varying"}, more)));
+    ok(single(out / (name + ".json"), joined({"--speed", "varying"}, more)));
     return read_text(out / (name + ".source_frames.npy")) + read_text(out / (name + ".best.npy"));
   };
   const std::string one = bytes("a", {"--threads", "1"});
   CHECK(bytes("b", {"--threads", "3"}) == one);
   CHECK(bytes("c", {"--seed", "2"}) != one);
-  const auto warped = single(out / "d.json", {"--warp", "varying", "--seed", "7"});
-  CHECK(has(warped.out, "back, replayed by varying, seed 7: "));
+  const auto at_speed = single(out / "d.json", {"--speed", "varying", "--seed", "7"});
+  CHECK(has(at_speed.out, "back, at speed varying, seed 7: "));
 }
 
 TEST_CASE("FAB-MAP also resamples a query") {
@@ -228,8 +229,8 @@ TEST_CASE("FAB-MAP also resamples a query") {
                                            more));
   };
   ok(run("plain.json", {}));
-  const auto slowed = ok(run("slow.json", {"--warp", "0.5", "--explain", "5"}));
-  CHECK(has(slowed.out, "back, replayed at pace 0.5: "));
+  const auto slowed = ok(run("slow.json", {"--speed", "0.5", "--explain", "5"}));
+  CHECK(has(slowed.out, "back, at speed 0.5: "));
   const auto best_of = [&](const char* name) {
     const auto values = read_array<int32_t>(out / name);
     std::vector<int32_t> places;
@@ -240,40 +241,40 @@ TEST_CASE("FAB-MAP also resamples a query") {
   const std::vector<int32_t> slow = best_of("slow.best.npy");
   REQUIRE(slow.size() == 2 * plain.size());
   for (size_t k = 0; k < slow.size(); ++k) CHECK(slow[k] == plain[k / 2]);
-  check_failure(run("loop.json", {"--warp", "2", "--loop"}), 2, "--loop");
+  check_failure(run("loop.json", {"--speed", "2", "--loop"}), 2, "--loop");
 }
 
 TEST_CASE(
     "scores of a resampled query are evaluated like its result, and a sweep counts the same") {
   const TemporaryFolder out;
-  ok(single(out / "r.json", {"--warp", "stops", "--seed", "5", "--only-sequence", "one",
+  ok(single(out / "r.json", {"--speed", "stops", "--seed", "5", "--only-sequence", "one",
                              "--save-matrix", out / "d.npy"}));
   const Json report = printed_json(
       "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "9", "--json"});
-  const std::string frames = report["warp"]["frames"].dump();
+  const std::string frames = report["speed"]["frames"].dump();
   const auto judge = [&](const Words& more) {
     return run_program("vpr-eval", joined({"--scores", out / "d.npy", "--distance", "--json",
                                            "--ground-truth", "aligned", "--tolerance", "9"},
                                           more));
   };
   const Json scores =
-      printed_json(judge({"--warp", "stops", "--seed", "5", "--query-frames", frames}));
+      printed_json(judge({"--speed", "stops", "--seed", "5", "--query-frames", frames}));
   CHECK(outcomes(scores) == outcomes(report));
-  CHECK(scores["warp"] == report["warp"]);
-  check_failure(judge({"--warp", "stops", "--seed", "6", "--query-frames", frames}), 4,
-                "give the warp");
-  check_failure(judge({"--warp", "stops"}), 2, "--query-frames");
+  CHECK(scores["speed"] == report["speed"]);
+  check_failure(judge({"--speed", "stops", "--seed", "6", "--query-frames", frames}), 4,
+                "Use the speed");
+  check_failure(judge({"--speed", "stops"}), 2, "--query-frames");
   check_failure(judge({"--query-frames", frames}), 4, "need a query of 64 frames");
   check_failure(
       "vpr-eval",
-      {out / "r.json", "--dataset", world().dataset(), "--warp", "2", "--query-frames", frames}, 2,
-      "does not go with a result");
+      {out / "r.json", "--dataset", world().dataset(), "--speed", "2", "--query-frames", frames}, 2,
+      "cannot be combined with a result");
 
-  const Json sweep =
-      printed_json("vpr-tune", {"fastable", world().database(), "--dataset", world().dataset(),
-                                "--c-l", "1,4", "--t-r", "0.2,0.3", "--warp", "varying", "--json"});
-  CHECK(sweep["queries"][0]["warp"]["name"] == "varying");
-  ok(single(out / "v.json", {"--warp", "varying"}));
+  const Json sweep = printed_json(
+      "vpr-tune", {"fastable", world().database(), "--dataset", world().dataset(), "--c-l", "1,4",
+                   "--t-r", "0.2,0.3", "--speed", "varying", "--json"});
+  CHECK(sweep["queries"][0]["speed"]["name"] == "varying");
+  ok(single(out / "v.json", {"--speed", "varying"}));
   const Json counts = evaluate(out / "v.json");
   CHECK(sweep["cells"][1]["counts"] == counts["counts"]);
   CHECK(sweep["cells"][1]["best_match"]["correct"] == counts["best_match"]["correct"]);
@@ -281,7 +282,7 @@ TEST_CASE(
 
 TEST_CASE("images and maps of a resampled query show the frames of the query") {
   const TemporaryFolder out;
-  ok(single(out / "r.json", {"--warp", "reversed"}));
+  ok(single(out / "r.json", {"--speed", "reversed"}));
   run_ok("vpr-eval", {out / "r.json", "--dataset", world().dataset(), "--html", out / "r.html",
                       "--map", out / "map"});
   const std::string page = read_text(out / "r.html");
@@ -299,15 +300,15 @@ TEST_CASE("images and maps of a resampled query show the frames of the query") {
   CHECK(list_folder(out / "map").size() > 1);
 }
 
-TEST_CASE("an invalid warp is a usage error") {
+TEST_CASE("an invalid speed is a usage error") {
   const TemporaryFolder out;
-  check_failure(single(out / "r.json", {"--warp", "stop"}), 2, "stops");
+  check_failure(single(out / "r.json", {"--speed", "stop"}), 2, "stops");
   for (const char* pace : {"0", "nan", "1e9", "-1"})
-    check_failure(single(out / "r.json", {std::string("--warp=") + pace}), 2, "from 0.1 to 10");
-  const auto of_frames = [&](const std::string& frames, const std::string& warp) {
+    check_failure(single(out / "r.json", {std::string("--speed=") + pace}), 2, "from 0.1 to 10");
+  const auto of_frames = [&](const std::string& frames, const std::string& speed) {
     return run_program(
         "vpr-query", {world().database(), "--query", world().walk("back") + "@0:" + frames, "--c-l",
-                      "1", "--t-r", "0.3", "--warp", warp, "-o", out / "r.json"});
+                      "1", "--t-r", "0.3", "--speed", speed, "-o", out / "r.json"});
   };
   check_failure(of_frames("3", "kidnap"), 2, "41 frames or more, found 3");
   ok(of_frames("1", "stops"));
@@ -324,7 +325,7 @@ TEST_CASE("windows of several rates equal the definition, and store the rate of 
   const Words rates = {"--rates", "1/2,2/3,1,3/2,2"};
   for (const char* score : {"raw", "zscore"}) {
     INFO(score);
-    ok(run("r.json", joined(rates, {"--score", score, "--warp", "2", "--force"})));
+    ok(run("r.json", joined(rates, {"--score", score, "--speed", "2", "--force"})));
   }
   const auto found = read_array<double>(out / "r.best_rates.npy");
   const Json result = file_json(out / "r.json");

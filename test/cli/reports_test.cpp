@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "truth/route.h"
+#include "truth/positions.h"
 
 using namespace vpr;
 using namespace vpr::test;
@@ -29,13 +29,14 @@ TEST_CASE("a baseline is written, met, missed and updated") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
   const std::string baseline = out / "baseline.json";
-  check_failure(evaluate(result, {"--expect", baseline}), 3, "With --update it is made");
+  check_failure(evaluate(result, {"--expect", baseline}), 3,
+                "Create it from this report with --update");
   CHECK(evaluate(result, {"--update"}).exit_code == 2);
   CHECK(evaluate(result, {"--junit", out / "j.xml"}).exit_code == 2);
   ok(evaluate(result, {"--expect", baseline, "--update"}));
   const auto met = ok(evaluate(result, {"--expect", baseline}));
   CHECK(has(met.out, "expected values are met."));
-  write_text(baseline, R"({"schema": "vpr.expected/1",
+  write_text(baseline, R"({"schema": "vpr.expected/3",
       "best_match": {"rate": {"min": 2}, "queries": {"min": 1}}})");
   const auto missed = evaluate(result, {"--expect", baseline, "--junit", out / "j.xml"});
   CHECK(missed.exit_code == 5);
@@ -49,10 +50,10 @@ TEST_CASE("a baseline is written, met, missed and updated") {
   ok(evaluate(result, {"--expect", baseline}));
 }
 
-TEST_CASE("fixes are written as a trajectory of training positions") {
+TEST_CASE("recognitions are written as a trajectory of training positions") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
-  ok(evaluate(result, {"--fixes-tum", out / "f.txt", "--outcomes-csv", out / "o.csv"}));
+  ok(evaluate(result, {"--save-trajectory", out / "f.txt", "--outcomes-csv", out / "o.csv"}));
   // For single frames, the closest recognition is the best match, which the rows name.
   const Json dataset = file_json(world().dataset());
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
@@ -78,11 +79,13 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
   }
   CHECK(read_text(out / "f.txt") == expected);
   CHECK(std::count(expected.begin(), expected.end(), '\n') > 5);
-  CHECK(run_program("vpr-eval", {result, "--ground-truth", "aligned", "--fixes-tum", out / "g.txt"})
+  CHECK(run_program("vpr-eval",
+                    {result, "--ground-truth", "aligned", "--save-trajectory", out / "g.txt"})
             .exit_code == 2);
 }
 
-TEST_CASE("fixes are written from a trajectory with times, at another rate than the frames") {
+TEST_CASE(
+    "recognitions are written from a trajectory with times, at another rate than the frames") {
   const TemporaryFolder out;
   run_ok("vpr-query", {world().database(), "--query", world().walk("one"), "--c-l", "1",
                        "--only-sequence", "one", "--t-r", "0.3", "-o", out / "r.json", "--quiet"});
@@ -105,10 +108,9 @@ TEST_CASE("fixes are written from a trajectory with times, at another rate than 
   }
   write_text(out / "poses.tum", poses);
   write_text(out / "times.txt", times);
-  run_ok("vpr-eval",
-         {out / "r.json", "--ground-truth", out / "poses.tum", "--ground-truth-reference",
-          out / "poses.tum", "--radius", "0.1", "--query-times", out / "times.txt",
-          "--reference-times", out / "times.txt", "--fixes-tum", out / "f.txt"});
+  run_ok("vpr-eval", {out / "r.json", "--ground-truth", out / "poses.tum", "--ground-truth-train",
+                      out / "poses.tum", "--radius", "0.1", "--query-times", out / "times.txt",
+                      "--train-times", out / "times.txt", "--save-trajectory", out / "f.txt"});
   CHECK(read_text(out / "f.txt") == expected);
 }
 
@@ -126,7 +128,7 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   CHECK(has(run.out, "\nmine "));  // a result with a report is listed once
   CHECK(has(run.out, "\nfastable, c_l 3"));
   const Json json = file_json(out / "all.json");
-  CHECK(json["schema"] == "vpr.reports/1");
+  CHECK(json["schema"] == "vpr.reports/3");
   REQUIRE(json["reports"].size() == 2);
   Json written = file_json(out / "all/first.report.json");
   for (const char* part : {"machine", "timing"}) written.erase(part);

@@ -30,7 +30,7 @@ trap 'rm -rf "$out"' EXIT
   -o "$out/several.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --name mine -o "$out/en.json" --quiet
 "$bin/vpr-eval" compare "$out/e.json" "$out/em.json" -o "$out/cmp.json" --quiet
-echo '{"schema": "vpr.expected/1", "counts": {"recognitions": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >"$out/x.json"
+echo '{"schema": "vpr.expected/3", "counts": {"recognitions": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
 "$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
 printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >"$out/poses.csv"
@@ -50,18 +50,18 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
   -o "$out/s.json" --quiet
 "$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --fps 8 \
   -o "$out/ca.json" --quiet
-"$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --warp stops \
+"$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --speed stops \
   --score raw -o "$out/ct.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --config "$out/ct.json" \
   -o "$out/rc.json" --quiet
 "$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/building/hall@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
   --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --warp varying -o "$out/rw.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --speed varying -o "$out/rw.json" --quiet
 "$bin/vpr-eval" "$out/rw.json" --dataset "$out/building/dataset.json" -o "$out/ew.json" --quiet
-"$bin/vpr-eval" --scores "$out/s.npy" --distance --rows-are-windows-of 5 --warp reversed --query-frames 104 \
+"$bin/vpr-eval" --scores "$out/s.npy" --distance --rows-are-windows-of 5 --speed reversed --query-frames 104 \
   --ground-truth aligned -o "$out/esw.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
-  --warp stops -o "$out/sw.json" --quiet
+  --speed stops -o "$out/sw.json" --quiet
 "$bin/vpr-eval" compare "$out/e.json" "$out/ew.json" -o "$out/cmpw.json" --quiet
 mkdir "$out/all"
 cp "$out/e.json" "$out/ew.json" "$out/all"
@@ -85,7 +85,7 @@ data=$out/building/dataset.json
 "$bin/vpr-tune" calibrate "$out/thin.vprdb" --dataset "$data" --query query --fps 4 --c-l 5 -o "$out/tc.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" describe --features orb --frames 1 --seconds 0.001 -o "$out/b2.json" --quiet
-"$bin/vpr-bench" fabmap --places 10 --words 100 --descriptors 0 --variants fabmap2 --seconds 0.001 -o "$out/b3.json" --quiet
+"$bin/vpr-bench" fabmap --places 10 --words 100 --count 0 --variants fabmap2 --seconds 0.001 -o "$out/b3.json" --quiet
 "$bin/vpr-bench" realtime "$out/w.vprdb" --query "$out/building/query" --frames 5 --rate 1000 -o "$out/b4.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
@@ -101,7 +101,7 @@ data=$out/building/dataset.json
   "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/s6.json"
 # Settings are checked: an unknown key, and a value of another type.
 for wrong in '"c_ll": 10' '"c_l": "ten"' '"clustering": {"eps": 1.5}'; do
-  echo "{\"schema\": \"vpr.config/1\", $wrong}" >"$out/wrong.json"
+  echo "{\"schema\": \"vpr.config/3\", $wrong}" >"$out/wrong.json"
   if "$python" "$source/scripts/check_schemas.py" "$out/wrong.json" >"$out/said" || [[ $? != 1 ]]; then
     echo "config.schema.json takes $wrong"
     exit 1

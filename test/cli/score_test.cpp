@@ -57,7 +57,7 @@ TEST_CASE("negative thresholds are accepted as flags, and the result describes t
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
   CHECK(json["settings"]["zscore"]["forgetting"] == 0.98);
   CHECK(json["statistics"]["neighbor_frames"] == 5);
-  CHECK(json["targets"][1]["limit"] == -3 * 1536);
+  CHECK(json["sequences"][1]["limit"] == -3 * 1536);
   CHECK(json["totals"]["recognitions"] > 0);
   CHECK(json["verification"]["differences"] == 0);
   for (const Json& place : json["clusters"]) CHECK(place["best_score"] < -3 * 1536);
@@ -154,7 +154,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   CHECK(json["settings"]["decide"] == "margin");
   CHECK(json["settings"]["margin"] == 400.0);
   CHECK_FALSE(json["settings"].contains("t_r"));
-  CHECK(json["targets"][1]["margin"] == 400.0);
+  CHECK(json["sequences"][1]["margin"] == 400.0);
   CHECK(json["totals"]["recognitions"] == 8);
   CHECK(json["files"].contains("margins"));
   const auto report = [&](Words more) {
@@ -177,8 +177,8 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
         by_score["metrics"]["single_best"]["average_precision"]);
   CHECK(by_margin["protocol"]["single_best"].get<std::string>().starts_with("a margin accepts"));
   const std::string html = read_text(page);
-  CHECK(has(html, "margin asked for"));
-  CHECK(has(html, "What a margin recognizes"));
+  CHECK(has(html, "required margin"));
+  CHECK(has(html, "Recognitions by margin"));
   CHECK(has(html, "the margin per frame, or more"));
   CHECK(has(html, "<label for=\"threshold\">Margin</label>"));
   CHECK(has(html, "\"asked\":400.0"));
@@ -191,7 +191,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
 TEST_CASE("invalid margins and settings without effect are refused with advice") {
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "-1"}), "from 0 to 65535"));
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "nan"}), "\"auto\""));
-  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "1e9"}), "bits a frame"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "1e9"}), "bits per frame"));
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "65", "--score", "zscore"}),
             "from 0 to 64 deviations"));
   CHECK(has(walks().refusal({"--margin", "10"}), "--decide margin"));

@@ -9,11 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "bench/describe_bench.h"
-#include "bench/fabmap_bench.h"
-#include "bench/matching_bench.h"
-#include "bench/realtime_bench.h"
-#include "common/session.h"
+#include "bench/benches.h"
+#include "common/command.h"
 #include "decide/query_settings.h"
 #include "fabmap/database.h"
 #include "present/table.h"

@@ -142,7 +142,7 @@ TEST_CASE("a batch of data sets is written completely or not at all, next to oth
   const TemporaryFolder out;
   const auto dataset = [&](const std::string& name) {
     write_text(out / (name + ".json"),
-               R"({"schema": "vpr.dataset/1", "name": ")" + name + R"(", "queries": [{"name": ")" +
+               R"({"schema": "vpr.dataset/3", "name": ")" + name + R"(", "queries": [{"name": ")" +
                    name + R"(", "sequence": ")" + world().walk(name) +
                    R"(", "ground_truth": {"format": "pairs", "path": ")" + name + R"(.csv"}}]})");
     return (out / (name + ".json")).string();
@@ -183,7 +183,7 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
   const Json sweep = file_json(out / "s.json");
   Json settings = sweep["queries"][0]["recommended_settings"];
   Json config = file_json(out / "c.json");
-  CHECK(config["schema"] == "vpr.config/1");
+  CHECK(config["schema"] == "vpr.config/3");
   config.erase("schema");
   CHECK(config == settings);
   const Json cell = sweep["cells"][sweep["queries"][0]["recommended"].get<size_t>()];
@@ -233,7 +233,7 @@ TEST_CASE("the validation may be another query of the data set, selected by name
                 {"ground_truth", {{"format", "pairs"}, {"path", world().truth(name)}}}};
   };
   const Json dataset = {
-      {"schema", "vpr.dataset/1"}, {"name", "both"}, {"queries", {query("back"), query("again")}}};
+      {"schema", "vpr.dataset/3"}, {"name", "both"}, {"queries", {query("back"), query("again")}}};
   write_text(out / "d.json", dataset.dump());
   const auto run = [&](Words more) {
     return run_program("vpr-tune", joined({"fastable", world().database(), "--dataset",
@@ -256,10 +256,10 @@ TEST_CASE("vpr-query with a calibration as configuration has its recognitions") 
     CHECK(file_json(out / "c.json") == calibration);
     const size_t chosen = calibration["chosen"];
     const Json& recognized = calibration["lengths"][chosen]["recognized"];
-    CHECK(recognized["wrong"] == 0);
+    CHECK(recognized["incorrect"] == 0);
     const Json recognitions = query_with(out / "c.json", out)["counts"]["recognitions"];
     CHECK(recognitions["incorrect"] == 0);
-    CHECK(recognitions["correct"] == recognized["right"]);
+    CHECK(recognitions["correct"] == recognized["correct"]);
     const double windows = calibration["lengths"][chosen]["windows"];
     const Json& interval = calibration["lengths"][chosen]["false_recognitions"]["interval"];
     CHECK(calibration["in_an_hour"]["interval"][1].get<double>() ==
@@ -282,19 +282,19 @@ TEST_CASE("impossible calibrations are refused with a sentence") {
   const auto fails = [&](Words more, int exit_code, const std::string& words) {
     check_failure("vpr-tune", calibrate(std::move(more)), exit_code, words);
   };
-  fails({"--precision", "0"}, 2, "precision must be above 0 and at most 1, found 0");
+  fails({"--target-precision", "0"}, 2, "precision must be above 0 and at most 1, found 0");
   fails({"--fps", "0"}, 2, "--fps must be above 0");
   fails({"--method", "lsh", "--score", "raw"}, 2,
         "vpr-tune calibrate does not go with --method lsh");
   write_text(out / "raw.json", R"({"c_l": 5, "t_r": -1.5})");
   fails({"--config", out / "raw.json"}, 2, "--t-r does not go with --decide margin");
-  write_text(out / "fused.json", R"({"score": "zscore", "fuse_beta": 0.2})");
+  write_text(out / "fused.json", R"({"score": "zscore", "fusion_weight": 0.2})");
   fails({"--config", out / "fused.json"}, 2, "--fuse does not go with vpr-tune calibrate");
   write_text(out / "none.csv", "query,sequence,reference,label\n0,one,0,ignore\n");
   check_failure("vpr-tune", calibrate({}, out / "none.csv"), 2,
-                "shows no trained place by the ground truth");
+                "shows no trained place according to the ground truth");
   check_failure("vpr-tune", {"calibrate", world().database(), "--query", world().walk("back")}, 2,
-                "give --query and --ground-truth");
+                "pass --query and --ground-truth");
   check_failure("vpr-tune",
                 {"calibrate", world().database(), "--query", world().walk("back") + "@0:1",
                  "--ground-truth", "aligned"},

@@ -66,7 +66,7 @@ def write_experiments():
     (rendered / "own.txt").write_text("what the descriptor called own reads\n")
     (folder / "again").mkdir()  # a folder next to the tree is not the query of that name
     train = [{"name": name, "sequence": f"{{data}}/{name}"} for name in ("north", "south")]
-    tree = {"schema": "vpr.experiments/1", "seeds": [1, 2], "grids": {"c_l": [5, 6]},
+    tree = {"schema": "vpr.experiments/3", "seeds": [1, 2], "grids": {"c_l": [5, 6]},
             "data": {"built": {"world": str(world)},
                      "told": {"dataset": {"train": train, "queries": queries}}},
             "descriptors": {"ldb": {}, "own": {"random": True, "train":

@@ -43,7 +43,7 @@ assert "--offset -7200" in warning
 image("IMG_10.jpg", place(20), {0x9003: "2024:05:01 12:00:03"})
 rows()
 (folder / "r.csv").write_text("lat,lon\n52,13\n52.0000555,13\n")
-truth = (folder / "p.csv", "--ground-truth-reference", folder / "r.csv", "--radius", "1")
+truth = (folder / "p.csv", "--ground-truth-train", folder / "r.csv", "--radius", "1")
 for more in (("--query-images", photos), ("--query-times", folder / "p.csv")):
     support.good(support.run(support.programs / "vpr-eval", "convert", *truth, *more, "--to", "pairs", "-o",
                              folder / "pairs.csv", "--force"))

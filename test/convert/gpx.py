@@ -29,7 +29,7 @@ assert (folder / "t.csv").read_text() == (
 # Frames are located on the track by their times: at the first point, and halfway.
 (folder / "times.txt").write_text("1714564800\n1714564800.75\n")
 (folder / "r.csv").write_text("lat,lon\n52.0001,13\n52,13\n")
-gps = ("--ground-truth-reference", folder / "r.csv", "--radius", "1", "--query-times", folder / "times.txt")
+gps = ("--ground-truth-train", folder / "r.csv", "--radius", "1", "--query-times", folder / "times.txt")
 support.good(support.run(support.programs / "vpr-eval", "convert", folder / "t.csv", *gps, "--to", "pairs",
                          "-o", folder / "p.csv"))
 assert (folder / "p.csv").read_text() == "query,reference\n0,1\n1,0\n"

@@ -7,7 +7,7 @@
 
 #include "describe/frame_descriptors.h"
 #include "examples.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "printed.h"
 #include "sequence/sequence_source.h"
 
@@ -54,8 +54,8 @@ TEST_CASE("Hamming distances of the corridor equal those of two independent prog
   const auto matrix = read_array<uint16_t>(*expected / "corridor-hamming.npy");
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
   const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
-  const DescriptorSpan span{train, {}};
-  std::vector<uint16_t> row(train.size() + kStretchFrames);
+  const DescribedFrames span{train, {}};
+  std::vector<uint16_t> row(train.size() + kBlockFrames);
   for (const std::string& target : simd_targets()) {
     const ChosenTarget chosen(target);
     const FrameDistances distances = frame_distances({&span, 1}, {query, {}});
@@ -98,7 +98,7 @@ TEST_CASE("recognitions and places on the corridor with its labeled pairs") {
     CHECK(counts["recognitions"]["incorrect"] == row.counts[1]);
     CHECK(counts["places"]["correct"] == row.counts[2]);
     CHECK(counts["places"]["incorrect"] == row.counts[3]);
-    CHECK(counts["distinct"] == row.counts[2]);
+    CHECK(counts["recognitions"]["distinct"] == row.counts[2]);
   }
 }
 
@@ -139,8 +139,8 @@ TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, o
     for (size_t i = 1; i < cols; ++i) {
       const size_t cell = j * cols + i;
       published[cell] = published[cell - cols - 1] +
-                        plain_hamming(train[i + length - 1], query[j + length - 1]) -
-                        static_cast<int64_t>(plain_hamming(train[i], query[j]));
+                        reference_hamming(train[i + length - 1], query[j + length - 1]) -
+                        static_cast<int64_t>(reference_hamming(train[i], query[j]));
       largest_difference =
           std::max(largest_difference, std::abs(published[cell] - int64_t{right[cell]}));
     }
@@ -195,10 +195,10 @@ TEST_CASE("a confirmed track through the corridor is one place, at equal and at 
     CHECK(place["train"]["last_frame"] == 110);
     const auto eval =
         run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "3",
-                                 "--reference-step", range.empty() ? "1" : "2", "--json"});
+                                 "--train-step", range.empty() ? "1" : "2", "--json"});
     const Json report = Json::parse(eval.out);
-    CHECK(report["counts"]["distinct"] == 1);
+    CHECK(report["counts"]["recognitions"]["distinct"] == 1);
     CHECK(report["counts"]["recognitions"]["correct"] == result["totals"]["recognitions"]);
-    CHECK(report["recognitions"][0]["query_range"] == Json({first, last}));
+    CHECK(report["recognized_places"][0]["query_range"] == Json({first, last}));
   }
 }

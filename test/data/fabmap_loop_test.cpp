@@ -5,8 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "fabmap/model.h"
-#include "fabmap/openfabmap.h"
-#include "fabmap/posterior.h"
+#include "fabmap/train.h"
 #include "printed.h"
 #include "reference/plain_words.h"
 #include "run/fabmap_query.h"

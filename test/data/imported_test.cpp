@@ -123,9 +123,9 @@ Recalls quantized_recalls(const cv::Mat& train, const cv::Mat& query, size_t tol
   };
   const DescriptorSet trained = import("train.npy");
   const DescriptorSet asked = import("query.npy");
-  const DescriptorSpan span = trained.span();
+  const DescribedFrames span = trained.span();
   const FrameDistances distances = frame_distances({&span, 1}, asked.span());
-  std::vector<uint16_t> row(trained.rows().size() + kStretchFrames);
+  std::vector<uint16_t> row(trained.rows().size() + kBlockFrames);
   uint32_t filled = ~0U;
   return recalls(asked.rows().size(), trained.rows().size(), tolerance, [&](size_t q, size_t i) {
     const auto frame = static_cast<uint32_t>(q);

@@ -15,8 +15,8 @@ using namespace vpr;
 
 namespace {
 
-/// What a user asks for, by the name of a choice.
-struct Asked {
+/// The flag of a choice, and its setting.
+struct ChosenFlag {
   const char* flag;
   std::function<void(SequenceQuerySettings&)> set;  ///< null: a choice of the run alone
 };
@@ -28,7 +28,7 @@ void by_loop(SequenceQuerySettings& settings) {
   if (settings.loop_gap_s == 0) settings.loop_gap = 10;
 }
 
-const std::vector<Asked> kAsked = {
+const std::vector<ChosenFlag> kChosenFlags = {
     {"DB", {}},
     {"--follow", {}},
     {"--scores", {}},
@@ -53,7 +53,7 @@ const std::vector<Asked> kAsked = {
     {"--t-r-scale mean-z", [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }},
     {"--safety-factor", [](auto& s) { s.safety_factor = 0.9; }},
     {"--margin", [](auto& s) { s.margin = 3; }},
-    {"--margin-width", [](auto& s) { s.margin_width = 3; }},
+    {"--exclusion-frames", [](auto& s) { s.exclusion_frames = 3; }},
     {"--same-place", [](auto& s) { s.same_place = {"none"}; }},
     {"--only-sequence", [](auto& s) { s.only_sequences = {"a"}; }},
     {"--skip-unreadable", [](auto& s) { s.skip_unreadable = true; }},
@@ -63,14 +63,14 @@ const std::vector<Asked> kAsked = {
     {"--query-bow", {}},
     {"--fps", {}},
     {"--recorded-fps", {}},
-    {"--warp", {}},
+    {"--speed", {}},
     {"--query-times", {}},
     {"--ground-truth", {}},
     {"--output", {}},
     {"--save-matrix", {}},
     {"--verify", {}},
     {"--save-loops", {}},
-    {"--times", {}},
+    {"--frame-times", {}},
     {"a --loop-gap in seconds",
      [](auto& s) {
        s.loop_gap = 0;
@@ -79,23 +79,23 @@ const std::vector<Asked> kAsked = {
     {"--descriptor", [](auto& s) { s.descriptor = "hog"; }},
     {"--distance", {}},
     {"--similarity", {}},
-    {"--references-first", {}},
+    {"--train-first", {}},
     {"--missing", {}},
     {"--train-sequence", {}}};
 
-const Asked& asked(std::string_view flag) {
-  const auto found = std::find_if(kAsked.begin(), kAsked.end(),
-                                  [&](const Asked& one) { return one.flag == flag; });
-  REQUIRE(found != kAsked.end());
+const ChosenFlag& asked(std::string_view flag) {
+  const auto found = std::find_if(kChosenFlags.begin(), kChosenFlags.end(),
+                                  [&](const ChosenFlag& one) { return one.flag == flag; });
+  REQUIRE(found != kChosenFlags.end());
   return *found;
 }
 
-/// The error for flags that are asked for together; empty: none.
+/// The error for a combination of flags; empty without an error.
 std::string error_of(const std::vector<std::string_view>& flags) {
   SequenceQuerySettings settings;
   RunChoices run;
   for (const std::string_view flag : flags) {
-    const Asked& one = asked(flag);
+    const ChosenFlag& one = asked(flag);
     if (one.set)
       one.set(settings);
     else
@@ -144,7 +144,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--t-r", "--method filter"}, "--t-r", "--method filter"},
       {{"--t-r-scale mean-z", "--method filter"}, "--t-r-scale mean-z", "--method filter"},
       {{"--safety-factor", "--method filter"}, "--safety-factor", "--method filter"},
-      {{"--margin-width", "--method filter"}, "--margin-width", "--method filter"},
+      {{"--exclusion-frames", "--method filter"}, "--exclusion-frames", "--method filter"},
       {{"--c-l", "--method filter"}, "--c-l", "--method filter"},
       {{"--score raw", "--method filter"}, "--score raw", "--method filter"},
       {{"--decide threshold", "--method filter"}, "--decide threshold", "--method filter"},
@@ -157,7 +157,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--loop", "DB"}, "DB", "--loop"},
       {{"--loop", "--scores"}, "--loop", "--scores"},
       {{"--loop", "--follow"}, "--follow", "--loop"},
-      {{"--loop", "--warp"}, "--warp", "--loop"},
+      {{"--loop", "--speed"}, "--speed", "--loop"},
       {{"--loop", "--fps"}, "--fps", "--loop"},
       {{"--loop", "--method filter"}, "--method filter", "--loop"},
       {{"--loop", "--method lsh"}, "--method lsh", "--loop"},
@@ -167,16 +167,16 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--loop", "--t-r-scale relative"}, "relative", "--loop"},
       {{"--loop", "--decide margin"}, "--margin auto", "--loop"},
       {{"--loop", "a --loop-gap in seconds", "--decide margin", "--margin"},
-       "an automatic --margin-width",
+       "an automatic --exclusion-frames",
        "--loop"},
       {{"--loop", "--only-sequence"}, "--only-sequence", "--loop"},
       {{"--loop", "--same-place"}, "--same-place", "--loop"},
       {{"--loop", "--verify"}, "--verify", "--loop"},
-      {{"--loop", "--times"}, "--times", "a --loop-gap in frames"},
+      {{"--loop", "--frame-times"}, "--frame-times", "a --loop-gap in frames"},
       {{"--loop", "vpr-tune fastable"}, "vpr-tune fastable", "--loop"},
       {{"--loop", "vpr-tune calibrate"}, "vpr-tune calibrate", "--loop"},
       {{"DB", "--save-loops"}, "--save-loops", "without --loop"},
-      {{"DB", "--times"}, "--times", "without --loop"},
+      {{"DB", "--frame-times"}, "--frame-times", "without --loop"},
       {{"DB", "--descriptor"}, "--descriptor", "without --loop"},
       // A matrix of scores.
       {{"--scores", "DB"}, "DB", "--scores"},
@@ -190,13 +190,13 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--scores", "--method filter"}, "--method filter", "--scores"},
       {{"--scores", "--method lsh"}, "--method lsh", "--scores"},
       {{"--scores", "--decide margin"}, "--margin auto", "--scores"},
-      {{"--scores", "--decide margin", "--margin"}, "an automatic --margin-width", "--scores"},
-      {{"--scores", "--decide margin", "--margin-width"}, "--margin auto", "--scores"},
+      {{"--scores", "--decide margin", "--margin"}, "an automatic --exclusion-frames", "--scores"},
+      {{"--scores", "--decide margin", "--exclusion-frames"}, "--margin auto", "--scores"},
       {{"--scores", "--safety-factor"}, "--safety-factor", "--scores"},
       {{"--scores", "--verify"}, "--verify", "--scores"},
       {{"DB", "--distance"}, "--distance", "without --scores"},
       {{"DB", "--similarity"}, "--similarity", "without --scores"},
-      {{"DB", "--references-first"}, "--references-first", "without --scores"},
+      {{"DB", "--train-first"}, "--train-first", "without --scores"},
       {{"DB", "--missing"}, "--missing", "without --scores"},
       {{"DB", "--train-sequence"}, "--train-sequence", "without --scores"},
       // Frames as they arrive.
@@ -210,7 +210,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--follow", "--ground-truth"}, "--ground-truth", "--follow"},
       {{"--follow", "--verify"}, "--verify", "--follow"},
       {{"--follow", "--query-npy"}, "--query-npy", "--follow"},
-      {{"--follow", "--warp"}, "--warp", "--follow"},
+      {{"--follow", "--speed"}, "--speed", "--follow"},
       {{"--follow", "--query-times"}, "--query-times", "--follow"},
       // Inputs and outputs.
       {{"--query-npy", "--query"}, "--query", "--query-npy"},
@@ -219,7 +219,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"a FAB-MAP database", "--query-bow", "--query"}, "--query", "--query-bow"},
       {{"a FAB-MAP database", "--query-bow", "--dataset"}, "--dataset", "--query-bow"},
       {{"a FAB-MAP database", "--save-loops"}, "--save-loops", "without --loop"},
-      {{"a FAB-MAP database", "--loop", "--times"}, "--times", "FAB-MAP"},
+      {{"a FAB-MAP database", "--loop", "--frame-times"}, "--frame-times", "FAB-MAP"},
       {{"a FAB-MAP database", "a --loop-gap in seconds"}, "--loop-gap in seconds", "FAB-MAP"},
       {{"a FAB-MAP database", "--loop", "--descriptor"}, "--descriptor", "FAB-MAP"},
       // vpr-tune.
@@ -249,15 +249,15 @@ TEST_CASE("choices that can be combined are accepted") {
       {"--follow", "--t-r-scale relative"},
       {"--follow", "--decide margin", "--fuse"},
       {"--score zscore", "--t-r", "--t-r-scale mean-z", "--rates", "--fuse"},
-      {"--score zscore-offline", "--decide margin", "--margin", "--margin-width"},
+      {"--score zscore-offline", "--decide margin", "--margin", "--exclusion-frames"},
       {"--score zscore", "--decide margin", "--verify", "--save-matrix", "--output"},
-      {"--safety-factor", "--warp", "--fps", "--query", "--dataset", "--query-times"},
+      {"--safety-factor", "--speed", "--fps", "--query", "--dataset", "--query-times"},
       {"--loop", "--query", "--dataset", "--save-loops", "--descriptor", "--save-matrix"},
-      {"--loop", "a --loop-gap in seconds", "--times", "--score zscore", "--t-r"},
+      {"--loop", "a --loop-gap in seconds", "--frame-times", "--score zscore", "--t-r"},
       {"--loop", "--decide margin", "--margin", "--method openable"},
-      {"--scores", "--query", "--warp", "--train-sequence", "--distance", "--missing"},
+      {"--scores", "--query", "--speed", "--train-sequence", "--distance", "--missing"},
       {"--scores", "--score zscore", "--only-sequence", "--same-place", "--rates"},
-      {"--scores", "--decide margin", "--margin", "--margin-width", "--similarity"},
+      {"--scores", "--decide margin", "--margin", "--exclusion-frames", "--similarity"},
       {"vpr-tune fastable", "--score zscore", "--fuse", "--rates", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
       {"vpr-tune calibrate", "--decide margin", "--score zscore", "--method filter"},
@@ -300,7 +300,7 @@ TEST_CASE("the table knows what each method can do") {
   }
 }
 
-TEST_CASE("resolving fills in what settings imply") {
+TEST_CASE("resolving fills in implied settings") {
   SequenceQuerySettings settings;
   CHECK(ResolvedSettings(settings)->threshold_scale == ThresholdScale::relative);
   settings.method = "filter";
@@ -318,7 +318,7 @@ TEST_CASE("resolving fills in what settings imply") {
   settings = {};
   by_loop(settings);
   const ResolvedSettings loop(settings, {});
-  CHECK(loop->margin_width == 10);
+  CHECK(loop->exclusion_frames == 10);
   CHECK(loop->threshold_scale == ThresholdScale::bits);
   // A second time changes nothing.
   CHECK(settings_in_force(*ResolvedSettings(*loop, {})) == settings_in_force(*loop));

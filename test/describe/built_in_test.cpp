@@ -7,7 +7,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
-#include "describe/ldb.h"
 #include "describe/whole_frame.h"
 
 using namespace vpr;

@@ -54,7 +54,7 @@ TEST_CASE("values, differences and pairs equal those counted by hand") {
   // c c w w n: (1 + 1) / 4; c w c c n: (1 + 2/3 + 3/4) / 4.
   CHECK(*find(found, "average_precision", 0).value == Approx(0.5));
   CHECK(*find(found, "average_precision", 1).value == Approx((1 + 2 / 3.0 + 0.75) / 4));
-  CHECK(found.paired[1].both_right == 1);
+  CHECK(found.paired[1].both_correct == 1);
   CHECK(found.paired[1].only_this == 2);
   CHECK(found.paired[1].only_first == 1);
   CHECK(found.paired[1].neither == 0);
@@ -91,7 +91,7 @@ TEST_CASE("incomparable methods are refused") {
 
 TEST_CASE("queries with different ground truth, or without a window, are omitted") {
   const std::vector<NamedOutcomes> methods = {method("cwcc"), method("cnwc")};
-  const Comparison found = compare_outcomes(methods, 1, 10, 1, {}, Disputed::leave_out);
+  const Comparison found = compare_outcomes(methods, 1, 10, 1, {}, Disputed::omit_disputed);
   CHECK(found.common == 3);
   CHECK(found.disputed == 1);
   CHECK(find(found, "recall_at_1", 1).value == Approx(2 / 3.0));
@@ -132,9 +132,9 @@ TEST_CASE("each method is compared by the confidence of its decision") {
 }
 
 TEST_CASE("another query sequence is measured separately, without pairs") {
-  NamedOutcomes replay = method("ccwwwwwcn");  // half the speed, and with a frame without a match
-  replay.is_paired = false;
-  const Comparison found = compare({method("cwwc"), replay, method("cccw")});
+  NamedOutcomes slow = method("ccwwwwwcn");  // half the speed, and with a frame without a match
+  slow.is_paired = false;
+  const Comparison found = compare({method("cwwc"), slow, method("cccw")});
   CHECK(found.common == 4);
   CHECK(found.own == std::vector<size_t>{4, 9, 4});
   CHECK(find(found, "recall_at_1", 0).value == 0.5);
@@ -142,8 +142,8 @@ TEST_CASE("another query sequence is measured separately, without pairs") {
   CHECK(*find(found, "recall_at_1", 1).difference == Approx(-1 / 8.0));
   CHECK_FALSE(find(found, "recall_at_1", 1).interval);
   CHECK(find(found, "recall_at_1", 2).interval);
-  CHECK(found.paired[1].both_right + found.paired[1].neither == 0);
-  CHECK(found.paired[2].both_right == 1);
+  CHECK(found.paired[1].both_correct + found.paired[1].neither == 0);
+  CHECK(found.paired[2].both_correct == 1);
 }
 
 TEST_CASE("intervals equal the closed form for independent queries") {

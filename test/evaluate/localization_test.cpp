@@ -4,33 +4,33 @@
 #include "base/monitor.h"
 #include "evaluate/judgment.h"
 #include "support.h"
-#include "truth/route.h"
+#include "truth/positions.h"
 
 using namespace vpr;
 
 namespace {
 
-std::vector<Fix> path(const std::string& text) {
-  std::vector<Fix> fixes;
+std::vector<FrameVerdict> path(const std::string& text) {
+  std::vector<FrameVerdict> verdicts;
   for (const char c : text)
-    fixes.push_back(c == 'r'   ? Fix::right
-                    : c == 'w' ? Fix::wrong
-                    : c == 'i' ? Fix::unjudged
-                               : Fix::none);
-  return fixes;
+    verdicts.push_back(c == 'r'   ? FrameVerdict::correct
+                       : c == 'w' ? FrameVerdict::incorrect
+                       : c == 'i' ? FrameVerdict::unjudged
+                                  : FrameVerdict::none);
+  return verdicts;
 }
 
 }  // namespace
 
-TEST_CASE("a path with three fixes, computed by hand") {
+TEST_CASE("a path with three verdicts, computed by hand") {
   const std::vector<double> traveled = {0, 1, 2, 3, 10, 11, 12, 13, 14, 15};
   const Localization found = localize(path("..r.wr...r"), traveled);
   CHECK(found.frames == 10);
-  CHECK(found.right == 3);
-  CHECK(found.wrong == 1);
+  CHECK(found.correct == 3);
+  CHECK(found.incorrect == 1);
   CHECK(*found.share() == Approx(0.3));
-  CHECK(found.first_fix_frames == 2);
-  CHECK(found.first_fix_m == 2);
+  CHECK(found.first_recognition_frames == 2);
+  CHECK(found.first_recognition_m == 2);
   CHECK(found.longest_gap_frames == 3);  // frames 6 to 8
   CHECK(found.longest_gap_m == 9);       // from frame 2 to frame 5
 }
@@ -43,18 +43,18 @@ TEST_CASE("gaps end at the ends of the path") {
   const Localization early = localize(path("r...."), traveled);
   CHECK(early.longest_gap_frames == 4);
   CHECK(early.longest_gap_m == 8);
-  CHECK(early.first_fix_frames == 0);
-  CHECK(early.first_fix_m == 0);
+  CHECK(early.first_recognition_frames == 0);
+  CHECK(early.first_recognition_m == 0);
 }
 
-TEST_CASE("a path without a fix is one gap, and an incorrect fix does not end it") {
+TEST_CASE("a path without a fix is one gap, and an incorrect recognition does not end it") {
   const Localization found = localize(path("ww.w"), std::vector<double>{0, 1, 1, 5});
-  CHECK(found.right == 0);
-  CHECK(found.wrong == 3);
+  CHECK(found.correct == 0);
+  CHECK(found.incorrect == 3);
   CHECK(found.longest_gap_frames == 4);
   CHECK(found.longest_gap_m == 5);
-  CHECK_FALSE(found.first_fix_frames);
-  CHECK_FALSE(found.first_fix_m);
+  CHECK_FALSE(found.first_recognition_frames);
+  CHECK_FALSE(found.first_recognition_m);
   CHECK(found.share() == 0);
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("without positions there are no meters, and an empty path has no share
   const Localization found = localize(path("r.r"), {});
   CHECK(found.longest_gap_frames == 1);
   CHECK_FALSE(found.longest_gap_m);
-  CHECK_FALSE(found.first_fix_m);
+  CHECK_FALSE(found.first_recognition_m);
   const Localization empty = localize({}, {});
   CHECK_FALSE(empty.share());
   CHECK(empty.longest_gap_frames == 0);
@@ -72,7 +72,7 @@ TEST_CASE("a fix in every frame leaves no gap") {
   const Localization found = localize(path("rrrr"), std::vector<double>{0, 1, 3, 4});
   CHECK(found.share() == 1);
   CHECK(found.longest_gap_frames == 0);
-  CHECK(found.longest_gap_m == 2);  // between two fixes
+  CHECK(found.longest_gap_m == 2);  // between two verdicts
 }
 
 TEST_CASE("the closest recognition of a window is its fix, at the anchor") {
@@ -93,7 +93,7 @@ TEST_CASE("the closest recognition of a window is its fix, at the anchor") {
   CHECK(fixes_of(result, truth) == path("..wr.i"));
 }
 
-TEST_CASE("best matches are fixes up to the threshold, inclusive") {
+TEST_CASE("best matches are verdicts up to the threshold, inclusive") {
   Outcomes outcomes;
   outcomes.query_frames = 4;
   for (size_t frame = 0; frame < 4; ++frame)
@@ -120,11 +120,11 @@ TEST_CASE("distances traveled are sums of straight lines") {
 TEST_CASE("distances of a resampled query follow its frames") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n");
-  const auto way = [&](const std::string& warp) {
-    return read_traveled(folder / "p.csv", selected(Sequence{"", 3}, warped(warp, 3, 1)), {});
+  const auto traveled_by = [&](const std::string& speed) {
+    return read_traveled(folder / "p.csv", selected(Sequence{"", 3}, at_speed(speed, 3, 1)), {});
   };
-  CHECK(way("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
-  CHECK(way("reversed") == std::vector<double>{0, 1, 6});
+  CHECK(traveled_by("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
+  CHECK(traveled_by("reversed") == std::vector<double>{0, 1, 6});
 }
 
 TEST_CASE("a missing pose of a frame causes one warning and no meters") {

@@ -32,9 +32,7 @@ std::filesystem::path write_raw(const test::TemporaryFolder& folder, const std::
 template <class T>
 std::filesystem::path write_matrix(const test::TemporaryFolder& folder,
                                    const std::vector<T>& values, size_t rows, size_t cols) {
-  Output file(folder / "s.npy", Existing::replace);
-  write_npy<T>(file, values, {rows, cols});
-  file.commit();
+  test::write_array<T>(folder / "s.npy", values, {rows, cols});
   return folder / "s.npy";
 }
 
@@ -89,9 +87,9 @@ TEST_CASE("scores of every type are read exactly") {
 TEST_CASE("C and Fortran order, queries or references first, have their documented meaning") {
   const test::TemporaryFolder folder;
   const std::string bytes = {1, 2, 3, 4, 5, 6};
-  const auto read = [&](bool is_fortran, bool references_first) {
+  const auto read = [&](bool is_fortran, bool train_first) {
     ScoreFormat format;
-    format.references_first = references_first;
+    format.train_first = train_first;
     return all_scores(ScoreMatrix(write_raw(folder, "|u1", "(2, 3)", is_fortran, bytes), format));
   };
   using Rows = std::vector<std::vector<double>>;
@@ -148,9 +146,9 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   CHECK(queries[4].verdict == Verdict::correct);  // the ignored reference is skipped
   CHECK(queries[4].rank == 1);
   CHECK(queries[5].verdict == Verdict::unreadable);
-  CHECK(found.same_pairs == 4);
-  CHECK(found.same_without_score == 1);
-  CHECK(found.ignored_pairs == 1);
+  CHECK(found.pairs.curve.to_find == 4);
+  CHECK(found.pairs.same_without_score == 1);
+  CHECK(found.pairs.ignored == 1);
   CHECK(*recall_at(found.outcomes, 1) == 0.5);
   CHECK(*recall_at(found.outcomes, 2) == 0.5);
   CHECK(*recall_at(found.outcomes, 3) == 0.75);
@@ -158,7 +156,7 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   const BestMatchCounts best = best_match_counts(found.outcomes);
   CHECK(best.queries == 4);
   CHECK(best.correct == 2);
-  CHECK(best.without_match == 1);
+  CHECK(best.no_ground_truth == 1);
   CHECK(best.unreadable == 1);
   CHECK(tied_queries(found.outcomes) == 1);
 }
@@ -196,7 +194,7 @@ TEST_CASE("windows of a matrix are evaluated at their anchors") {
   CHECK(found.outcomes.queries[0].best == FrameMatch{0, 3});
   CHECK(found.outcomes.queries[0].rank == 1);
   CHECK(found.outcomes.queries[1].rank == 3);
-  CHECK(found.same_pairs == 2);  // reference 1 is not the anchor of a window
+  CHECK(found.pairs.curve.to_find == 2);  // reference 1 is not the anchor of a window
 }
 
 TEST_CASE("the labels of a row equal those of single pairs") {
@@ -252,8 +250,7 @@ TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
       const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols),
                                {kind == ScoreOrder::similarity, false, {}});
       const ScoreLayout layout = layout_of(matrix, 1);
-      MatrixScan found = scan_matrix(matrix, truth, layout, {});
-      const Curve curve = pair_curve(matrix, truth, layout, found, {});
+      const MatrixScan found = scan_matrix(matrix, truth, layout, {});
       std::vector<ScoredItem> items;
       uint64_t to_find = 0;
       for (size_t q = 0; q < rows; ++q) {
@@ -266,7 +263,7 @@ TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
         }
       }
       sort_items(items);
-      REQUIRE(curve == curve_of(items, to_find, kind));
+      REQUIRE(found.pairs.curve == curve_of(items, to_find, kind));
     }
   }
 }
@@ -285,8 +282,7 @@ TEST_CASE("a large matrix yields the same result for any number of threads") {
   std::optional<Curve> first;
   for (const size_t threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    MatrixScan found = scan_matrix(matrix, truth, layout, {});
-    const Curve curve = pair_curve(matrix, truth, layout, found, {});
+    const Curve curve = scan_matrix(matrix, truth, layout, {}).pairs.curve;
     if (first) CHECK(curve == *first);
     first = curve;
     CHECK(curve.points.back().correct + curve.points.back().incorrect == 3500000);
@@ -319,10 +315,10 @@ TEST_CASE("ranks of correct references equal those of sorting the row") {
         order.emplace_back(value, r);
     std::sort(order.begin(), order.end());
     std::vector<uint8_t> expected;
-    for (size_t rank = 1; rank <= kMostRanked; ++rank)
+    for (size_t rank = 1; rank <= kMaxRank; ++rank)
       if (is_right[order[rank - 1].second]) expected.push_back(static_cast<uint8_t>(rank));
-    CHECK(found.outcomes.queries[query].right_ranks == expected);
-    CHECK(found.outcomes.queries[query].right_count ==
+    CHECK(found.outcomes.queries[query].correct_ranks == expected);
+    CHECK(found.outcomes.queries[query].correct_count ==
           size_t(std::count(is_right.begin(), is_right.end(), true)));
   }
 }

@@ -311,10 +311,10 @@ TEST_CASE("the recall achievement rate equals the value counted by hand") {
 TEST_CASE("precision@K and mAP@K equal values computed by hand") {
   Outcomes outcomes = outcomes_of("cwn");
   outcomes.has_ranks = true;
-  outcomes.queries[0].right_ranks = {1, 3, 4};
-  outcomes.queries[0].right_count = 3;
-  outcomes.queries[1].right_ranks = {2};
-  outcomes.queries[1].right_count = 8;
+  outcomes.queries[0].correct_ranks = {1, 3, 4};
+  outcomes.queries[0].correct_count = 3;
+  outcomes.queries[1].correct_ranks = {2};
+  outcomes.queries[1].correct_count = 8;
   CHECK(*precision_at(outcomes, 1) == Approx((1 + 0) / 2.0));
   CHECK(*precision_at(outcomes, 3) == Approx((2 / 3.0 + 1 / 3.0) / 2));
   CHECK(*precision_at(outcomes, 10) == Approx((3 / 10.0 + 1 / 10.0) / 2));
@@ -323,7 +323,7 @@ TEST_CASE("precision@K and mAP@K equal values computed by hand") {
   CHECK(*mean_average_precision_at(outcomes, 3) == Approx((5 / 9.0 + 1 / 6.0) / 2));
   CHECK(*mean_average_precision_at(outcomes, 5) ==
         Approx(((1 + 2 / 3.0 + 3 / 4.0) / 3 + 0.5 / 5) / 2));
-  CHECK_FALSE(precision_at(outcomes, kMostRanked + 1));
+  CHECK_FALSE(precision_at(outcomes, kMaxRank + 1));
   outcomes.has_ranks = false;
   CHECK_FALSE(precision_at(outcomes, 1));
 }

@@ -1,4 +1,6 @@
 // Prediction lists of other programs, and lists for them.
+#include "evaluate/prediction_lists.h"
+
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -6,8 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "base/random.h"
-#include "evaluate/matrix_scan.h"
-#include "evaluate/score_sources.h"
 #include "support.h"
 
 using namespace vpr;
@@ -119,7 +119,7 @@ TEST_CASE("a folder has a file for each query") {
   }
 }
 
-TEST_CASE("lists that are none are refused, with the line") {
+TEST_CASE("files of another format are refused, with the line") {
   CHECK(List("q/a.jpg db/left/1.jpg\nq/a.jpg\n").error().find("line 2") != std::string::npos);
   CHECK(List("q/a.jpg db/left/1.jpg\nq/x.jpg db/left/1.jpg\n").error().find("line 2: no query") !=
         std::string::npos);
@@ -133,7 +133,7 @@ TEST_CASE("lists that are none are refused, with the line") {
         std::string::npos);
   CHECK(List("# nothing\n").error().find("lists no reference") != std::string::npos);
   CHECK(test::error_kind([] {
-          prediction_scores("/nowhere", FrameNames({}), FrameNames({}), {});
+          prediction_scores("/off_map", FrameNames({}), FrameNames({}), {});
         }) == ErrorKind::input);
 }
 

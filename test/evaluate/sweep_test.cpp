@@ -72,8 +72,8 @@ TEST_CASE(
 TEST_CASE(
     "windows that are incorrect without their place are errors, without the next looser setting") {
   Cells scores = ladder(10, {{3, 0}, {7, 0}, {9, 0}, {20, 0}});
-  const std::vector<uint64_t> untrained = {0, 0, 2, 5};
-  for (size_t t = 0; t < scores.size(); ++t) scores[t].untrained = untrained[t];
+  const std::vector<uint64_t> unknown_place = {0, 0, 2, 5};
+  for (size_t t = 0; t < scores.size(); ++t) scores[t].unknown_place = unknown_place[t];
   Recommendation choice = ::recommend(scores);
   CHECK(choice.advice == Advice::recommended);
   CHECK(choice.cell == 1);
@@ -81,7 +81,7 @@ TEST_CASE(
   CHECK(!choice.near_miss);
   scores[1].counts.recognitions.incorrect = 1;
   CHECK(::recommend(scores).cell == 0);
-  scores[0].untrained = 1;
+  scores[0].unknown_place = 1;
   choice = ::recommend(scores);
   CHECK(!choice.cell);
   CHECK(choice.advice == Advice::always_errors);

@@ -1,9 +1,8 @@
-#include "fabmap/openfabmap.h"
-
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "fabmap/train.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,5 +1,3 @@
-#include "fabmap/posterior.h"
-
 #include <cmath>
 #include <limits>
 
@@ -8,6 +6,7 @@
 #include "base/exponentials.h"
 #include "base/random.h"
 #include "base/simd.h"
+#include "fabmap/model.h"
 
 using namespace vpr;
 

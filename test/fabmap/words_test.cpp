@@ -11,7 +11,6 @@
 #include "fabmap/chow_liu.h"
 #include "fabmap/vocabulary.h"
 #include "fabmap/word_clustering.h"
-#include "fabmap/word_index.h"
 #include "reference/plain_words.h"
 #include "support.h"
 
@@ -210,7 +209,7 @@ TEST_CASE("an index lists the views of each word, computed by hand") {
   const WordIndex index = make_word_index(views, 3);
   CHECK(index.offsets == std::vector<uint64_t>{0, 1, 1, 3});
   CHECK(index.lists == std::vector<uint16_t>{0, 0, 2});
-  CHECK(is_sound(index));
+  CHECK(is_valid_index(index));
 }
 
 TEST_CASE("views after the first block are listed by their index in their block") {
@@ -219,7 +218,7 @@ TEST_CASE("views after the first block are listed by their index in their block"
   for (size_t v = 0; v < 2 * kIndexBlock + 3; ++v)
     views.add(std::vector<uint32_t>{static_cast<uint32_t>(uniform_below(engine, 5))});
   const WordIndex index = make_word_index(views, 5);
-  REQUIRE(is_sound(index));
+  REQUIRE(is_valid_index(index));
   size_t listed = 0;
   for (size_t block = 0; block < 3; ++block) {
     for (uint32_t word = 0; word < 5; ++word) {
@@ -237,20 +236,20 @@ TEST_CASE("an index with views out of range is not sound") {
   views.add(std::vector<uint32_t>{0, 1});
   views.add(std::vector<uint32_t>{1});
   const WordIndex good = make_word_index(views, 2);
-  REQUIRE(is_sound(good));
+  REQUIRE(is_valid_index(good));
   WordIndex bad = good;
   bad.lists[0] = 2;
-  CHECK(!is_sound(bad));
+  CHECK(!is_valid_index(bad));
   bad = good;
   std::swap(bad.lists[1], bad.lists[2]);
-  CHECK(!is_sound(bad));
+  CHECK(!is_valid_index(bad));
   bad = good;
   bad.offsets[1] = 1'000'000;
-  CHECK(!is_sound(bad));
+  CHECK(!is_valid_index(bad));
   bad = good;
   bad.offsets.pop_back();
-  CHECK(!is_sound(bad));
+  CHECK(!is_valid_index(bad));
   bad = good;
   bad.offsets.back() += 1;
-  CHECK(!is_sound(bad));
+  CHECK(!is_valid_index(bad));
 }

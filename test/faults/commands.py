@@ -2,7 +2,7 @@
 import dataclasses
 import pathlib
 
-WORLD = """{"schema": "vpr.world/1", "name": "two corridors", "seed": 3, "fps": 1,
+WORLD = """{"schema": "vpr.world/3", "name": "two corridors", "seed": 3, "fps": 1,
  "image_width": 160, "image_height": 120, "format": "png", "resemblance": 0,
  "same_place_m": 1, "ignore_m": 1,
  "floors": [{"name": "ground", "rooms": [{"x": 0, "y": 0, "width": 14, "depth": 2.5},
@@ -15,7 +15,7 @@ WORLD = """{"schema": "vpr.world/1", "name": "two corridors", "seed": 3, "fps": 
   {"name": "back", "use": "query", "floor": "ground", "path": [[2, 1.25], [10, 1.25]],
    "conditions": {"exposure": 0.92, "noise": 5}}]}
 """
-TINY_WORLD = """{"schema": "vpr.world/1", "name": "%s", "seed": 3, "fps": 1,
+TINY_WORLD = """{"schema": "vpr.world/3", "name": "%s", "seed": 3, "fps": 1,
  "image_width": 64, "image_height": 48, "format": "png", "resemblance": 0,
  "floors": [{"name": "ground", "rooms": [{"x": 0, "y": 0, "width": 6, "depth": 2.5}]}],
  "places": [{"name": "end", "floor": "ground", "x": 4, "y": 1.25, "headings": [0]}],
@@ -90,7 +90,7 @@ def result(name, also=()):
 
 PAIRS = "--ground-truth in/walks/back.ground_truth.csv"
 ALIGNED = "--ground-truth aligned --tolerance 2"  # of databases with one sequence
-SEQUENCE_RESULT = result("r", ("margins.npy", "views.npy"))
+SEQUENCE_RESULT = result("r", ("margins.npy", "keyframes.npy"))
 FABMAP_RESULT = result("f", ("new_place.npy", "explain.png")) + ("p.npy",)
 TRAIN = {"train": ("in/walks/one", "in/walks/two")}
 QUERY = {"query": ("in/walks/two", "in/walks/back")}
@@ -120,7 +120,7 @@ WRITERS = [
            "zscore --t-r=-1 -o out/r.json --save-matrix out/m.png", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT + ("m.png",), f"vpr-eval out/r.json {PAIRS}"),)),
     Writer("query fabmap", "vpr-query {database} --query in/walks/back --t-p 0.3 -o out/f.json "
-           "--save-posteriors out/p.npy --explain 3 --train-images {train}", "f.json",
+           "--save-posteriors out/p.npy --explain 3 --train {train}", "f.json",
            {"database": ("in/f2.vprdb", "in/f.vprdb"), "train": ("in/walks/two", "in/walks/one")},
            (Reader(FABMAP_RESULT, f"vpr-eval out/f.json {ALIGNED}"),)),
     Writer("tune fastable", "vpr-tune fastable in/s.vprdb --dataset in/walks/dataset.json "
@@ -158,7 +158,7 @@ WRITERS = [
     Writer("eval --scores", f"vpr-eval --scores {{scores}} --distance {ALIGNED} -o out/e.json "
            "--html out/e.html", "e.json", {"scores": ("in/n2.npy", "in/n.npy")}),
     Writer("eval --expect --update", "vpr-eval {result} --dataset in/walks/dataset.json --expect "
-           "out/x.json --update --junit out/j.xml --fixes-tum out/f.tum -o out/e.json", "e.json",
+           "out/x.json --update --junit out/j.xml --save-trajectory out/f.tum -o out/e.json", "e.json",
            {"result": ("in/r2.json", "in/r.json")},
            (Reader(("x.json",), "vpr-eval compare in/e.json out/x.json"),)),
     Writer("eval --scores --expect --update", "vpr-eval --scores in/n2.npy --distance "

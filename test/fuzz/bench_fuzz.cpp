@@ -1,7 +1,6 @@
 // Any bytes as a benchmark result for vpr-bench.
 #include "base/json.h"
 #include "bench/bench_result.h"
-#include "bench/bench_tables.h"
 #include "fuzz.h"
 
 void vpr::fuzz::run(std::string_view input) {

@@ -26,7 +26,7 @@ S settings_from(const Json& json) {
 SequenceDatabase make_database() {
   SequenceDatabase database;
   database.sequences.push_back({{"walk", kFrames, std::vector<std::string>(kFrames)}});
-  database.descriptors.append(generate_walk(kFrames, 1));
+  database.descriptors.append(generate_sequence(kFrames, 1));
   database.statistics =
       TrainStatistics{{}, 400, std::vector<float>(kFrames, 0), std::vector<float>(kFrames, 4096)};
   ensure_statistics(database, {});
@@ -37,7 +37,7 @@ void query(const Json& json) {
   const auto settings = settings_from<SequenceQuerySettings>(json);
   settings_in_force(settings);
   static const SequenceDatabase kDatabase = make_database();
-  const DescriptorSet query = ldb_set(generate_walk(kFrames, 2), {});
+  const DescriptorSet query = ldb_set(generate_sequence(kFrames, 2), {});
   QueryResources resources;
   resources.kernels = select_kernels();
   resources.memory_limit = size_t{1} << 26;

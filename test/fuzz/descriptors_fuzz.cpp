@@ -16,9 +16,9 @@ void vpr::fuzz::run(std::string_view input) {
           set = import_descriptors(sequence, kind, Unreadable::skip, {}, unit);
         }))
       continue;
-    const DescriptorSpan span = set.span();
+    const DescribedFrames span = set.span();
     const FrameDistances distances = frame_distances({&span, 1}, span);
-    std::vector<uint16_t> row(set.sequence.frames + kStretchFrames);
+    std::vector<uint16_t> row(set.sequence.frames + kBlockFrames);
     const uint32_t query = 0;
     distances.tile({&query, 1}, 0, set.sequence.frames, row.data(), 0);
     for (size_t i = 0; i < set.sequence.frames; ++i) require(row[i] <= distances.largest);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr size_t kMaxPairs = 20'000;
 
-void match(const GivenDistances& given, const FrameDistances& distances, size_t window_length) {
+void match(const PrecomputedDistances& given, const FrameDistances& distances,
+           size_t window_length) {
   MatchSettings settings;
   settings.window_length = window_length;
   settings.memory_limit = size_t{1} << 24;
@@ -24,7 +25,7 @@ void match(const GivenDistances& given, const FrameDistances& distances, size_t 
 }
 
 void read_matrix(const std::filesystem::path& path, const ScoreFormat& format) {
-  const GivenDistances given(path, format, {});
+  const PrecomputedDistances given(path, format, {});
   given.fingerprint({});
   if (given.queries() * given.references() > kMaxPairs) return;
   std::vector<uint16_t> row(given.references());

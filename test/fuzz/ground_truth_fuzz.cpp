@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "fuzz.h"
-#include "truth/check.h"
 #include "truth/formats.h"
+#include "truth/ground_truth.h"
 
 using namespace vpr;
 using fuzz::require;
@@ -62,9 +62,9 @@ void fuzz::run(std::string_view input) {
     read(argument, kUnknownFrames, kUnknownFrames);
   }
   if (std::find(uses.begin(), uses.end(), "times") == uses.end()) return;
-  argument.options.query_times = argument.options.reference_times = argument.path;
+  argument.options.query_times = argument.options.train_times = argument.path;
   argument.options.max_difference_s = 0.5;
   read(argument, kUnknownFrames, kUnknownFrames);
-  argument.options.query_pose_times = argument.options.reference_pose_times = argument.path;
+  argument.options.query_pose_times = argument.options.train_pose_times = argument.path;
   read(argument, 3, 3);
 }

@@ -1,5 +1,5 @@
 // Any bytes as a prediction list, and as the file of one query.
-#include "evaluate/score_sources.h"
+#include "evaluate/prediction_lists.h"
 #include "fuzz.h"
 
 using namespace vpr;

@@ -14,7 +14,7 @@ void compare(const std::vector<Report>& reports) {
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < reports.size(); ++r)
     methods.push_back({comparison.names[r], reports[r].outcomes, comparison.is_paired(r)});
-  for (const Disputed disputed : {Disputed::refuse, Disputed::leave_out}) {
+  for (const Disputed disputed : {Disputed::refuse, Disputed::omit_disputed}) {
     fuzz::refuses([&] {
       comparison.found = compare_outcomes(methods, 3, comparison.resamples, 1, {}, disputed);
       comparison_json(comparison);

@@ -31,7 +31,7 @@ void report(const Result& result) {
   size_t frames = result.query.frames;
   for (const auto& sequence : result.targets) frames += sequence.sequence.frames;
   if (frames > kMaxFrames) return;
-  const JudgedBy by{GroundTruthArgument{"aligned", {}, 1}, {}, {}};
+  const EvaluationSettings by{GroundTruthArgument{"aligned", {}, 1}, {}, {}};
   report_json(report_of(evaluate_result(result, {}, by, {}), {}));
 }
 

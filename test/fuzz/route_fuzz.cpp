@@ -1,7 +1,7 @@
 // Any bytes as poses, places and walls of a data set.
 #include "base/monitor.h"
 #include "fuzz.h"
-#include "truth/route.h"
+#include "truth/positions.h"
 
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/parallel.h"
+#include "describe/whole_frame.h"
 #include "fabmap/chow_liu.h"
 #include "fabmap/model.h"
 #include "fabmap/vocabulary.h"

@@ -1,4 +1,4 @@
-// Principal components of training frames: definition, and equal results on every machine.
+// Principal components of training frames: by hand, and equal results for any number of threads.
 #include "match/components.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "base/simd.h"
 #include "examples.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "support.h"
 
 using namespace vpr;
@@ -21,17 +21,19 @@ namespace {
 std::vector<double> distances_within(const DescriptorRows& rows) {
   std::vector<double> distances;
   for (size_t a = 0; a < rows.size(); ++a)
-    for (size_t b = 0; b < rows.size(); ++b) distances.push_back(plain_distance(rows, a, rows, b));
+    for (size_t b = 0; b < rows.size(); ++b)
+      distances.push_back(reference_distance(rows, a, rows, b));
   return distances;
 }
 
 // Sums over all landmarks, as in the header.
 ComponentValues plain_components(const TrainComponents& components, DescriptorRow row) {
   ComponentValues values = {};
-  const auto& kind = distance_of(components.shape.element);
+  const ElementType element = components.shape.element;
   for (size_t l = 0; l < components.landmarks.size(); ++l)
     for (size_t k = 0; k < kMaxComponents; ++k)
-      values[k] += components.weights[l][k] * kind.unrounded(components.rows()[l], row);
+      values[k] +=
+          components.weights[l][k] * reference_unrounded(element, components.rows()[l], row);
   return values;
 }
 
@@ -60,7 +62,7 @@ double shared(const TrainComponents& components, size_t j, size_t k) {
 
 TEST_CASE("the first component separates two places") {
   const std::vector<LdbCode> codes = two_places(60);
-  const DescriptorSpan train{codes, {}};
+  const DescribedFrames train{codes, {}};
   const TrainComponents components = compute_components({&train, 1}, 0, {});
   REQUIRE(components.landmarks.size() == 60);
   const std::vector<int8_t>& loadings = components.loadings[0];
@@ -72,11 +74,11 @@ TEST_CASE("the first component separates two places") {
   // The places are about 570 bits farther apart than their own frames, half of it on either side of
   // the mean. With w close to the sum of all eigenvalues, at most 60 / (60 + 15) of it is
   // subtracted, and slightly less because of the frames' own bits.
-  const CommonWeights weights =
-      common_weights(components, 1, make_projector(components)(train.rows[0]));
-  const double unit = common_unit(train.rows.shape);
-  CHECK(unit * common_sum(components, weights, 1) == Approx(285 * 60.0 / 75).epsilon(0.05));
-  CHECK(unit * common_sum(components, weights, 0) == Approx(-285 * 60.0 / 75).epsilon(0.05));
+  const ComponentWeights weights =
+      component_weights(components, 1, make_projector(components)(train.rows[0]));
+  const double unit = component_unit(train.rows.shape);
+  CHECK(unit * component_sum(components, weights, 1) == Approx(285 * 60.0 / 75).epsilon(0.05));
+  CHECK(unit * component_sum(components, weights, 0) == Approx(-285 * 60.0 / 75).epsilon(0.05));
 }
 
 TEST_CASE("components are orthogonal unit vectors, the strongest first") {
@@ -156,7 +158,7 @@ TEST_CASE("sums by tables for vectors equal sums of unrounded distances") {
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(uniform_below(engine, 256));
   std::fill_n(bytes.begin() + 7 * 24, 24, uint8_t{0});  // no direction
   const DescriptorRows rows({ElementType::int8, 24}, bytes);
-  const DescriptorSpan train{rows, {}};
+  const DescribedFrames train{rows, {}};
   const TrainComponents components = compute_components({&train, 1}, 0, {});
   const Projector project = make_projector(components);
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -181,7 +183,7 @@ TEST_CASE("components are the same for any number of threads") {
 TEST_CASE("equal frames, a single frame and no frames have no component") {
   for (const size_t count : {0, 1, 30}) {
     const std::vector<LdbCode> codes(count, LdbCode{});
-    const DescriptorSpan train{codes, {}};
+    const DescribedFrames train{codes, {}};
     const TrainComponents components = compute_components({&train, 1}, 0, {});
     CHECK(components.factor == ComponentValues{});
     for (const std::vector<int8_t>& loadings : components.loadings)
@@ -194,8 +196,8 @@ TEST_CASE("a stop in training adds no landmarks") {
   std::vector<LdbCode> slow;
   for (size_t i = 0; i < 60; ++i)
     for (size_t n = 0; n < (i == 20 ? 50 : 2); ++n) slow.push_back(example.train[0][i]);
-  const DescriptorSpan walk{example.train[0], {}};
-  const DescriptorSpan slow_walk{slow, {}};
+  const DescribedFrames walk{example.train[0], {}};
+  const DescribedFrames slow_walk{slow, {}};
   const TrainComponents once = compute_components({&walk, 1}, 300, {});
   const TrainComponents often = compute_components({&slow_walk, 1}, 300, {});
   CHECK(once.landmarks.size() > 20);
@@ -213,11 +215,11 @@ TEST_CASE("unreadable frames are not landmarks") {
 }
 
 TEST_CASE("products of loadings and weights are rounded to nearest, ties up") {
-  CHECK(common_product(127, 4095) == 4063);
-  CHECK(common_product(-127, 4095) == -4063);
-  CHECK(common_product(1, 64) == 1);
-  CHECK(common_product(1, 63) == 0);
-  CHECK(common_product(-1, 64) == 0);
-  CHECK(common_product(-1, 65) == -1);
-  CHECK(common_product(64, -3) == -1);  // -1.5
+  CHECK(component_product(127, 4095) == 4063);
+  CHECK(component_product(-127, 4095) == -4063);
+  CHECK(component_product(1, 64) == 1);
+  CHECK(component_product(1, 63) == 0);
+  CHECK(component_product(-1, 64) == 0);
+  CHECK(component_product(-1, 65) == -1);
+  CHECK(component_product(64, -3) == -1);  // -1.5
 }

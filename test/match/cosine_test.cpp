@@ -15,7 +15,7 @@
 #include "match/distance_statistics.h"
 #include "match/lsh.h"
 #include "match/match.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "match/zscores.h"
 #include "support.h"
 
@@ -28,7 +28,7 @@ struct Vectors {
   DescriptorShape shape;
   std::vector<uint8_t> bytes;
 
-  DescriptorSpan span(std::span<const size_t> unreadable = {}) const {
+  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
     return {{shape, bytes}, unreadable};
   }
 };
@@ -73,7 +73,7 @@ Vectors wide_walk(size_t count, size_t length, uint64_t seed) {
 uint32_t distance(const std::vector<int>& a, const std::vector<int>& b) {
   const Vectors both = make_vectors({a, b});
   const uint32_t found = frame_distance(both.span().rows, 0, 1);
-  CHECK(plain_distance(both.span().rows, 0, both.span().rows, 1) == found);
+  CHECK(reference_distance(both.span().rows, 0, both.span().rows, 1) == found);
   CHECK(frame_distance(both.span().rows, 1, 0) == found);
   return found;
 }
@@ -108,7 +108,7 @@ TEST_CASE("cosine distances equal the reference implementation, for any length a
     Vectors query = walk_vectors(5, length, 3);
     std::copy_n(one.bytes.begin(), length, query.bytes.begin());
     std::fill_n(query.bytes.begin() + static_cast<ptrdiff_t>(length), length, uint8_t{0});
-    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    const std::vector<DescribedFrames> train = {one.span(), two.span()};
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
       INFO(target << ", " << length << " numbers");
@@ -122,8 +122,10 @@ TEST_CASE("cosine distances equal the reference implementation, for any length a
       for (size_t t = 0; t < order.size(); ++t)
         for (size_t i = 8; i < 86; ++i) {
           const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] == plain_cosine(row, query.span().rows[order[t]]));
-          REQUIRE(cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
+          REQUIRE(tile[t * 100 + i - 8] ==
+                  reference_distance(ElementType::int8, row, query.span().rows[order[t]]));
+          REQUIRE(distance_of(ElementType::int8).pair(row, query.span().rows[order[t]]) ==
+                  tile[t * 100 + i - 8]);
         }
     }
   }
@@ -135,7 +137,7 @@ TEST_CASE(
     const Vectors one = wide_walk(77, length, 1);
     const Vectors two = wide_walk(9, length, 2);
     const Vectors query = wide_walk(7, length, 3);
-    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    const std::vector<DescribedFrames> train = {one.span(), two.span()};
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
       INFO(target << ", " << length << " numbers");
@@ -146,8 +148,10 @@ TEST_CASE(
       for (size_t t = 0; t < order.size(); ++t)
         for (size_t i = 8; i < 86; ++i) {
           const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] == plain_wide_cosine(row, query.span().rows[order[t]]));
-          REQUIRE(wide_cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
+          REQUIRE(tile[t * 100 + i - 8] ==
+                  reference_distance(ElementType::int16, row, query.span().rows[order[t]]));
+          REQUIRE(distance_of(ElementType::int16).pair(row, query.span().rows[order[t]]) ==
+                  tile[t * 100 + i - 8]);
         }
     }
   }
@@ -157,11 +161,11 @@ TEST_CASE("the longest vectors of the largest 8-bit integers have exact products
   for (const auto& [a, b] : {std::pair(-128, -127), std::pair(127, -128), std::pair(-128, 127)}) {
     const auto made = [](int number) {
       return make_vectors(
-          {std::vector<int>(kMaxNumbers, number), std::vector<int>(kMaxNumbers, number / 2)});
+          {std::vector<int>(kMaxIntegers, number), std::vector<int>(kMaxIntegers, number / 2)});
     };
     const Vectors train = made(a);
     const Vectors query = made(b);
-    const DescriptorSpan span = train.span();
+    const DescribedFrames span = train.span();
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
       INFO(target << ", " << a << " and " << b);
@@ -190,7 +194,7 @@ TEST_CASE(
   const Vectors longest = vectors(numbers, 32);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    const DescriptorSpan train = longest.span();
+    const DescribedFrames train = longest.span();
     const FrameDistances distances = frame_distances({&train, 1}, longest.span());
     std::vector<uint16_t> row(8);
     const uint32_t query = 0;
@@ -200,7 +204,7 @@ TEST_CASE(
   }
   numbers[2] = 300;
   const Vectors longer = vectors(numbers, 32);
-  const DescriptorSpan train = longer.span();
+  const DescribedFrames train = longer.span();
   CHECK(test::error_text([&] {
           frame_distances({&train, 1}, longest.span());
         }) == "the vector of frame 0 is longer than 46340");
@@ -213,23 +217,23 @@ TEST_CASE("the mean distance to all vectors equals the mean of their distances u
   const Vectors one = make(200, 40, 4);
   const Vectors query = make(20, 40, 5);
   const std::vector<size_t> unreadable = {3, 99};
-  const DescriptorSpan train = one.span(unreadable);
+  const DescribedFrames train = one.span(unreadable);
   const FrameDistances distances = frame_distances({&train, 1}, query.span());
   CHECK(distances.readable_frames == 198);
   for (size_t j = 0; j < 20; ++j) {
     double sum = 0;
     for (size_t i = 0; i < 200; ++i)
-      if (i != 3 && i != 99) sum += plain_distance(train.rows, i, query.span().rows, j);
+      if (i != 3 && i != 99) sum += reference_distance(train.rows, i, query.span().rows, j);
     CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
   }
 }
 
-TEST_CASE("every exact method compares windows of vectors by definition") {
+TEST_CASE("every exact method yields the sums of vector distances") {
   const Vectors one = walk_vectors(60, 24, 6);
   const Vectors two = walk_vectors(37, 24, 7);
   const Vectors query = walk_vectors(45, 24, 8);
   const std::vector<size_t> unreadable = {20};
-  const std::vector<DescriptorSpan> train = {one.span(unreadable), two.span()};
+  const std::vector<DescribedFrames> train = {one.span(unreadable), two.span()};
   const FrameDistances distances = frame_distances(train, query.span());
   for (const size_t length : {1, 7, 20}) {
     Cells expected;
@@ -238,7 +242,7 @@ TEST_CASE("every exact method compares windows of vectors by definition") {
         for (size_t i = 0; i + length <= train[s].rows.size(); ++i)
           if (s == 1 || i + length <= 20 || i > 20)
             expected[{j, s, i}] =
-                plain_window_distance(train[s].rows, i, query.span().rows, j, length);
+                reference_window_distance(train[s].rows, i, query.span().rows, j, length);
     for (const SequenceMethod& method : sequence_methods()) {
       if (method.has_paths) continue;
       MatchSettings settings{length, size_t{1} << 30, select_kernels()};
@@ -259,7 +263,7 @@ TEST_CASE("z-scores of vectors equal the reference implementation") {
   const auto make = is_wide ? wide_walk : walk_vectors;
   const Vectors one = make(80, 32, 9);
   const Vectors query = make(50, 32, 10);
-  const DescriptorSpan train = one.span();
+  const DescribedFrames train = one.span();
   TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
   statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
   const size_t length = 5;
@@ -270,10 +274,10 @@ TEST_CASE("z-scores of vectors equal the reference implementation") {
     match(zscores(frame_distances({&train, 1}, query.span()), basis, {}),
           {length, size_t{1} << 30, select_kernels()}, {{collecting(cells, mutex)}}, {});
     CHECK(cells.size() == 76 * 46);
-    const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});
+    const ReferenceUpdates updates = reference_updates({&train, 1}, query.span(), basis, {});
     std::vector<std::vector<double>> plain;
     for (size_t i = 0; i < 80; ++i)
-      plain.push_back(plain_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
+      plain.push_back(reference_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
     for (const auto& [cell, biased] : cells) {
       const auto& [j, s, i] = cell;
       double expected = 0;
@@ -287,7 +291,7 @@ TEST_CASE("z-scores of vectors equal the reference implementation") {
 TEST_CASE("vectors cannot be compared with codes, and too long vectors are refused") {
   const Vectors vectors = walk_vectors(3, 176, 11);
   const std::vector<LdbCode> codes = test::random_codes(3, 1);
-  const DescriptorSpan train{codes, {}};
+  const DescribedFrames train{codes, {}};
   CHECK(test::error_kind([&] { frame_distances({&train, 1}, vectors.span()); }) == ErrorKind::data);
   const Vectors longest{{ElementType::int8, 131'072}, {}};
   const Vectors allowed{{ElementType::int8, 131'071}, {}};

@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "match/plain.h"
-#include "match/zscore_model.h"
+#include "match/reference.h"
+#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;
@@ -15,7 +15,7 @@ using namespace vpr;
 namespace {
 
 // The reference implementation, in double precision.
-TrainStatistics plain_statistics(std::span<const DescriptorSpan> sequences, size_t reach) {
+TrainStatistics plain_statistics(std::span<const DescribedFrames> sequences, size_t reach) {
   struct Frame {
     size_t sequence;
     size_t index;
@@ -39,7 +39,7 @@ TrainStatistics plain_statistics(std::span<const DescriptorSpan> sequences, size
       if (other.readable &&
           (other.sequence != frame.sequence ||
            std::max(other.index, frame.index) - std::min(other.index, frame.index) > reach))
-        distances.push_back(plain_hamming(frame.code, other.code));
+        distances.push_back(reference_hamming(frame.code, other.code));
     double sum = 0;
     for (const double d : distances) sum += d;
     const double mean = sum / static_cast<double>(distances.size());
@@ -65,7 +65,7 @@ TEST_CASE("statistics of training frames equal the reference implementation") {
   const std::vector<LdbCode> one = test::walk_codes(300, 1);
   const std::vector<LdbCode> two = test::walk_codes(90, 2);
   const std::vector<size_t> unreadable = {0, 150};
-  const std::vector<DescriptorSpan> spans = {{one, unreadable}, {two, {}}};
+  const std::vector<DescribedFrames> spans = {{one, unreadable}, {two, {}}};
   StatisticsSettings settings;
   settings.neighbor_share = 0.02;  // 6 of 300 frames, 5 (neighbor_frames) of 90
   settings.neighbor_frames = 6;
@@ -88,7 +88,7 @@ TEST_CASE("statistics of training frames equal the reference implementation") {
 
 TEST_CASE("the number of neighbors grows with the sequence") {
   const std::vector<LdbCode> codes = test::walk_codes(500, 3);
-  const DescriptorSpan span{codes, {}};
+  const DescribedFrames span{codes, {}};
   const TrainStatistics expected = plain_statistics(std::span(&span, 1), 10);
   const TrainStatistics found = compute_statistics({&span, 1}, {}, {});
   for (size_t i = 0; i < 500; ++i) REQUIRE(found.bias[i] == Approx(expected.bias[i]).margin(1e-4));
@@ -96,8 +96,8 @@ TEST_CASE("the number of neighbors grows with the sequence") {
 
 TEST_CASE("long training data are sampled, equally for equal seeds") {
   const std::vector<LdbCode> codes = test::walk_codes(3000, 4);
-  const DescriptorSpan span{codes, {}};
-  const std::span<const DescriptorSpan> train(&span, 1);
+  const DescribedFrames span{codes, {}};
+  const std::span<const DescribedFrames> train(&span, 1);
   StatisticsSettings settings;
   settings.samples = 500;
   const std::vector<size_t> frames = sampled_frames(train, settings);
@@ -117,7 +117,7 @@ TEST_CASE("long training data are sampled, equally for equal seeds") {
 TEST_CASE("too short training data have no bias") {
   for (const size_t count : {1, 3, 6}) {
     const std::vector<LdbCode> codes = test::walk_codes(count, 5);
-    const DescriptorSpan span{codes, {}};
+    const DescribedFrames span{codes, {}};
     const TrainStatistics found = compute_statistics({&span, 1}, {}, {});
     CHECK(found.typical_distance == 400);
     for (size_t i = 0; i < count; ++i) {
@@ -141,7 +141,7 @@ TEST_CASE("mean distances to whole sets are exact") {
   const std::vector<LdbCode> one = test::random_codes(600, 6);
   const std::vector<LdbCode> two = test::walk_codes(50, 7);
   const std::vector<size_t> unreadable = {7, 599};
-  const std::vector<DescriptorSpan> spans = {{one, unreadable}, {two, {}}};
+  const std::vector<DescribedFrames> spans = {{one, unreadable}, {two, {}}};
   const std::vector<LdbCode> query = test::random_codes(1, 8);
   const FrameDistances all = frame_distances(spans, {query, {}});
   CHECK(all.readable_frames == 648);
@@ -149,7 +149,7 @@ TEST_CASE("mean distances to whole sets are exact") {
     uint64_t sum = 0;
     for (size_t s = from; s < 2; ++s)
       for (size_t i = 0; i < spans[s].rows.size(); ++i)
-        if (s == 1 || (i != 7 && i != 599)) sum += plain_hamming(spans[s].rows[i], query[0]);
+        if (s == 1 || (i != 7 && i != 599)) sum += reference_hamming(spans[s].rows[i], query[0]);
     return static_cast<double>(sum) / (from == 0 ? 648 : 50);
   };
   CHECK(row_mean(all, 0) == mean(0));
@@ -161,7 +161,7 @@ TEST_CASE("the distance of two codes equals the reference implementation") {
   const std::vector<LdbCode> codes = test::random_codes(20, 9);
   for (size_t a = 0; a < codes.size(); ++a)
     for (size_t b = 0; b < codes.size(); ++b)
-      REQUIRE(frame_distance(codes, a, b) == plain_hamming(codes[a], codes[b]));
+      REQUIRE(frame_distance(codes, a, b) == reference_hamming(codes[a], codes[b]));
 }
 
 TEST_CASE("constants for LDB are scaled to other largest distances") {
@@ -170,7 +170,7 @@ TEST_CASE("constants for LDB are scaled to other largest distances") {
   CHECK(unknown_deviation(1386) == 64);
   CHECK(unknown_distance(2 * 1386) == 800);
   const std::vector<uint8_t> bytes(3 * 8, 0);
-  const DescriptorSpan short_codes{{{ElementType::bits, 63}, bytes}, {}};
+  const DescribedFrames short_codes{{{ElementType::bits, 63}, bytes}, {}};
   const TrainStatistics found = compute_statistics({&short_codes, 1}, {}, {});
   CHECK(found.typical_distance == Approx(400.0 * 63 / 1386));
   CHECK(found.variance[2] == Approx(64.0 * 64 * 63 * 63 / 1386 / 1386));
@@ -182,7 +182,7 @@ TEST_CASE("statistics of distances with squares above 32 bits equal the referenc
   std::vector<uint8_t> bytes(200 * shape.row_bytes(), 0);
   for (size_t i = 0; i < 200; i += 3)
     std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(i * shape.row_bytes()), 7500, uint8_t{255});
-  const DescriptorSpan span{{shape, bytes}, {}};
+  const DescribedFrames span{{shape, bytes}, {}};
   const TrainStatistics expected = plain_statistics({&span, 1}, 5);
   const TrainStatistics found = compute_statistics({&span, 1}, {}, {});
   CHECK(found.typical_distance == Approx(expected.typical_distance).epsilon(1e-12));

@@ -28,7 +28,7 @@ test::Example unrelated(const std::vector<size_t>& frames) {
 }
 
 FilterState start(const test::Example& example, const FilterSettings& settings = {}) {
-  const std::vector<DescriptorSpan> spans = example.spans();
+  const std::vector<DescribedFrames> spans = example.spans();
   return start_filter(frame_distances(spans, {spans[0].rows.first(0), {}}), settings, 1);
 }
 
@@ -46,7 +46,7 @@ double deviations(uint32_t value) { return (static_cast<double>(value) - kScoreB
 
 /// A state of a path: off the map, or at a place with a rate.
 struct Stay {
-  bool nowhere = true;
+  bool off_map = true;
   size_t place = 0;
   size_t rate = 0;
 };
@@ -55,8 +55,8 @@ double chance_of_step(const Stay& from, const Stay& to, size_t places,
                       const FilterSettings& settings) {
   const auto& rates = filter_rates();
   const double anywhere = rates[to.rate].prior / static_cast<double>(places);
-  if (from.nowhere) return to.nowhere ? 1 - settings.leave : settings.leave * anywhere;
-  if (to.nowhere) return settings.enter;
+  if (from.off_map) return to.off_map ? 1 - settings.leave : settings.leave * anywhere;
+  if (to.off_map) return settings.enter;
   const double turns = settings.rate_change * rates[to.rate].prior +
                        (from.rate == to.rate ? 1 - settings.rate_change : 0);
   double steps = 0;
@@ -73,7 +73,7 @@ struct AllPaths {
   std::vector<double> masses;                 ///< by place, and off the map
 
   double likelihood(const Stay& stay, size_t view) const {
-    if (stay.nowhere) return 1;
+    if (stay.off_map) return 1;
     const double z = (static_cast<double>(scores[view][stay.place]) - kScoreBias) / kScoreUnit;
     return std::exp(-settings.sharpness * (std::min(z, 8.0) - settings.unmatched));
   }
@@ -87,7 +87,7 @@ struct AllPaths {
 
   void follow(const Stay& from, double mass, size_t view) {
     if (view == scores.size()) {
-      masses[from.nowhere ? places : from.place] += mass;
+      masses[from.off_map ? places : from.place] += mass;
       return;
     }
     for (const Stay& to : stays())
@@ -100,7 +100,7 @@ struct AllPaths {
     for (const Stay& from : stays())
       follow(
           from,
-          0.5 * (from.nowhere ? 1 : filter_rates()[from.rate].prior / static_cast<double>(places)),
+          0.5 * (from.off_map ? 1 : filter_rates()[from.rate].prior / static_cast<double>(places)),
           0);
   }
 };
@@ -203,7 +203,7 @@ TEST_CASE("filter settings out of range are refused") {
   CHECK(refused(&FilterSettings::enter, 0.6) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::leave, std::nan("")) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::keyframe_change, -1) == ErrorKind::usage);
-  CHECK(refused(&FilterSettings::establish_margin, -1) == ErrorKind::usage);
-  CHECK(refused(&FilterSettings::establish_evidence, -1) == ErrorKind::usage);
+  CHECK(refused(&FilterSettings::confirm_margin, -1) == ErrorKind::usage);
+  CHECK(refused(&FilterSettings::confirm_evidence, -1) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::present_support, 3) == ErrorKind::usage);
 }

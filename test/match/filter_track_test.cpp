@@ -48,20 +48,20 @@ struct Places {
   }
 
   /// The next keyframe of the query, with this margin over the off-map state.
-  QueryView view(size_t query_frame, uint32_t margin) {
-    const auto read_path = [this, margin](size_t, bool begins) {
+  QueryKeyframe view(size_t query_frame, uint32_t margin) {
+    const auto rescore_path = [this, margin](size_t, bool begins) {
       if (begins) supports.clear();
       supports.push_back(static_cast<int32_t>(-z * kUnit));
-      if (supports.size() > kRereadViews) supports.erase(supports.begin());
-      return PathReading{supports, margin};
+      if (supports.size() > kRescoredKeyframes) supports.erase(supports.begin());
+      return RescoredPath{supports, margin};
     };
-    return {query_frame, change, read_path, [](size_t, size_t) { return 0.25; }};
+    return {query_frame, change, rescore_path, [](size_t, size_t) { return 0.25; }};
   }
 
   void see(size_t sequence, size_t place, size_t query_frame, uint32_t margin = 24 * kUnit) {
     forget();
     state.values[cell(sequence, place)] = kScoreBias + kUnit;
-    follow_view(track, state, view(query_frame, margin));
+    follow_keyframe(track, state, view(query_frame, margin));
   }
 };
 
@@ -74,7 +74,7 @@ TEST_CASE("a track is confirmed after 18 keyframes, for as long as it continues"
     INFO(view);
     // Keyframes of the query and passed keyframes of the training sequence: 2 view + 1 of 36.
     CHECK(places.track.last.margin == (view >= 18 ? 24 * kUnit : 0));
-    CHECK(places.track.last.nowhere == kScoreBias + 25 * kUnit);
+    CHECK(places.track.last.off_map == kScoreBias + 25 * kUnit);
   }
   places.see(0, 39, 29);  // a jump of 11 places is another path, 10 would not be
   CHECK(places.track.last.margin == 0);
@@ -83,7 +83,7 @@ TEST_CASE("a track is confirmed after 18 keyframes, for as long as it continues"
 
 TEST_CASE("a stationary query needs twice as many keyframes") {
   Places places;
-  places.state.settings.establish_evidence = 1000;
+  places.state.settings.confirm_evidence = 1000;
   for (size_t view = 0; view < 40; ++view) {
     places.see(0, 5, view);
     CHECK((places.track.last.margin > 0) == (view >= 35));
@@ -91,7 +91,7 @@ TEST_CASE("a stationary query needs twice as many keyframes") {
 }
 
 TEST_CASE("a track with high evidence is confirmed earlier") {
-  const auto first_believed = [](double z, uint32_t margin) {
+  const auto first_confirmed = [](double z, uint32_t margin) {
     Places places;
     places.z = z;
     size_t view = 0;
@@ -101,9 +101,9 @@ TEST_CASE("a track with high evidence is confirmed earlier") {
     }
     return view;
   };
-  CHECK(first_believed(-3.25, 8 * kUnit) == 8);    // 2 per keyframe
-  CHECK(first_believed(-7, 8 * kUnit) == 6);       // the maximum of 3
-  CHECK(first_believed(-7, 8 * kUnit - 1) == 37);  // by its length
+  CHECK(first_confirmed(-3.25, 8 * kUnit) == 8);    // 2 per keyframe
+  CHECK(first_confirmed(-7, 8 * kUnit) == 6);       // the maximum of 3
+  CHECK(first_confirmed(-7, 8 * kUnit - 1) == 37);  // by its length
   Places places;
   places.z = -4;
   for (size_t view = 0; view < 5; ++view) places.see(0, view, view);
@@ -134,8 +134,8 @@ TEST_CASE("a short track is confirmed with the margin, a long one at any margin"
   for (size_t view = 0; view < 40; ++view) {
     places.see(0, view, view, view % 2 == 0 ? 8 * kUnit : 7 * kUnit);
     INFO(view);
-    const bool is_believed = view >= 36 || (view >= 18 && view % 2 == 0);
-    CHECK((places.track.last.margin > 0) == is_believed);
+    const bool is_confirmed = view >= 36 || (view >= 18 && view % 2 == 0);
+    CHECK((places.track.last.margin > 0) == is_confirmed);
   }
 }
 
@@ -166,7 +166,7 @@ TEST_CASE("a track without support from recent frames is not confirmed, and is d
   places.z = -1;
   places.see(0, 22, 22, 21 * kUnit);
   CHECK(places.track.last.margin == 0);
-  CHECK(places.track.is_established);
+  CHECK(places.track.is_confirmed);
   CHECK(places.track.last.track == 1);  // not recognized, but the same track
   places.change = 0.125;  // a smaller change than in the training sequence has no effect
   places.z = -2;
@@ -176,7 +176,7 @@ TEST_CASE("a track without support from recent frames is not confirmed, and is d
   CHECK(places.track.last.margin == 28 * kUnit);
   places.z = 4;
   places.see(0, 25, 25);
-  CHECK_FALSE(places.track.is_established);
+  CHECK_FALSE(places.track.is_confirmed);
   CHECK(places.track.last.track == 0);
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("a track that is confirmed again, or at another place, has the next nu
 }
 
 TEST_CASE("confirmed tracks equal the reference implementation") {
-  size_t believed = 0;
+  size_t confirmed = 0;
   size_t views = 0;
   for (uint64_t seed = 1; seed <= 40; ++seed) {
     Places places;
@@ -216,16 +216,16 @@ TEST_CASE("confirmed tracks equal the reference implementation") {
       seen.push_back({cell, sequence, margin, places.supports, places.change - 0.25});
       found.push_back(places.track.last.margin > 0);
     }
-    const std::vector<uint8_t> expected = plain_belief(seen, places.state.settings);
+    const std::vector<uint8_t> expected = plain_confirmed(seen, places.state.settings);
     for (size_t view = 0; view < seen.size(); ++view) {
       INFO("seed " << seed << ", view " << view);
       REQUIRE((found[view] != 0) == (expected[view] != 0 && seen[view].margin > 0));
-      believed += found[view];
+      confirmed += found[view];
       ++views;
     }
   }
-  CHECK(believed > views / 20);
-  CHECK(believed < views / 2);
+  CHECK(confirmed > views / 20);
+  CHECK(confirmed < views / 2);
 }
 
 TEST_CASE("places near the best one, or of an overlapping sequence, are in the exclusion zone") {
@@ -235,7 +235,7 @@ TEST_CASE("places near the best one, or of an overlapping sequence, are in the e
     places.forget();
     places.state.values[places.cell(0, 20)] = kScoreBias + kUnit;
     places.state.values[places.cell(sequence, place)] = kScoreBias + 11 * kUnit;
-    follow_view(places.track, places.state, places.view(20, 24 * kUnit));
+    follow_keyframe(places.track, places.state, places.view(20, 24 * kUnit));
     return places.track.last.margin;
   };
   CHECK(margin_with(0, 10) == 24 * kUnit);

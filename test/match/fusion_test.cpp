@@ -95,48 +95,33 @@ TEST_CASE("the effect of words on scores equals values computed by hand") {
 
 TEST_CASE("the weight of FAB-MAP follows the agreement of matches, computed by hand") {
   // Among 100 frames, 11 are near one of the first sequence, and 5 near one of the second.
-  const std::vector<FusedWalk> walks = {{0, 60, 5}, {2, 40, 2}};
+  const std::vector<FusedSequence> sequences = {{0, 60, 5}, {2, 40, 2}};
   FusionBasis basis;
   basis.weight = 0.2;
-  Agreement agreement;
+  FusionState agreement;
   CHECK(agreement.ratio() == 0.6);
   CHECK(std::abs(fusion_weight(basis, agreement) - 0.2 * std::pow(0.6, 1.5)) < 1e-12);
-  agreement.count({{}, {}}, walks);
-  agreement.count({10, 70}, walks);  // no previous frame, and different places
+  agreement.count({{}, {}}, sequences);
+  agreement.count({10, 70}, sequences);  // no previous frame, and different places
   CHECK(std::abs(agreement.together + 0.11) < 1e-12);
   CHECK(agreement.likeliest_steps == 0);
-  agreement.count({15, 73}, walks);  // a step of 5, and one of 3
+  agreement.count({15, 73}, sequences);  // a step of 5, and one of 3
   CHECK(std::abs(agreement.likeliest_steps - 0.89) < 1e-12);
   CHECK(std::abs(agreement.closest_steps + 0.11) < 1e-12);
-  agreement.count({61, 59}, walks);  // adjacent frames of different sequences
+  agreement.count({61, 59}, sequences);  // adjacent frames of different sequences
   CHECK(std::abs(agreement.likeliest_steps - 0.78) < 1e-12);
   CHECK(std::abs(agreement.closest_steps + 0.22) < 1e-12);
   CHECK(std::abs(agreement.together + 0.27) < 1e-12);
-  agreement.count({{}, 58}, walks);  // without words
-  agreement.count({63, 61}, walks);
+  agreement.count({{}, 58}, sequences);  // without words
+  agreement.count({63, 61}, sequences);
   CHECK(std::abs(agreement.closest_steps + 0.22) < 1e-12);
   CHECK(std::abs(agreement.together - 0.68) < 1e-12);
   CHECK(std::abs(agreement.ratio() - (0.73 + 3) / 5) < 1e-12);
   for (int frame = 0; frame < 1000; ++frame) {
-    agreement.count({0, frame % 2 == 0 ? 0U : 99U}, walks);
+    agreement.count({0, frame % 2 == 0 ? 0U : 99U}, sequences);
   }
   CHECK(agreement.ratio() > 20);
   CHECK(fusion_weight(basis, agreement) == 1);
-}
-
-TEST_CASE("the closest frame of a row in parts is the first one with the smallest score") {
-  ClosestFrame closest;
-  CHECK_FALSE(closest.frame());
-  closest.add(7, 50);
-  closest.add(9, 3);
-  CHECK(closest.frame() == 50);
-  closest.add(7, 20);
-  closest.add(7, 30);
-  CHECK(closest.frame() == 20);
-  closest.add(0, 1'000'000);
-  CHECK(closest.frame() == 1'000'000);
-  closest.reset();
-  CHECK_FALSE(closest.frame());
 }
 
 TEST_CASE("integer rows equal the reference implementation") {
@@ -172,13 +157,13 @@ TEST_CASE("a training sequence as query ignores its own views") {
       FusionBasis without = *basis;
       size_t frame = 0;
       size_t before = 0;  // in all training frames
-      for (const FusedWalk& walk : all.walks) {
-        const bool is_matched = basis == &all || walk.sequence > 0;
-        for (size_t i = 0; i < walk.frames && is_matched; ++i, ++frame)
-          if (own >= before && own < before + walk.frames &&
+      for (const FusedSequence& sequence : all.sequences) {
+        const bool is_matched = basis == &all || sequence.sequence > 0;
+        for (size_t i = 0; i < sequence.frames && is_matched; ++i, ++frame)
+          if (own >= before && own < before + sequence.frames &&
               std::abs(static_cast<int>(before + i) - static_cast<int>(own)) <= 5)
             without.views[frame] = FusedViews::kNoView;
-        before += walk.frames;
+        before += sequence.frames;
       }
       const FusionRow row = fusion_row(*basis, views.words[own], 0.1, own);
       const FusionRow other = fusion_row(without, views.words[own], 0.1);

@@ -8,7 +8,7 @@
 #include "match/components.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "match/zscores.h"
 #include "support.h"
 
@@ -21,7 +21,7 @@ struct Pictures {
   DescriptorShape shape;
   std::vector<uint8_t> bytes;
 
-  DescriptorSpan span(std::span<const size_t> unreadable = {}) const {
+  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
     return {{shape, bytes}, unreadable};
   }
 };
@@ -41,9 +41,11 @@ Pictures walk(size_t count, size_t pixels, uint64_t seed) {
 }
 
 uint32_t distance(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-  CHECK(gray_distance(a, b) == plain_gray(a, b));
-  CHECK(gray_distance(a, b) == gray_distance(b, a));
-  return gray_distance(a, b);
+  CHECK(distance_of(ElementType::gray_levels).pair(a, b) ==
+        reference_distance(ElementType::gray_levels, a, b));
+  CHECK(distance_of(ElementType::gray_levels).pair(a, b) ==
+        distance_of(ElementType::gray_levels).pair(b, a));
+  return distance_of(ElementType::gray_levels).pair(a, b);
 }
 
 }  // namespace
@@ -64,7 +66,7 @@ TEST_CASE("distances of images equal the reference implementation, on every SIMD
     const Pictures one = walk(77, pixels, 1);
     const Pictures two = walk(9, pixels, 2);
     const Pictures query = walk(5, pixels, 3);
-    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    const std::vector<DescribedFrames> train = {one.span(), two.span()};
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
       INFO(target << ", " << pixels << " pixels");
@@ -77,7 +79,8 @@ TEST_CASE("distances of images equal the reference implementation, on every SIMD
       for (size_t t = 0; t < order.size(); ++t)
         for (size_t i = 8; i < 86; ++i) {
           const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] == plain_gray(row, query.span().rows[order[t]]));
+          REQUIRE(tile[t * 100 + i - 8] ==
+                  reference_distance(ElementType::gray_levels, row, query.span().rows[order[t]]));
         }
     }
   }
@@ -87,12 +90,13 @@ TEST_CASE("the mean distance to all images equals the mean of their distances up
   const Pictures one = walk(200, 64, 4);
   const Pictures query = walk(20, 64, 5);
   const std::vector<size_t> unreadable = {3, 99};
-  const DescriptorSpan train = one.span(unreadable);
+  const DescribedFrames train = one.span(unreadable);
   const FrameDistances distances = frame_distances({&train, 1}, query.span());
   for (size_t j = 0; j < 20; ++j) {
     double sum = 0;
     for (size_t i = 0; i < 200; ++i)
-      if (i != 3 && i != 99) sum += plain_gray(train.rows[i], query.span().rows[j]);
+      if (i != 3 && i != 99)
+        sum += reference_distance(ElementType::gray_levels, train.rows[i], query.span().rows[j]);
     CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
   }
 }
@@ -105,13 +109,15 @@ TEST_CASE("components of images are sums over landmarks") {
   for (ComponentValues& weight : weights)
     for (double& value : weight)
       value = std::ldexp(static_cast<double>(uniform_below(engine, 2001)) - 1000, -20);
-  const Projector project = gray_projector(landmarks.span().rows, weights);
+  const Projector project =
+      distance_of(ElementType::gray_levels).projector(landmarks.span().rows, weights);
   for (size_t j = 0; j < 5; ++j) {
     const ComponentValues found = project(asked.span().rows[j]);
     for (size_t k = 0; k < kMaxComponents; ++k) {
       double sum = 0;
       for (size_t i = 0; i < 30; ++i)
-        sum += weights[i][k] * plain_gray_unrounded(landmarks.span().rows[i], asked.span().rows[j]);
+        sum += weights[i][k] * reference_unrounded(ElementType::gray_levels,
+                                                   landmarks.span().rows[i], asked.span().rows[j]);
       CHECK(found[k] == sum);  // exact
     }
   }
@@ -120,16 +126,16 @@ TEST_CASE("components of images are sums over landmarks") {
 TEST_CASE("z-scores of images equal the reference implementation") {
   const Pictures one = walk(80, 64, 9);
   const Pictures query = walk(50, 64, 10);
-  const DescriptorSpan train = one.span();
+  const DescribedFrames train = one.span();
   TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
   statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
-  const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});
+  const ReferenceUpdates updates = reference_updates({&train, 1}, query.span(), basis, {});
   const FrameDistances scores = zscores(frame_distances({&train, 1}, query.span()), basis, {});
   std::vector<uint16_t> row(80);
   std::vector<std::vector<double>> plain;
   for (size_t i = 0; i < 80; ++i)
-    plain.push_back(plain_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
+    plain.push_back(reference_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
   for (uint32_t j = 0; j < 50; ++j) {
     scores.start_row(j);
     scores.tile({&j, 1}, 0, 80, row.data(), 0);

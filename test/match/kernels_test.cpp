@@ -4,7 +4,7 @@
 
 #include "base/random.h"
 #include "match/frame_distances.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "support.h"
 
 using namespace vpr;
@@ -12,14 +12,14 @@ using namespace vpr;
 TEST_CASE("the reference Hamming distance counts bits, not bytes") {
   LdbCode a{};
   LdbCode b{};
-  CHECK(plain_hamming(a, b) == 0);
+  CHECK(reference_hamming(a, b) == 0);
   a[0] = 0b1011;
   b[0] = 0b0001;
   b[175] = 0x80;
-  CHECK(plain_hamming(a, b) == 3);
+  CHECK(reference_hamming(a, b) == 3);
   a.fill(0xff);
   b.fill(0);
-  CHECK(plain_hamming(a, b) == 1408);
+  CHECK(reference_hamming(a, b) == 1408);
 }
 
 TEST_CASE("every SIMD target counts like the reference implementation") {
@@ -28,7 +28,7 @@ TEST_CASE("every SIMD target counts like the reference implementation") {
   queries.push_back(train[13]);
   queries.emplace_back().fill(0xff);  // padding bits that are set count as well
   queries.emplace_back().fill(0);
-  const DescriptorSpan span{train, {}};
+  const DescribedFrames span{train, {}};
   const std::vector<uint32_t> all = {0, 1, 2, 3, 4, 5, 6, 7};
   REQUIRE(queries.size() == all.size());
   for (const std::string& target : simd_targets()) {
@@ -41,7 +41,7 @@ TEST_CASE("every SIMD target counts like the reference implementation") {
       std::vector<uint16_t> row(32, 0xffff);
       distances.tile({&q, 1}, 0, 29, row.data(), 0);
       for (size_t i = 0; i < train.size(); ++i) {
-        REQUIRE(row[i] == plain_hamming(train[i], queries[q]));
+        REQUIRE(row[i] == reference_hamming(train[i], queries[q]));
         REQUIRE(tile[q * 40 + i] == row[i]);
       }
       REQUIRE(tile[q * 40 + 32] == 0xffff);  // nothing written beyond the blocks
@@ -124,8 +124,8 @@ TEST_CASE(
     const std::vector<uint8_t> train = codes_of(21);
     std::vector<uint8_t> query = codes_of(4);
     std::copy_n(train.begin(), shape.row_bytes(), query.begin());
-    const DescriptorSpan span{{shape, train}, {}};
-    const DescriptorSpan asked{{shape, query}, {}};
+    const DescribedFrames span{{shape, train}, {}};
+    const DescribedFrames asked{{shape, query}, {}};
     CHECK(largest_distance(shape) == bits);
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
@@ -136,7 +136,7 @@ TEST_CASE(
       distances.tile(order, 8, 21, tile.data(), 16);
       for (size_t t = 0; t < order.size(); ++t) {
         for (size_t i = 8; i < 21; ++i) {
-          const uint32_t expected = plain_hamming(span.rows[i], asked.rows[order[t]]);
+          const uint32_t expected = reference_hamming(span.rows[i], asked.rows[order[t]]);
           REQUIRE(tile[t * 16 + i - 8] == expected);
           REQUIRE(hamming_distance(span.rows[i], asked.rows[order[t]]) == expected);
         }
@@ -147,11 +147,11 @@ TEST_CASE(
 
 TEST_CASE("descriptors of different shapes are refused") {
   const std::vector<uint8_t> bytes(8192, 0);
-  const DescriptorSpan train{{{ElementType::bits, 64}, std::span(bytes).first(16)}, {}};
-  const DescriptorSpan other{{{ElementType::bits, 128}, std::span(bytes).first(16)}, {}};
+  const DescribedFrames train{{{ElementType::bits, 64}, std::span(bytes).first(16)}, {}};
+  const DescribedFrames other{{{ElementType::bits, 128}, std::span(bytes).first(16)}, {}};
   CHECK(test::error_text([&] {
           frame_distances({&train, 1}, other);
         }) == "descriptors of 64 and of 128 elements can't be compared");
-  const DescriptorSpan longest{{{ElementType::bits, 65473}, bytes}, {}};
+  const DescribedFrames longest{{{ElementType::bits, 65473}, bytes}, {}};
   CHECK(test::error_kind([&] { frame_distances({&longest, 1}, longest); }) == ErrorKind::data);
 }

@@ -1,4 +1,4 @@
-// The contract of every sequence method: the same cells as the definition, each exactly once.
+// The contract of every sequence method: the cells of the reference implementation, each once.
 #include "match/match.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "match/lsh.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "support.h"
 
 using namespace vpr;
@@ -28,14 +28,15 @@ bool touches(const std::vector<size_t>& frames, size_t first, size_t count) {
                      [&](size_t f) { return f >= first && f < first + count; });
 }
 
-Cells by_definition(const Example& example, size_t length) {
+Cells reference_cells(const Example& example, size_t length) {
   Cells cells;
   for (size_t s = 0; s < example.train.size(); ++s)
     for (size_t j = 0; j + length <= example.query.size(); ++j)
       for (size_t i = 0; i + length <= example.train[s].size(); ++i)
         if (!touches(example.query_unreadable, j, length) &&
             !touches(example.train_unreadable[s], i, length))
-          cells[{j, s, i}] = plain_window_distance(example.train[s], i, example.query, j, length);
+          cells[{j, s, i}] =
+              reference_window_distance(example.train[s], i, example.query, j, length);
   return cells;
 }
 
@@ -52,7 +53,7 @@ RowConsumer collecting(Cells& cells, std::mutex& mutex) {
 
 Cells by_method(const Example& example, const SequenceMethod& method, MatchSettings settings) {
   settings.method = &method;
-  const std::vector<DescriptorSpan> spans = example.spans();
+  const std::vector<DescribedFrames> spans = example.spans();
   Cells cells;
   std::mutex mutex;
   match(frame_distances(spans, {example.query, example.query_unreadable}), settings,
@@ -61,7 +62,7 @@ Cells by_method(const Example& example, const SequenceMethod& method, MatchSetti
 }
 
 Cells by_lsh(const Example& example, const MatchSettings& settings) {
-  const std::vector<DescriptorSpan> spans = example.spans();
+  const std::vector<DescribedFrames> spans = example.spans();
   Cells cells;
   std::mutex mutex;
   match_lsh(frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
@@ -70,7 +71,7 @@ Cells by_lsh(const Example& example, const MatchSettings& settings) {
 }
 
 void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
-  const Cells expected = by_definition(example, length);
+  const Cells expected = reference_cells(example, length);
   for (const SequenceMethod& method : sequence_methods()) {
     if (method.has_paths) continue;
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
@@ -82,7 +83,7 @@ void check_all_methods(const Example& example, size_t length, const RowKernels& 
 
 }  // namespace
 
-TEST_CASE("the definition equals values computed by hand") {
+TEST_CASE("the reference implementation equals values computed by hand") {
   // Codes with 1, 3 and 7 in the first byte: their distances to zero are 1, 2 and 3.
   std::vector<LdbCode> train(3, LdbCode{});
   train[0][0] = 0b1;
@@ -95,7 +96,7 @@ TEST_CASE("the definition equals values computed by hand") {
   CHECK(test::plain_fastable(train, query, 2) == test::plain_openable(train, query, 2));
 }
 
-TEST_CASE("the recurrence equals the definition, cell by cell") {
+TEST_CASE("the recurrence equals the sums of windows, cell by cell") {
   const std::vector<LdbCode> train = test::walk_codes(40, 1);
   const std::vector<LdbCode> query = test::walk_codes(33, 2);
   for (size_t length = 1; length <= 34; ++length)
@@ -103,7 +104,7 @@ TEST_CASE("the recurrence equals the definition, cell by cell") {
             test::plain_openable(train, query, length));
 }
 
-TEST_CASE("every method equals the definition for every window length, on every SIMD target") {
+TEST_CASE("every method equals the reference implementation, for any length and SIMD target") {
   const Example example = make_example({37}, 29, 1);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
@@ -129,12 +130,12 @@ TEST_CASE("one frame against one frame") {
   for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels());
 }
 
-TEST_CASE("sets larger than a chunk, a strip and a tile equal the definition, for any threads") {
+TEST_CASE("sets larger than a chunk, a strip and a tile have the same cells, for any threads") {
   Example example = make_example({5000, 700, 3001}, 150, 4);
   example.train_unreadable[0] = {2047, 2048, 4095};
   example.query_unreadable = {63};
   for (const size_t length : {1, 7, 64}) {
-    const Cells expected = by_definition(example, length);
+    const Cells expected = reference_cells(example, length);
     for (const size_t threads : {1, 2, 5}) {
       const ThreadLimit limit(threads);
       for (const SequenceMethod& method : sequence_methods())
@@ -145,22 +146,22 @@ TEST_CASE("sets larger than a chunk, a strip and a tile equal the definition, fo
   }
 }
 
-TEST_CASE("online matching with several threads equals the definition") {
+TEST_CASE("online matching with several threads equals the reference implementation") {
   // Above 65536 frames, two threads share a row.
   const std::vector<LdbCode> train = test::walk_codes(70'001, 5);
   const std::vector<LdbCode> query = test::walk_codes(40, 6);
-  const DescriptorSpan span{train, {}};
+  const DescribedFrames span{train, {}};
   const FrameDistances distances = frame_distances({&span, 1}, {query, {}});
   for (const size_t length : {1, 3, 30}) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       size_t cells = 0;
       const auto check = [&](const ScoreRow& row) {
         for (size_t x = 0; x < row.scores.size(); x += 997, ++cells)
-          REQUIRE(row.scores[x] == plain_window_distance(train, row.train_window + x, query,
-                                                         row.query_window, length));
+          REQUIRE(row.scores[x] == reference_window_distance(train, row.train_window + x, query,
+                                                             row.query_window, length));
         const size_t last = row.scores.size() - 1;
-        REQUIRE(row.scores[last] == plain_window_distance(train, row.train_window + last, query,
-                                                          row.query_window, length));
+        REQUIRE(row.scores[last] == reference_window_distance(train, row.train_window + last, query,
+                                                              row.query_window, length));
       };
       MatchSettings settings{length, memory, select_kernels()};
       settings.method = &find_sequence_method("fastable-online");
@@ -175,7 +176,7 @@ TEST_CASE("several window lengths in one pass yield the rows of each one alone")
   example.train_unreadable[0] = {100};
   example.query_unreadable = {70};
   const std::vector<size_t> lengths = {5, 1, 40, 12, 40, 149};
-  const std::vector<DescriptorSpan> spans = example.spans();
+  const std::vector<DescribedFrames> spans = example.spans();
   for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
     std::vector<Cells> cells(lengths.size());
     std::mutex mutex;
@@ -185,18 +186,18 @@ TEST_CASE("several window lengths in one pass yield the rows of each one alone")
     match(frame_distances(spans, {example.query, example.query_unreadable}),
           {1, memory, select_kernels()}, passes, {});
     for (size_t l = 0; l < lengths.size(); ++l)
-      REQUIRE(cells[l] == by_definition(example, lengths[l]));
+      REQUIRE(cells[l] == reference_cells(example, lengths[l]));
   }
 }
 
-TEST_CASE("hashing finds cells of the definition, each once, the same for any threads") {
+TEST_CASE("hashing finds exact cells, each once, the same for any threads") {
   Example example = make_example({60, 3, 200}, 40, 7);
   example.train_unreadable[2] = {90};
   example.query_unreadable = {20};
   // Identical windows share every bucket and must be found.
   std::copy_n(example.train[2].begin() + 100, 12, example.query.begin());
   for (const size_t length : {1, 4, 12}) {
-    const Cells expected = by_definition(example, length);
+    const Cells expected = reference_cells(example, length);
     MatchSettings settings{length, size_t{1} << 30, select_kernels()};
     settings.lsh = {4, 6, 1};
     const Cells found = by_lsh(example, settings);

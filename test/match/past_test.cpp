@@ -1,4 +1,4 @@
-// A sequence against its own past: windows and scores compared with their definitions, without any
+// A sequence against its own past: windows and scores equal reference implementations, without any
 // influence of later frames.
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 #include "evaluate/loops.h"
 #include "examples.h"
 #include "match/match.h"
-#include "match/past_scores.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "match/score_kernels.h"
+#include "match/zscores.h"
 #include "reference/plain_past.h"
 #include "support.h"
 #include "truth/times.h"
@@ -31,8 +31,8 @@ struct Walk {
   std::vector<size_t> unreadable;
   std::vector<uint32_t> past;
 
-  DescriptorSpan span() const { return {codes, unreadable}; }
-  std::vector<DescriptorSpan> spans() const { return {span()}; }
+  DescribedFrames span() const { return {codes, unreadable}; }
+  std::vector<DescribedFrames> spans() const { return {span()}; }
 };
 
 // Half a sequence twice, so that there are loops.
@@ -60,13 +60,13 @@ bool is_broken(const Walk& walk, size_t first, size_t length) {
 }
 
 // All pairs of windows in which the earlier one ends in the past of the later one.
-Cells by_definition(const Walk& walk, size_t length) {
+Cells reference_cells(const Walk& walk, size_t length) {
   Cells cells;
   for (size_t j = 0; j + length <= walk.codes.size(); ++j)
     for (size_t i = 0; i + length <= walk.codes.size(); ++i)
       if (i + length - 1 < walk.past[j + length - 1] && !is_broken(walk, i, length) &&
           !is_broken(walk, j, length))
-        cells[{j, 0, i}] = plain_window_distance(walk.codes, i, walk.codes, j, length);
+        cells[{j, 0, i}] = reference_window_distance(walk.codes, i, walk.codes, j, length);
   return cells;
 }
 
@@ -96,7 +96,7 @@ FrameDistances distances_of(const Walk& walk) {
 }
 
 void check_methods(const Walk& walk, size_t length) {
-  const Cells expected = by_definition(walk, length);
+  const Cells expected = reference_cells(walk, length);
   for (const SequenceMethod& method : sequence_methods()) {
     if (method.has_paths) continue;
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
@@ -116,7 +116,7 @@ Cells scores_of(const Walk& walk, size_t length, const ZScoreSettings& settings,
 // The largest difference between fast and reference scores, in tolerances; requires all cells.
 double worst_score(const Walk& walk, size_t length, const ZScoreSettings& settings) {
   const Cells fast = scores_of(walk, length, settings);
-  const Cells raw = by_definition(walk, length);
+  const Cells raw = reference_cells(walk, length);
   REQUIRE(fast.size() == raw.size());
   const PlainPast shared = plain_past(walk.span(), walk.past, settings, {});
   std::vector<std::vector<double>> columns;
@@ -165,11 +165,11 @@ TEST_CASE("windows of two frames of a sequence of five, computed by hand") {
   // The window that ends at frame 3 matches the one that ends at 1; the last one also matches the
   // one that ends at 2.
   const Cells expected = {{{2, 0, 0}, 2 + 2}, {{3, 0, 0}, 3 + 1}, {{3, 0, 1}, 2 + 2}};
-  CHECK(by_definition(walk, 2) == expected);
+  CHECK(reference_cells(walk, 2) == expected);
   check_methods(walk, 2);
 }
 
-TEST_CASE("every exact method equals the definition for every gap and length, on any target") {
+TEST_CASE("every exact method equals the reference implementation for every gap and length") {
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
     for (const size_t gap : {0, 1, 2, 7, 30, 35, 36, 37, 50}) {
@@ -196,9 +196,9 @@ TEST_CASE("gaps in time are measured between the last frames of windows") {
 }
 
 TEST_CASE(
-    "sequences larger than a chunk, a strip and a tile equal the definition, for any threads") {
+    "sequences larger than a chunk, a strip and a tile have the same cells, for any threads") {
   const Walk walk = make_walk(2300, {{}, 140}, 5);
-  const Cells expected = by_definition(walk, 3);
+  const Cells expected = reference_cells(walk, 3);
   const Cells scores = scores_of(walk, 3, {});
   for (const size_t threads : {1, 7}) {
     const ThreadLimit limit(threads);

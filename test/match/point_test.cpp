@@ -8,7 +8,7 @@
 #include "match/components.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "match/zscores.h"
 #include "support.h"
 
@@ -20,7 +20,7 @@ struct Points {
   DescriptorShape shape;
   std::vector<uint8_t> bytes;
 
-  DescriptorSpan span(std::span<const size_t> unreadable = {}) const {
+  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
     return {{shape, bytes}, unreadable};
   }
 };
@@ -54,9 +54,11 @@ uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) 
   append(points, a);
   append(points, b);
   const DescriptorRows rows = points.span().rows;
-  CHECK(point_distance(rows[0], rows[1]) == plain_point(rows[0], rows[1]));
-  CHECK(point_distance(rows[0], rows[1]) == point_distance(rows[1], rows[0]));
-  return point_distance(rows[0], rows[1]);
+  CHECK(distance_of(ElementType::points16).pair(rows[0], rows[1]) ==
+        reference_distance(ElementType::points16, rows[0], rows[1]));
+  CHECK(distance_of(ElementType::points16).pair(rows[0], rows[1]) ==
+        distance_of(ElementType::points16).pair(rows[1], rows[0]));
+  return distance_of(ElementType::points16).pair(rows[0], rows[1]);
 }
 
 }  // namespace
@@ -75,7 +77,7 @@ TEST_CASE("distances of points equal the reference implementation, on every SIMD
     const Points two = walk(9, length, 2);
     const Points query = walk(6, length, 3);
     const std::vector<size_t> gap = {3};
-    const std::vector<DescriptorSpan> train = {one.span(gap), two.span()};
+    const std::vector<DescribedFrames> train = {one.span(gap), two.span()};
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
       INFO(target << ", " << length << " coordinates");
@@ -87,13 +89,15 @@ TEST_CASE("distances of points equal the reference implementation, on every SIMD
       for (size_t t = 0; t < order.size(); ++t)
         for (size_t i = 8; i < 86; ++i) {
           const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + (i - 8)] == plain_point(row, query.span().rows[order[t]]));
+          REQUIRE(tile[t * 100 + (i - 8)] ==
+                  reference_distance(ElementType::points16, row, query.span().rows[order[t]]));
         }
       uint64_t total = 0;
       for (size_t i = 0; i < 86; ++i)
         if (i != 3)
-          total +=
-              plain_point(i < 77 ? train[0].rows[i] : train[1].rows[i - 77], query.span().rows[2]);
+          total += reference_distance(ElementType::points16,
+                                      i < 77 ? train[0].rows[i] : train[1].rows[i - 77],
+                                      query.span().rows[2]);
       CHECK(row_mean(distances, 2) == static_cast<double>(total) / 85);
     }
   }
@@ -102,22 +106,22 @@ TEST_CASE("distances of points equal the reference implementation, on every SIMD
 TEST_CASE("a point that is too long for exact products is refused") {
   Points far{{ElementType::points16, 3}, {}};
   append(far, {32767, 32767, 32767});
-  const DescriptorSpan span = far.span();
+  const DescribedFrames span = far.span();
   CHECK(test::error_kind([&] { frame_distances({&span, 1}, span); }) == ErrorKind::data);
 }
 
 TEST_CASE("z-scores of points equal the reference implementation") {
   const Points train = walk(120, 40, 5);
   const Points query = walk(30, 40, 6);
-  const DescriptorSpan span = train.span();
+  const DescribedFrames span = train.span();
   TrainStatistics statistics = compute_statistics({&span, 1}, {}, {});
   statistics.components = compute_components({&span, 1}, statistics.typical_distance, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
   const FrameDistances scores = zscores(frame_distances({&span, 1}, query.span()), basis, {});
-  const PlainUpdates updates = plain_updates({&span, 1}, query.span(), basis, {});
+  const ReferenceUpdates updates = reference_updates({&span, 1}, query.span(), basis, {});
   std::vector<std::vector<double>> plain;
   for (size_t i = 0; i < 120; ++i)
-    plain.push_back(plain_frame_scores(span.rows[i], i, query.span().rows, updates, basis));
+    plain.push_back(reference_frame_scores(span.rows[i], i, query.span().rows, updates, basis));
   for (uint32_t frame = 0; frame < 30; ++frame) {
     std::vector<uint16_t> row(128);
     scores.start_row(frame);

@@ -1,5 +1,3 @@
-#include "match/rates.h"
-
 #include <map>
 #include <tuple>
 
@@ -9,7 +7,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "examples.h"
-#include "match/fastable_online.h"
+#include "match/fastable.h"
 #include "match/match.h"
 #include "match/zscores.h"
 #include "support.h"
@@ -35,14 +33,14 @@ MatchSettings settings_of(size_t length, std::vector<Rate> rates) {
 std::vector<std::vector<uint16_t>> all_pairs(const FrameDistances& distances) {
   std::vector<std::vector<uint16_t>> pairs;
   for (uint32_t query = 0; query < distances.query_frames; ++query) {
-    auto& row = pairs.emplace_back(distances.train_frames + kStretchFrames);
+    auto& row = pairs.emplace_back(distances.train_frames + kBlockFrames);
     if (distances.start_row) distances.start_row(query);
     distances.tile({&query, 1}, 0, distances.train_frames, row.data(), 0);
   }
   return pairs;
 }
 
-// The definition: computes every sum directly.
+// Computes every sum directly.
 RatedCells plain_rates(const std::vector<std::vector<uint16_t>>& pairs,
                        const FrameDistances& frames, size_t length,
                        const std::vector<Rate>& rates) {
@@ -99,7 +97,7 @@ TEST_CASE("a rate of 1/2, computed by hand") {
   DescriptorSet shown = test::make_query(train);
   for (size_t i = 0; i < 3; ++i)
     for (size_t bit = 0; bit < i; ++bit) shown.descriptors.owned[i * kLdbBytes] |= 1 << bit;
-  const DescriptorSpan spans[] = {shown.span()};
+  const DescribedFrames spans[] = {shown.span()};
   const DescriptorSet asked = test::make_query(query);
   const FrameDistances distances = frame_distances(spans, asked.span());
   // Windows of three frames that end at training frame 2: offsets 0, 1 (0.5 up), 1.
@@ -111,11 +109,11 @@ TEST_CASE("a rate of 1/2, computed by hand") {
   CHECK(rate_span({3, 2}, 3) == 4);
 }
 
-TEST_CASE("windows of several rates equal the sums of their definition, and rate 1 is FastABLE") {
+TEST_CASE("windows of several rates equal direct sums, and rate 1 is FastABLE") {
   for (const uint64_t seed : {1, 2, 3}) {
     const test::Example example = gappy_example(seed);
-    const std::vector<DescriptorSpan> spans = example.spans();
-    const DescriptorSpan query{example.query, example.query_unreadable};
+    const std::vector<DescribedFrames> spans = example.spans();
+    const DescribedFrames query{example.query, example.query_unreadable};
     const FrameDistances distances = frame_distances(spans, query);
     const auto pairs = all_pairs(distances);
     for (const size_t length : {1, 2, 3, 5, 8, 11}) {
@@ -139,10 +137,10 @@ TEST_CASE("windows of several rates equal the sums of their definition, and rate
 
 TEST_CASE("z-scores support rates, and several lengths share a pass") {
   const test::Example example = gappy_example(4);
-  const std::vector<DescriptorSpan> spans = example.spans();
-  const DescriptorSpan query{example.query, example.query_unreadable};
+  const std::vector<DescribedFrames> spans = example.spans();
+  const DescribedFrames query{example.query, example.query_unreadable};
   size_t frames = 0;
-  for (const DescriptorSpan& span : spans) frames += span.rows.size();
+  for (const DescribedFrames& span : spans) frames += span.rows.size();
   ScoreBasis basis;
   basis.typical_distance = 60;
   basis.mean.assign(frames, 1);
@@ -165,7 +163,7 @@ TEST_CASE("only the window with its rate follows a sequence at another speed") {
   for (size_t k = 0; k < 40; ++k) query.push_back(train[20 + (3 * k + 1) / 2]);
   const DescriptorSet trained = test::make_query(train);
   const DescriptorSet asked = test::make_query(query);
-  const DescriptorSpan spans[] = {trained.span()};
+  const DescribedFrames spans[] = {trained.span()};
   const RatedCells cells =
       fast_rates(frame_distances(spans, asked.span()), settings_of(20, kRates));
   std::pair<uint32_t, test::CellKey> best{UINT32_MAX, {}};
@@ -188,7 +186,7 @@ TEST_CASE("invalid rates, and rates that exceed the memory, are refused") {
           parse_rates(std::vector<std::string>{"1", "2/2"});
         }) == ErrorKind::usage);
   const test::Example example = gappy_example(1);
-  const std::vector<DescriptorSpan> spans = example.spans();
+  const std::vector<DescribedFrames> spans = example.spans();
   const FrameDistances distances = frame_distances(spans, {example.query, {}});
   MatchSettings settings = settings_of(5, kRates);
   settings.memory_limit = 100;

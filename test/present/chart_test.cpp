@@ -5,10 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "present/chart_layout.h"
 #include "present/charts.h"
-#include "present/raster.h"
-#include "present/sweep_report.h"
+#include "present/tuning_report.h"
 #include "support.h"
 
 using namespace vpr;
@@ -125,7 +123,7 @@ TEST_CASE("every style and mark of a series has its color in the image") {
 }
 
 TEST_CASE("invalid SVG cannot be drawn, and hostile titles are text") {
-  CHECK(test::error_kind([] { png_of_svg("no picture", 1); }) == ErrorKind::internal);
+  CHECK(test::error_kind([] { png_of_svg("not an SVG", 1); }) == ErrorKind::internal);
   Chart chart{"c", "<script>alert(1)</script> & \"so\" \x01\xff"};
   chart.series.push_back({"<b>", {{1, 1}}});
   CHECK_FALSE(has(svg_of(chart), "<script>"));

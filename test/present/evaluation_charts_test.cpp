@@ -6,13 +6,12 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "present/chart_layout.h"
+#include "present/chart.h"
 #include "present/charts.h"
 #include "present/evaluation_report.h"
 #include "present/loops_report.h"
-#include "present/route_map.h"
 #include "present/score_matrix.h"
-#include "present/sweep_report.h"
+#include "present/tuning_report.h"
 #include "support.h"
 
 using namespace vpr;
@@ -30,7 +29,7 @@ Judgment walk(const std::string& letters) {
   layout.window_length = 3;
   layout.scope = {{"", letters.size() + 2}, {{{"monday", 30}, true}, {{"friday", 20}, true}}};
   layout.columns = {{0, 0, 28}, {1, 28, 18}};
-  judgment.fixes.assign(layout.scope.query.frames, Fix::none);
+  judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
   judgment.outcomes.window_length = 3;
   judgment.outcomes.query_frames = layout.scope.query.frames;
   for (size_t q = 0; q < letters.size(); ++q) {
@@ -41,8 +40,8 @@ Judgment walk(const std::string& letters) {
     query.best = FrameMatch{is_right ? 0u : 1u, query.frame};
     query.key = score_key(double(q), ScoreOrder::distance);
     judgment.outcomes.queries.push_back(query);
-    if (letters[q] == 'R') judgment.fixes[query.frame] = Fix::right;
-    if (letters[q] == 'W') judgment.fixes[query.frame] = Fix::wrong;
+    if (letters[q] == 'R') judgment.verdicts[query.frame] = FrameVerdict::correct;
+    if (letters[q] == 'W') judgment.verdicts[query.frame] = FrameVerdict::incorrect;
   }
   judgment.single_best = single_best_curve(judgment.outcomes);
   return judgment;
@@ -79,11 +78,11 @@ TEST_CASE("frames of several sequences follow each other, with round ticks") {
   CHECK(bands[1].at == 30);
   CHECK(length_of(bands) == 50);
   CHECK(position_of(bands, {1, 7}) == 37);
-  const std::vector<AxisTick> ticks = ticks_of(bands, 5);
-  std::vector<size_t> frames;
-  for (const AxisTick& tick : ticks) frames.push_back(tick.frame);
-  CHECK(frames == std::vector<size_t>{0, 10, 20, 0, 10});
-  CHECK(ticks[3].position == 30.5);
+  const std::vector<ChartTick> ticks = ticks_of(bands, 5);
+  std::vector<std::string> frames;
+  for (const ChartTick& tick : ticks) frames.push_back(tick.text);
+  CHECK(frames == std::vector<std::string>{"0", "10", "20", "0", "10"});
+  CHECK(ticks[3].at == 30.5);
   const std::vector<FrameBand> columns = column_bands(walk("rr").layout);
   CHECK(columns[1].at == 28);
   CHECK(columns[1].first_frame == 2);
@@ -92,21 +91,21 @@ TEST_CASE("frames of several sequences follow each other, with round ticks") {
   CHECK(round_step(50, 5) == 10);
   CHECK(round_step(51, 5) == 10);
   CHECK(round_step(100, 8) == 20);
-  CHECK(ticks_of({}, 5).empty());
+  CHECK(ticks_of(std::vector<FrameBand>{}, 5).empty());
 }
 
 TEST_CASE("if two ticks are close, the first one of a band stays") {
-  const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 0, 21}, {"b", 1, 21, 0, 20}}, 4);
+  const std::vector<ChartTick> ticks = ticks_of({{"a", 0, 0, 0, 21}, {"b", 1, 21, 0, 20}}, 4);
   std::vector<double> positions;
-  for (const AxisTick& tick : ticks) positions.push_back(tick.position);
+  for (const ChartTick& tick : ticks) positions.push_back(tick.at);
   CHECK(positions == std::vector<double>{0.5, 10.5, 21.5, 31.5});
 }
 
 TEST_CASE("the cost of an axis depends on its visible ticks") {
-  const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 7, size_t{1} << 60}}, 5);
+  const std::vector<ChartTick> ticks = ticks_of({{"a", 0, 0, 7, size_t{1} << 60}}, 5);
   REQUIRE(ticks.size() > 3);
-  CHECK(ticks[0].frame == 7);
-  CHECK(ticks[1].frame == 200000000000000000);
+  CHECK(ticks[0].text == "7");
+  CHECK(ticks[1].text == "200000000000000000");
 }
 
 TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground truth") {
@@ -144,8 +143,8 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
 TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   const Judgment judgment = walk("rRwWrRRR");
   const GroundTruth truth = aligned(judgment);
-  const ScorePicture picture = draw_scores(judgment, truth, nullptr, 100, {});
-  Chart chart = matrix_chart(judgment.layout, picture, "training frame", "distance");
+  Chart chart = matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {},
+                             {"training frame", "distance"}, {});
   CHECK(chart.x.ticks.front().text == "2");  // the first window's anchor
   CHECK(chart.x.bands[1].name == "friday");
   CHECK(chart.y.range == std::pair(8.0, 0.0));
@@ -173,8 +172,9 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   CHECK(scores[0] == 0);
   CHECK(scores[26] == 26);
   CHECK(std::isnan(scores[27]));  // no row came
-  const ScorePicture picture = draw_scores(judgment, truth, pixels.grid(), scores, {});
-  const cv::Mat image = pixels_of(picture.image.png);
+  const Chart chart =
+      matrix_chart(judgment, truth, pixels.grid(), scores, {"training frame", "distance"}, {});
+  const cv::Mat image = pixels_of(chart.image->png);
   const auto at = [&](int x, int y) {
     return image.at<cv::Vec3b>(y * image.rows / 8 + 1, x * image.cols / 28 + 1);
   };
@@ -186,10 +186,9 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   CHECK(at(10, 0)[0] > at(9, 0)[0]);
   CHECK(at(27, 0) != cv::Vec3b(255, 255, 255));  // and none has a separate color
   CHECK(at(27, 0)[0] != at(27, 0)[2]);
-  CHECK(picture.shown == std::vector<Meaning>{Meaning::right, Meaning::wrong, Meaning::truth});
-  CHECK(picture.image.grays == std::pair(0.0, 26.0));
+  CHECK(meanings_of(chart) == std::vector<Meaning>{Meaning::right, Meaning::wrong, Meaning::truth});
+  CHECK(chart.image->grays == std::pair(0.0, 26.0));
   // The file shows the same pixels.
-  const Chart chart = matrix_chart(judgment.layout, picture, "training frame", "distance");
   const cv::Mat drawn = pixels_of(chart_png({chart}));
   const ChartArea area = layout_of(chart, false).area;
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(5, 1), std::pair(9, 0)}) {
@@ -267,20 +266,20 @@ TEST_CASE("a map has a scale bar in meters, and places only for FAB-MAP") {
 TEST_CASE("frames without possible recognition are not drawn as missed") {
   Judgment judgment = walk("rRwWrR");  // frames 0 and 1 end no window
   GroundTruth truth = aligned(judgment);
-  const size_t frames = judgment.fixes.size();
+  const size_t frames = judgment.verdicts.size();
   for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
   judgment.outcomes.queries[1].has_match = false;
   judgment.outcomes.queries[1].is_unreachable = true;
   const size_t elsewhere = judgment.outcomes.queries[1].frame;
-  judgment.fixes.assign(frames, Fix::none);
-  judgment.fixes.back() = Fix::right;
+  judgment.verdicts.assign(frames, FrameVerdict::none);
+  judgment.verdicts.back() = FrameVerdict::correct;
   const std::vector<Meaning> meanings = meanings_of(judgment, truth);
   REQUIRE(meanings.size() == frames);
   const size_t first = judgment.outcomes.queries.front().frame;
   for (size_t frame = 0; frame < frames; ++frame) {
     INFO(frame);
     const Meaning expected = frame == frames - 1                   ? Meaning::right
-                             : frame < first || frame == elsewhere ? Meaning::unreachable
+                             : frame < first || frame == elsewhere ? Meaning::no_valid_window
                                                                    : Meaning::missed;
     CHECK(meanings[frame] == expected);
   }
@@ -335,10 +334,11 @@ TEST_CASE("a map with very many loops draws some and reports so") {
       evaluation.judgment.loops.push_back(judged);
     }
     for (const Series& series : loops_map_chart(evaluation).series)
-      if (series.name.starts_with("wrong loop"))
+      if (series.name.starts_with("incorrect loop"))
         return std::pair(series.name, series.points.size());
     return std::pair(std::string(), size_t{0});
   };
-  CHECK(wrong_lines(2000) == std::pair(std::string("wrong loop"), size_t{3 * 2000}));
-  CHECK(wrong_lines(5000) == std::pair(std::string("wrong loop (2000 of 5000)"), size_t{3 * 2000}));
+  CHECK(wrong_lines(2000) == std::pair(std::string("incorrect loop"), size_t{3 * 2000}));
+  CHECK(wrong_lines(5000) ==
+        std::pair(std::string("incorrect loop (2000 of 5000)"), size_t{3 * 2000}));
 }

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "present/evaluation_tables.h"
+#include "present/evaluation_report.h"
 
 using namespace vpr;
 
@@ -79,7 +79,7 @@ TEST_CASE("the palette has an entry for every meaning, and no color twice") {
     CHECK(static_cast<size_t>(palette()[i].meaning) == i);
     CHECK(colors.insert(palette()[i].light).second);
   }
-  CHECK(palette().size() == static_cast<size_t>(Meaning::asked_margin) + 1);
+  CHECK(palette().size() == static_cast<size_t>(Meaning::required_margin) + 1);
   CHECK(hex_of(Meaning::right) == "#1668c7");
   CHECK(bgr_of(Meaning::right) == cv::Vec3b(0xc7, 0x68, 0x16));
 }
@@ -90,9 +90,9 @@ TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds")
        Meaning::unjudged},
       {Meaning::unjudged, Meaning::weak_unjudged},
       {Meaning::right, Meaning::wrong, Meaning::missed, Meaning::unmapped, Meaning::train_path,
-       Meaning::place, Meaning::unreachable},
+       Meaning::place, Meaning::no_valid_window},
       {Meaning::best_matches, Meaning::all_pairs, Meaning::by_margin},
-      {Meaning::right, Meaning::wrong, Meaning::unjudged, Meaning::asked_margin}};
+      {Meaning::right, Meaning::wrong, Meaning::unjudged, Meaning::required_margin}};
   for (const auto& picture : pictures)
     for (size_t i = 0; i < picture.size(); ++i) {
       const PaletteColor& a = color_of(picture[i]);
@@ -119,19 +119,22 @@ TEST_CASE("a page's variables equal the palette's colors") {
 
 TEST_CASE("the summary states the recall, the errors and the first recognition") {
   Judgment judgment;
-  judgment.fixes = {Fix::none, Fix::wrong, Fix::right, Fix::none, Fix::unjudged};
+  judgment.verdicts = {FrameVerdict::none, FrameVerdict::incorrect, FrameVerdict::correct,
+                       FrameVerdict::none, FrameVerdict::unjudged};
+  CHECK(
+      summary_sentence(judgment, true, {}) ==
+      "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
+      "frame 2.");
+  CHECK(
+      summary_sentence(judgment, true, 4.0) ==
+      "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
+      "frame 2 (0.5 s).");
+  judgment.verdicts = {FrameVerdict::correct};
   CHECK(summary_sentence(judgment, true, {}) ==
-        "Recognized in 3 of 5 frames, 1 of them wrong, 1 to be ignored; the first right one at "
-        "frame 2.");
-  CHECK(summary_sentence(judgment, true, 4.0) ==
-        "Recognized in 3 of 5 frames, 1 of them wrong, 1 to be ignored; the first right one at "
-        "frame 2 (0.5 s).");
-  judgment.fixes = {Fix::right};
-  CHECK(summary_sentence(judgment, true, {}) ==
-        "Recognized in 1 of 1 frame, none of them wrong; the first right one at frame 0.");
-  judgment.fixes = {Fix::none, Fix::none};
+        "Recognized in 1 of 1 frame, none of them incorrect; the first correct one at frame 0.");
+  judgment.verdicts = {FrameVerdict::none, FrameVerdict::none};
   CHECK(summary_sentence(judgment, true, 10.0) == "Recognized in none of 2 frames.");
-  judgment.fixes = {Fix::none, Fix::unjudged};
+  judgment.verdicts = {FrameVerdict::none, FrameVerdict::unjudged};
   CHECK(summary_sentence(judgment, false, 10.0) ==
         "Recognized in 1 of 2 frames; the first one at frame 1 (0.1 s). Nothing is judged without "
         "a ground truth.");

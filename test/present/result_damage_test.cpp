@@ -83,10 +83,10 @@ TEST_CASE("modified results are refused without a crash") {
                                                  {"/query/windows", 5},
                                                  {"/query/frames", -1},
                                                  {"/query/frames", 1e30},
-                                                 {"/targets/0/frames", 2},
-                                                 {"/targets/0/windows", 6},
-                                                 {"/targets", 3},
-                                                 {"/clusters/0/target", 2},
+                                                 {"/sequences/0/frames", 2},
+                                                 {"/sequences/0/windows", 6},
+                                                 {"/sequences", 3},
+                                                 {"/clusters/0/sequence", 2},
                                                  {"/clusters/0/train/last", 5},
                                                  {"/clusters/0/query/window", 4},
                                                  {"/files/recognitions/checksum", "xxh3:0"},
@@ -95,7 +95,7 @@ TEST_CASE("modified results are refused without a crash") {
                                                  {"/settings/clustering/eps", 0},
                                                  {"/clusters", Json::array()},
                                                  {"/clusters/0/recognitions", 3},
-                                                 {"/schema", "vpr.result/3"},
+                                                 {"/schema", "vpr.result/2"},
                                                  {"/query", Json()}}) {
     INFO(pointer);
     CHECK(broken(pointer, value) == ErrorKind::data);

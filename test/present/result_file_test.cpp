@@ -38,10 +38,10 @@ TEST_CASE("a resampled query stores its selection, and an invalid one is refused
   Result expected = example_result();
   expected.query.selection = Selection{"varying", 7, 9, {0, 0, 4, 8, 8}};
   const Json json = write(folder / "r.json", expected, Existing::refuse);
-  CHECK(json["query"]["warp"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
+  CHECK(json["query"]["speed"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
   const Result result = read_result(folder / "r.json").result;
   REQUIRE_FALSE(result.query.selection.is_all());
-  CHECK(result.query.selection.warp == "varying");
+  CHECK(result.query.selection.speed == "varying");
   CHECK(result.query.selection.seed == 7);
   CHECK(result.query.selection.recorded_frames == 9);
   CHECK(result.query.selection.sources == expected.query.selection.sources);
@@ -83,7 +83,7 @@ TEST_CASE("a result of places uses the same writer and reader") {
   const test::TemporaryFolder folder;
   const Result expected = places_example();
   const Json json = write(folder / "r.json", expected, Existing::refuse);
-  CHECK(json["targets"][0] ==
+  CHECK(json["sequences"][0] ==
         Json{{"name", "places"}, {"frames", 2}, {"windows", 2}, {"searched", true}});
   CHECK(json["places"]["views"] == 3);
   CHECK_FALSE(json.contains("clusters"));
@@ -125,7 +125,7 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
         std::vector<double>{-4000, -3073, 17});
   CHECK(std::isnan(scores[3]));
   const Json json = read_result_json(folder / "r.json");
-  CHECK(json["targets"][0]["limit"] == -3072);
+  CHECK(json["sequences"][0]["limit"] == -3072);
   CHECK(json["clusters"][0]["best_score"] == -4000);
   CHECK(json["statistics"]["typical_distance"] == 300.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
@@ -149,19 +149,20 @@ TEST_CASE("settings of raw distances omit those of z-scores") {
 TEST_CASE("the first frames of keyframes are written with the result and read back") {
   const test::TemporaryFolder folder;
   Result result = example_result();
-  result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
+  result.views = ResultKeyframes{{0, 3}, {{0, 1, 5}, {0}}};
   const Json json = write(folder / "r.json", result, Existing::refuse);
-  CHECK(json["files"]["views"]["rows"] == 6);
+  CHECK(json["files"]["keyframes"]["rows"] == 6);
   const auto views = read_result(folder / "r.json").result.views;
   REQUIRE(views);
   CHECK(views->query == result.views->query);
   CHECK(views->train == result.views->train);
-  test::write_text(folder / "r.views.npy", test::read_text(folder / "r.best.npy"));
+  test::write_text(folder / "r.keyframes.npy", test::read_text(folder / "r.best.npy"));
   CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
   // Frames that are out of range or order, and sequences without the first one.
-  for (const ResultViews& bad : {ResultViews{{0, 5}, {{0}, {0}}}, ResultViews{{0, 0}, {{0}, {0}}},
-                                 ResultViews{{1}, {{0}, {0}}}, ResultViews{{0}, {{0}, {}}},
-                                 ResultViews{{0}, {{0}, {0}, {0}}}}) {
+  for (const ResultKeyframes& bad :
+       {ResultKeyframes{{0, 5}, {{0}, {0}}}, ResultKeyframes{{0, 0}, {{0}, {0}}},
+        ResultKeyframes{{1}, {{0}, {0}}}, ResultKeyframes{{0}, {{0}, {}}},
+        ResultKeyframes{{0}, {{0}, {0}, {0}}}}) {
     result.views = bad;
     write(folder / "r.json", result, Existing::replace);
     CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "present/sweep_report.h"
+#include "present/tuning_report.h"
 
 using namespace vpr;
 

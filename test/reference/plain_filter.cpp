@@ -32,7 +32,7 @@ double stepped(const PlainFilter& filter, const CellRun& run, size_t rate, size_
 bool is_same_path(const PlainView& before, const PlainView& view, const FilterSettings& settings) {
   const double gap = static_cast<double>(view.cell) - static_cast<double>(before.cell);
   return view.sequence == before.sequence &&
-         std::abs(gap) <= static_cast<double>(settings.near_views);
+         std::abs(gap) <= static_cast<double>(settings.near_keyframes);
 }
 
 // In keyframes: the mean of the query's and the training sequence's number.
@@ -86,23 +86,23 @@ bool is_present(std::span<const PlainView> path, const FilterSettings& settings)
 }
 
 bool is_long(std::span<const PlainView> path, const FilterSettings& settings) {
-  return path_length(path) >= 2 * static_cast<double>(settings.establish_views);
+  return path_length(path) >= 2 * static_cast<double>(settings.confirm_keyframes);
 }
 
 bool has_margin(const PlainView& view, double least) {
   return view.margin >= std::floor(least * kScoreUnit + 0.5);
 }
 
-bool establishes(std::span<const PlainView> path, const FilterSettings& settings) {
+bool is_confirmable(std::span<const PlainView> path, const FilterSettings& settings) {
   const PlainView& view = path.back();
   if (!is_present(path, settings)) return false;
-  const bool has_whole = has_margin(view, settings.establish_margin);
-  if (has_whole && path_evidence(view) >= settings.establish_evidence) return true;
+  const bool has_whole = has_margin(view, settings.confirm_margin);
+  if (has_whole && path_evidence(view) >= settings.confirm_evidence) return true;
   const double support = mean_support(view) / kScoreUnit;
   if (has_whole && support >= settings.support &&
-      path_length(path) >= static_cast<double>(settings.establish_views))
+      path_length(path) >= static_cast<double>(settings.confirm_keyframes))
     return true;
-  return is_long(path, settings) && has_margin(view, 0.8 * settings.establish_margin) &&
+  return is_long(path, settings) && has_margin(view, 0.8 * settings.confirm_margin) &&
          support >= 0.8 * settings.support;
 }
 
@@ -122,12 +122,12 @@ PlainFilter start_plain_filter(const FilterCells& cells, const FilterSettings& s
 void advance_plain_filter(PlainFilter& filter, std::span<const uint16_t> scores) {
   const FilterSettings& settings = filter.settings;
   const double stays = (1 - settings.enter) * (1 - settings.jump);
-  const double lands = ((1 - filter.nowhere) * (1 - settings.enter) * settings.jump +
-                        filter.nowhere * settings.leave) /
+  const double lands = ((1 - filter.off_map) * (1 - settings.enter) * settings.jump +
+                        filter.off_map * settings.leave) /
                        static_cast<double>(filter.cells.places);
   PlainFilter next = filter;
-  next.nowhere = filter.nowhere * (1 - settings.leave) + (1 - filter.nowhere) * settings.enter;
-  double total = next.nowhere;
+  next.off_map = filter.off_map * (1 - settings.leave) + (1 - filter.off_map) * settings.enter;
+  double total = next.off_map;
   for (const CellRun& run : filter.cells.runs)
     for (size_t to = run.first; to < run.first + run.count; ++to) {
       next.masses[to] = 0;
@@ -138,7 +138,7 @@ void advance_plain_filter(PlainFilter& filter, std::span<const uint16_t> scores)
       }
       total += next.masses[to];
     }
-  next.nowhere /= total;
+  next.off_map /= total;
   for (double& mass : next.masses) mass /= total;
   for (std::vector<double>& rate : next.rates)
     for (double& mass : rate) mass /= total;
@@ -150,7 +150,7 @@ double plain_value(const PlainFilter& filter, size_t cell) {
 }
 
 double plain_nowhere_value(const PlainFilter& filter) {
-  return -std::log(filter.nowhere) / filter.settings.sharpness;
+  return -std::log(filter.off_map) / filter.settings.sharpness;
 }
 
 double plain_path_margin(std::span<const std::vector<uint16_t>> scores, size_t best, size_t places,
@@ -162,28 +162,27 @@ double plain_path_margin(std::span<const std::vector<uint16_t>> scores, size_t b
   for (const std::vector<uint16_t>& view : scores) advance_plain_filter(filter, view);
   double least = plain_value(filter, best);
   for (size_t c = 0; c < cells; ++c)
-    if (std::max(c, best) - std::min(c, best) <= settings.near_views)
+    if (std::max(c, best) - std::min(c, best) <= settings.near_keyframes)
       least = std::min(least, plain_value(filter, c));
   return std::max(0.0, plain_nowhere_value(filter) - least);
 }
 
-std::vector<uint8_t> plain_belief(std::span<const PlainView> views,
-                                  const FilterSettings& settings) {
+std::vector<uint8_t> plain_confirmed(std::span<const PlainView> views,
+                                     const FilterSettings& settings) {
   std::vector<uint8_t> believed;
   for (size_t k = 0; k < views.size(); ++k) {
     size_t begin = k;
     while (begin > 0 && is_same_path(views[begin - 1], views[begin], settings)) --begin;
-    bool is_established = false;
+    bool is_confirmed = false;
     for (size_t v = begin; v <= k; ++v) {
       const auto path = views.subspan(begin, v - begin + 1);
       if (path.size() == 1 || views[v].margin == 0 || present_support(views[v]) < 0)
-        is_established = false;
-      if (establishes(path, settings)) is_established = true;
+        is_confirmed = false;
+      if (is_confirmable(path, settings)) is_confirmed = true;
     }
     const auto path = views.subspan(begin, k - begin + 1);
-    believed.push_back(
-        is_established && is_present(path, settings) &&
-        (is_long(path, settings) || has_margin(views[k], settings.establish_margin)));
+    believed.push_back(is_confirmed && is_present(path, settings) &&
+                       (is_long(path, settings) || has_margin(views[k], settings.confirm_margin)));
   }
   return believed;
 }

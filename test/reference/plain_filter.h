@@ -15,7 +15,7 @@ struct PlainFilter {
   FilterSettings settings;
   std::vector<std::vector<double>> rates;  ///< by rate and cell
   std::vector<double> masses;  ///< by cell, summed over rates; 0 for a cell that is not a place
-  double nowhere = 0.5;
+  double off_map = 0.5;
 };
 
 PlainFilter start_plain_filter(const FilterCells& cells, const FilterSettings& settings);
@@ -38,15 +38,16 @@ struct PlainView {
   double excess = 0;
 };
 
-/// How much likelier a path is than the off-map state, in deviations, as read_again: `scores` are
+/// How much likelier a path is than the off-map state, in deviations, as rescore: `scores` are
 /// the scores of its keyframes, each to the cells of one run around the path, 65535 for cells that
 /// are not near. `best`: the last best cell among these. `places`: of the whole map.
 double plain_path_margin(std::span<const std::vector<uint16_t>> scores, size_t best, size_t places,
                          const FilterSettings& settings);
 
-/// Which keyframes of a query are confirmed, from the first on. As follow_view, but every keyframe
-/// examines its whole path: time O(keyframes^3).
-std::vector<uint8_t> plain_belief(std::span<const PlainView> views, const FilterSettings& settings);
+/// Which keyframes of a query are confirmed, from the first on. As follow_keyframe, but every
+/// keyframe examines its whole path: time O(keyframes^3).
+std::vector<uint8_t> plain_confirmed(std::span<const PlainView> views,
+                                     const FilterSettings& settings);
 
 /// The maximum error of a value in deviations: scores are grouped, and logarithms and values
 /// rounded. It grows with the number of keyframes.

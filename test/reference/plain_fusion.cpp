@@ -14,7 +14,7 @@ namespace vpr {
 namespace {
 
 // The scores of the first query frames before the fusion.
-FrameDistances unfused(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+FrameDistances unfused(std::span<const DescribedFrames> train, const DescribedFrames& query,
                        const ScoreBasis& basis, const Monitor& monitor) {
   ScoreBasis alone = basis;
   alone.fusion = {};
@@ -25,12 +25,12 @@ FrameDistances unfused(std::span<const DescriptorSpan> train, const DescriptorSp
 std::vector<double> weights_of(const FrameDistances& scores, const FusionBasis& fusion,
                                size_t count, const Monitor& monitor) {
   std::vector<double> weights(count, 0);
-  std::vector<uint16_t> row(scores.train_frames + kStretchFrames);
-  Agreement agreement;
+  std::vector<uint16_t> row(scores.train_frames + kBlockFrames);
+  FusionState agreement;
   BestFrames best;
   for (uint32_t j = 0; j < count; ++j) {
     check_stop(monitor);
-    agreement.count(best, fusion.walks);
+    agreement.count(best, fusion.sequences);
     weights[j] = fusion_weight(fusion, agreement);
     scores.start_row(j);
     scores.tile({&j, 1}, 0, scores.train_frames, row.data(), row.size());
@@ -44,15 +44,15 @@ std::vector<double> weights_of(const FrameDistances& scores, const FusionBasis& 
 
 }  // namespace
 
-PlainFusion::PlainFusion(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+PlainFusion::PlainFusion(std::span<const DescribedFrames> train, const DescribedFrames& query,
                          const ScoreBasis& basis, std::span<const Cell> cells, size_t window_length,
                          const Monitor& monitor) {
   const FusionBasis& fusion = basis.fusion;
   if (fusion.evidence == nullptr || cells.empty()) return;
   size_t first = 0;
-  for (const FusedWalk& walk : fusion.walks) {
-    first_frame_[walk.sequence] = first;
-    first += walk.frames;
+  for (const FusedSequence& sequence : fusion.sequences) {
+    first_frame_[sequence.sequence] = first;
+    first += sequence.frames;
   }
   for (const Cell& cell : cells)
     for (size_t k = 0; k < window_length; ++k) by_frame_[cell.query_window + k];

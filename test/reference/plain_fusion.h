@@ -1,4 +1,4 @@
-// The reference implementation of match/fusion.h: scores fused with FAB-MAP by definition.
+// The reference implementation of match/fusion.h: scores fused with FAB-MAP.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 #include "base/monitor.h"
 #include "decide/row_scan.h"
 #include "match/fusion.h"
-#include "match/zscore_model.h"
+#include "match/zscores.h"
 
 namespace vpr {
 
@@ -26,7 +26,7 @@ class PlainFusion {
  public:
   /// `basis` covers all training sequences, but its fusion only the searched ones. Does nothing
   /// without fusion.
-  PlainFusion(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+  PlainFusion(std::span<const DescribedFrames> train, const DescribedFrames& query,
               const ScoreBasis& basis, std::span<const Cell> cells, size_t window_length,
               const Monitor& monitor);
 

@@ -5,21 +5,22 @@
 
 #include "base/parallel.h"
 #include "match/distance_statistics.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "match/score_kernels.h"
 
 namespace vpr {
 namespace {
 
-bool is_readable(const DescriptorSpan& walk, size_t frame) {
+bool is_readable(const DescribedFrames& walk, size_t frame) {
   return !std::binary_search(walk.unreadable.begin(), walk.unreadable.end(), frame);
 }
 
 // Distances of a frame to the readable frames of its past.
-std::vector<double> past_distances(const DescriptorSpan& walk, size_t frame, size_t past) {
+std::vector<double> past_distances(const DescribedFrames& walk, size_t frame, size_t past) {
   std::vector<double> distances;
   for (size_t i = 0; i < past; ++i)
-    if (is_readable(walk, i)) distances.push_back(plain_distance(walk.rows, i, walk.rows, frame));
+    if (is_readable(walk, i))
+      distances.push_back(reference_distance(walk.rows, i, walk.rows, frame));
   return distances;
 }
 
@@ -29,8 +30,8 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-// The keyframes, and what each one adds to the statistics.
-void plan_views(PlainPast& shared, const DescriptorSpan& walk, const ZScoreSettings& settings) {
+// The keyframes, and their contributions to the statistics.
+void plan_views(PlainPast& shared, const DescribedFrames& walk, const ZScoreSettings& settings) {
   std::vector<size_t> views;
   shared.learned.resize(walk.rows.size());
   bool is_started = false;
@@ -38,7 +39,7 @@ void plan_views(PlainPast& shared, const DescriptorSpan& walk, const ZScoreSetti
     const double least = j == 0 ? 0 : settings.keyframe_change * shared.means_so_far[j - 1];
     const size_t recent = std::min<size_t>(views.size(), settings.lag_keyframes);
     const bool is_new = std::all_of(views.end() - ptrdiff_t(recent), views.end(), [&](size_t view) {
-      return plain_distance(walk.rows, view, walk.rows, j) >= least;
+      return reference_distance(walk.rows, view, walk.rows, j) >= least;
     });
     if (is_started && is_readable(walk, j) && is_new) {
       views.push_back(j);
@@ -51,7 +52,7 @@ void plan_views(PlainPast& shared, const DescriptorSpan& walk, const ZScoreSetti
 
 }  // namespace
 
-PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
+PlainPast plain_past(const DescribedFrames& walk, std::span<const uint32_t> past,
                      const ZScoreSettings& settings, const Monitor& monitor) {
   const size_t frames = walk.rows.size();
   std::vector<std::vector<double>> x(frames);  // h, then minus the row's mean
@@ -83,13 +84,13 @@ PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
   return shared;
 }
 
-std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<const uint32_t> past,
+std::vector<double> plain_past_scores(const DescribedFrames& walk, std::span<const uint32_t> past,
                                       const ZScoreSettings& settings, const PlainPast& shared,
                                       size_t column, size_t last) {
   constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
   const uint16_t largest = largest_distance(walk.rows.shape);
   const auto centered = [&](size_t j) {
-    return plain_distance(walk.rows, column, walk.rows, j) -
+    return reference_distance(walk.rows, column, walk.rows, j) -
            (settings.center ? shared.row_means[j] : shared.means_so_far[j]);
   };
   double mean = shared.has_past[column] != 0

@@ -1,4 +1,4 @@
-// The reference implementation of past_scores.h: z-scores of a sequence against its own past, in
+// The reference implementation of past_zscores: z-scores of a sequence against its own past, in
 // double precision and pair by pair.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "match/zscore_model.h"
+#include "match/zscores.h"
 
 namespace vpr {
 
@@ -23,12 +23,12 @@ struct PlainPast {
 };
 
 /// `past`: for each frame, the number of frames from the first on that it may match.
-PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
+PlainPast plain_past(const DescribedFrames& walk, std::span<const uint32_t> past,
                      const ZScoreSettings& settings, const Monitor& monitor);
 
 /// z of the frames up to `last` to frame `column`, within [-32, 32); 0 for frames that are not
 /// after it.
-std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<const uint32_t> past,
+std::vector<double> plain_past_scores(const DescribedFrames& walk, std::span<const uint32_t> past,
                                       const ZScoreSettings& settings, const PlainPast& shared,
                                       size_t column, size_t last);
 

@@ -10,12 +10,12 @@
 
 #include "base/parallel.h"
 #include "decide/query_settings.h"
-#include "match/plain.h"
-#include "match/rates.h"
+#include "match/fastable.h"
+#include "match/reference.h"
 #include "match/score_kernels.h"
 #include "reference/plain_fusion.h"
 #include "reference/plain_past.h"
-#include "run/verify.h"
+#include "run/query.h"
 
 namespace vpr::test {
 namespace {
@@ -44,14 +44,14 @@ std::optional<double> plain_sum(const PairValue& value, const Rate& rate, size_t
 }
 
 // The start of the readable run that contains frame i of a sequence.
-size_t run_start(const DescriptorSpan& sequence, size_t i) {
+size_t run_start(const DescribedFrames& sequence, size_t i) {
   const auto behind = std::ranges::upper_bound(sequence.unreadable, i);
   return behind == sequence.unreadable.begin() ? 0 : *(behind - 1) + 1;
 }
 
 // The best sum over all rates; nullopt if no window fits.
 std::optional<double> plain_best(const PairValue& value, const RatedWindows& windows,
-                                 std::span<const DescriptorSpan> train, const Cell& cell) {
+                                 std::span<const DescribedFrames> train, const Cell& cell) {
   const size_t i = cell.train_window + windows.length - 1;
   const size_t first = run_start(train[cell.sequence], i);
   std::optional<double> best;
@@ -65,23 +65,23 @@ std::optional<double> plain_best(const PairValue& value, const RatedWindows& win
 /// z of a training frame to all query frames that a cell needs, computed once.
 class PlainScores {
  public:
-  PlainScores(std::span<const DescriptorSpan> train, const DescriptorRows& query,
-              const PlainUpdates& updates, const ScoreBasis& basis, const PlainFusion& fusion)
+  PlainScores(std::span<const DescribedFrames> train, const DescriptorRows& query,
+              const ReferenceUpdates& updates, const ScoreBasis& basis, const PlainFusion& fusion)
       : train_(train), query_(query), updates_(updates), basis_(basis), fusion_(fusion) {}
   double operator()(size_t sequence, size_t i, size_t j) {
     auto& scores = known_[i];
     if (scores.empty()) {
       size_t frame = i;
       for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
-      scores = plain_frame_scores(train_[sequence].rows[i], frame, query_, updates_, basis_);
+      scores = reference_frame_scores(train_[sequence].rows[i], frame, query_, updates_, basis_);
     }
     return fusion_(scores[j], sequence, i, j);
   }
 
  private:
-  std::span<const DescriptorSpan> train_;
+  std::span<const DescribedFrames> train_;
   DescriptorRows query_;
-  const PlainUpdates& updates_;
+  const ReferenceUpdates& updates_;
   const ScoreBasis& basis_;
   const PlainFusion& fusion_;
   std::map<size_t, std::vector<double>> known_;  // by training frame of the last sequence
@@ -90,15 +90,15 @@ class PlainScores {
 // Windows of one or several rates, with or without fusion; with a basis, of scores. A cell without
 // a fitting window of any rate is not wrong.
 std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
-                                    std::span<const DescriptorSpan> train,
-                                    const DescriptorSpan& query, const ScoreBasis* basis,
+                                    std::span<const DescribedFrames> train,
+                                    const DescribedFrames& query, const ScoreBasis* basis,
                                     const Monitor& monitor) {
-  const PlainUpdates updates =
-      basis != nullptr ? plain_updates(train, query, *basis, monitor) : PlainUpdates{};
+  const ReferenceUpdates updates =
+      basis != nullptr ? reference_updates(train, query, *basis, monitor) : ReferenceUpdates{};
   const PlainFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
                            windows.length, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
-    return plain_distance(train[sequence].rows, i, query.rows, j);
+    return reference_distance(train[sequence].rows, i, query.rows, j);
   };
   std::vector<std::optional<double>> right(cells.size());
   parallel_for(cells.size(), monitor, [&](size_t c) {
@@ -124,7 +124,7 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
   return wrong;
 }
 
-std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescriptorSpan& walk,
+std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescribedFrames& walk,
                                     std::span<const uint32_t> past, size_t window_length,
                                     const ZScoreSettings& settings) {
   const PlainPast shared = plain_past(walk, past, settings, {});

@@ -5,7 +5,7 @@
 
 namespace vpr::test {
 
-/// run_query, with `cells` random cells of valid window pairs compared with their definition: raw
+/// run_query, with `cells` random cells of valid window pairs compared with their reference: raw
 /// and z-scores, with or without fusion, several rates, and a sequence against its own
 /// past. Fails the test case if fewer cells are compared, or if one differs.
 QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, size_t cells,

@@ -44,7 +44,7 @@ std::string finding(const test::Example& walk, size_t first, size_t step) {
   for (size_t f = first; f < walk.train[0].size(); f += step) frames.push_back(walk.train[0][f]);
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
-  return filter_finding(database, test::make_query(frames), {}, resources(), {});
+  return filter_advice(database, test::make_query(frames), {}, resources(), {});
 }
 
 }  // namespace
@@ -53,25 +53,25 @@ TEST_CASE("more than a fifth of all pairs as recognitions is too many") {
   Result result = planned_result(200);
   for (uint32_t j = 0; j < 20; ++j)
     for (uint32_t i = 0; i < 2; ++i) result.recognitions.push_back({j, 0, i, 0, 300});
-  CHECK_FALSE(too_many_recognitions(result));  // 40 of 200
+  CHECK_FALSE(excess_advice(result));  // 40 of 200
   result.recognitions.push_back({19, 0, 2, 0, 300});
-  CHECK(too_many_recognitions(result) ==
+  CHECK(excess_advice(result) ==
         "20 % of all window pairs are recognitions: t_r is too large to tell places apart");
   CHECK(recognized_windows(result) == 20);
-  CHECK_FALSE(too_many_recognitions(Result{}));
+  CHECK_FALSE(excess_advice(Result{}));
 }
 
 TEST_CASE("without a threshold, no match is reported as too far") {
-  CHECK(has(nothing_recognized(planned_result(10)), "no score is below t_r"));
-  CHECK(nothing_recognized(planned_result(std::nullopt)) ==
+  CHECK(has(no_recognition_advice(planned_result(10)), "no score is below t_r"));
+  CHECK(no_recognition_advice(planned_result(std::nullopt)) ==
         "Without a threshold there are no recognitions, only best matches.");
   Result by_margin = planned_result(std::nullopt);
   std::get<SequenceQuerySettings>(by_margin.settings).decision = Decision::margin;
-  CHECK(has(nothing_recognized(by_margin), "--margin-width"));
+  CHECK(has(no_recognition_advice(by_margin), "--exclusion-frames"));
   by_margin.margins.assign(20, 5.0);
-  CHECK(has(nothing_recognized(by_margin), "no best match has the margin"));
+  CHECK(has(no_recognition_advice(by_margin), "no best match has the margin"));
   by_margin.path = ResultPath{};
-  CHECK(has(nothing_recognized(by_margin), "the opposite direction"));
+  CHECK(has(no_recognition_advice(by_margin), "the opposite direction"));
 }
 
 TEST_CASE("the filter distinguishes another speed from another place") {
@@ -84,7 +84,7 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
-  CHECK(filter_finding(database, test::make_query(other.query), {}, resources(), {}) ==
+  CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
         "Nothing is recognized at any speed: the query may show another place or the opposite "
         "direction.");
 }

@@ -7,7 +7,7 @@
 
 #include "base/json.h"
 #include "base/parallel.h"
-#include "evaluate/counts.h"
+#include "evaluate/outcomes.h"
 #include "examples.h"
 #include "run/plan.h"
 #include "support.h"
@@ -34,7 +34,7 @@ struct Walks {
         codes[20 + i][word] = train[30 + i][word];
     query = test::make_query(codes);
     ensure_statistics(database, {});
-    ensure_places(database, select_kernels(), {});
+    ensure_exclusion_zones(database, select_kernels(), {});
   }
   GroundTruth truth(size_t first = 20) const {
     GroundTruth truth;
@@ -43,10 +43,10 @@ struct Walks {
     truth.tolerance_frames = 2;
     return truth;
   }
-  CalibratedWalk calibrate(const SequenceQuerySettings& settings, double precision = 1,
-                           std::vector<uint64_t> lengths = {5, 10}) const {
-    return calibrate_walk(database, query, "q", settings, lengths, precision,
-                          [&](const GroundTruthScope&) { return truth(); }, resources(), {});
+  CalibratedSequence calibrate(const SequenceQuerySettings& settings, double precision = 1,
+                               std::vector<uint64_t> lengths = {5, 10}) const {
+    return calibrate_sequence(database, query, "q", settings, lengths, precision,
+                              [&](const GroundTruthScope&) { return truth(); }, resources(), {});
   }
   Result query_with(const SequenceQuerySettings& settings) const {
     return run_query(plan_query(database, query, "q", settings, resources(), {}), resources(), {},
@@ -71,21 +71,21 @@ TEST_CASE("a query with the calibrated settings has the recognitions of the cali
   const GroundTruth truth = walks.truth();
   for (const SequenceQuerySettings& settings : decisions())
     for (const double precision : {1.0, 0.8}) {
-      const CalibratedWalk walk = walks.calibrate(settings, precision);
+      const CalibratedSequence walk = walks.calibrate(settings, precision);
       REQUIRE(walk.chosen);
       for (const CalibratedLength& length : walk.lengths) {
         REQUIRE(length.calibration.strength);
         const Result result = walks.query_with(length.settings);
         const size_t recognized = recognized_windows(result);
-        CHECK(recognized >= length.calibration.right + length.calibration.wrong);
-        CHECK(length.calibration.right > 0);
+        CHECK(recognized >= length.calibration.correct + length.calibration.incorrect);
+        CHECK(length.calibration.correct > 0);
         CHECK(length.queries <= 40);
         if (precision == 1) CHECK(count_recognitions(result, truth).recognitions.incorrect == 0);
-        if (precision == 1) CHECK(length.calibration.wrong == 0);
+        if (precision == 1) CHECK(length.calibration.incorrect == 0);
       }
       const auto& chosen = walk.lengths[*walk.chosen].calibration;
       for (const CalibratedLength& length : walk.lengths)
-        CHECK(0.7 * double(length.calibration.right) <= double(chosen.right));
+        CHECK(0.7 * double(length.calibration.correct) <= double(chosen.correct));
     }
 }
 
@@ -94,7 +94,7 @@ TEST_CASE(
   const Walks walks;
   SequenceQuerySettings settings;
   settings.decision = Decision::margin;
-  const CalibratedWalk walk = walks.calibrate(settings, 1, {5});
+  const CalibratedSequence walk = walks.calibrate(settings, 1, {5});
   const CalibratedLength& length = walk.lengths.front();
   SequenceQuerySettings open = length.settings;
   open.margin = 0;
@@ -117,7 +117,7 @@ TEST_CASE("calibrations are the same for any number of threads") {
     std::vector<Json> found;
     for (const size_t threads : {1, 3}) {
       const ThreadLimit limit(threads);
-      const CalibratedWalk walk = walks.calibrate(settings);
+      const CalibratedSequence walk = walks.calibrate(settings);
       found.push_back(settings_in_force(walk.lengths[*walk.chosen].settings));
       found.back()["seen"] = walk.lengths[*walk.chosen].calibration.expected.interval.high;
     }
@@ -129,8 +129,8 @@ TEST_CASE("a calibration without sufficient data is refused") {
   const Walks walks;
   SequenceQuerySettings settings = decisions().front();
   const auto calibrate = [&](const GroundTruth& truth, double precision) {
-    return calibrate_walk(walks.database, walks.query, "q", settings, {5}, precision,
-                          [&](const GroundTruthScope&) { return truth; }, resources(), {});
+    return calibrate_sequence(walks.database, walks.query, "q", settings, {5}, precision,
+                              [&](const GroundTruthScope&) { return truth; }, resources(), {});
   };
   GroundTruth nothing = walks.truth();
   for (auto& row : nothing.pairs) row.clear();
@@ -139,6 +139,6 @@ TEST_CASE("a calibration without sufficient data is refused") {
     CHECK_THROWS_WITH(calibrate(walks.truth(), precision), Catch::Contains("precision"));
   // With the ground truth of another sequence, correct matches are incorrect, and other ones are
   // closer.
-  const CalibratedWalk walk = calibrate(walks.truth(60), 1);
+  const CalibratedSequence walk = calibrate(walks.truth(60), 1);
   CHECK(!walk.chosen);
 }

@@ -8,7 +8,7 @@ using namespace vpr;
 
 namespace {
 
-const JudgedBy kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, {}};
+const EvaluationSettings kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, {}};
 
 /// Four frames: the first two are recognized correctly, the third incorrectly, and the last one is
 /// not recognized.
@@ -50,18 +50,20 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
   REQUIRE(found.result->clusters.size() == 2);
   CHECK(found.result->clusters[0].label == PlaceLabel::same);
   CHECK(numbers(found.result->clusters[1].recognitions) == std::vector<uint64_t>{0, 1, 0});
-  CHECK(found.judgment.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
+  CHECK(found.judgment.verdicts ==
+        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
+                                  FrameVerdict::incorrect, FrameVerdict::none});
   CHECK_FALSE(found.judgment.localization.longest_gap_m);
-  CHECK_FALSE(found.result->by_view);
+  CHECK_FALSE(found.result->by_keyframe);
 }
 
 TEST_CASE("poses of the query yield distances in meters") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
-  JudgedBy by = kAligned;
+  EvaluationSettings by = kAligned;
   by.poses = folder / "poses.csv";
   const Evaluation found = evaluate_result(example(), {}, by, {});
-  CHECK(found.judgment.localization.first_fix_m == 0);
+  CHECK(found.judgment.localization.first_recognition_m == 0);
   CHECK(found.judgment.localization.longest_gap_m == 5);
 }
 
@@ -69,7 +71,7 @@ TEST_CASE("without ground truth, a result is shown without evaluation") {
   const Evaluation found = evaluate_result(example(), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
   CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
-  CHECK(found.judgment.fixes[0] == Fix::unjudged);
+  CHECK(found.judgment.verdicts[0] == FrameVerdict::unjudged);
 }
 
 TEST_CASE("without clusters, every recognition of a result is evaluated separately") {
@@ -90,9 +92,7 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
                                        9, 6, 9, 9,  //
                                        7, 9, 8, 9,  //
                                        9, 9, 9, 9};
-  Output file(folder / "s.npy", Existing::refuse);
-  write_npy<int32_t>(file, scores, {4, 4});
-  file.commit();
+  test::write_array<int32_t>(folder / "s.npy", scores, {4, 4});
   ScoreSettings settings;
   settings.threshold = 7;
   settings.query.name = "theirs";
@@ -101,7 +101,9 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
   CHECK(alone.query().name == "theirs");
   CHECK_FALSE(alone.result);
   CHECK(alone.fingerprint == matrix().fingerprint({}));
-  CHECK(alone.judgment.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
+  CHECK(alone.judgment.verdicts ==
+        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
+                                  FrameVerdict::incorrect, FrameVerdict::none});
   REQUIRE(alone.judgment.all_pairs);
 
   const Evaluation both = evaluate_result(example(), matrix(), kAligned, {});
@@ -109,6 +111,6 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
   REQUIRE(both.judgment.all_pairs);
   CHECK(both.judgment.all_pairs->curve.points.size() ==
         alone.judgment.all_pairs->curve.points.size());
-  CHECK(both.judgment.fixes == alone.judgment.fixes);
+  CHECK(both.judgment.verdicts == alone.judgment.verdicts);
   CHECK(both.result->counts.recognitions.correct == 2);
 }

@@ -98,9 +98,9 @@ TEST_CASE("a resampled FAB-MAP query repeats the words of the recording") {
     return query_fabmap(database, words, "q", settings, 1, {}, {}).result;
   };
   const Result plain = best_of(recording);
-  for (const WarpRule& rule : warp_rules()) {
+  for (const SpeedRule& rule : speed_rules()) {
     INFO(rule.name);
-    const Result result = best_of(selected(recording, warped(std::string(rule.name), 45, 2)));
+    const Result result = best_of(selected(recording, at_speed(std::string(rule.name), 45, 2)));
     REQUIRE_FALSE(result.query.selection.is_all());
     REQUIRE(result.best.size() == result.query.selection.frames());
     for (size_t k = 0; k < result.best.size(); ++k) {
@@ -110,5 +110,5 @@ TEST_CASE("a resampled FAB-MAP query repeats the words of the recording") {
     }
   }
   settings.loop = true;
-  CHECK_THROWS_WITH(best_of(selected(recording, warped("2", 45, 1))), Catch::Contains("--loop"));
+  CHECK_THROWS_WITH(best_of(selected(recording, at_speed("2", 45, 1))), Catch::Contains("--loop"));
 }

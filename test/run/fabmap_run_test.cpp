@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "evaluate/counts.h"
+#include "evaluate/outcomes.h"
 #include "run/fabmap_query.h"
 #include "support.h"
 

@@ -1,6 +1,4 @@
 // Z-scores fused with FAB-MAP: training sequences, and whole queries.
-#include "run/fuse.h"
-
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -74,7 +72,7 @@ TEST_CASE("automatic thresholds and margins do not use a training frame's own vi
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
   ScoreBasis alone = basis;
   alone.fusion = {};
-  const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
+  const std::vector<DescribedFrames> train = descriptor_spans(walks.database);
   const FrameDistances scores = zscores(frame_distances(train, train[1]), alone, {});
   const FrameDistances both = zscores(frame_distances(train, train[1]), basis, {});
   std::vector<uint16_t> plain(192);
@@ -92,7 +90,7 @@ TEST_CASE("automatic thresholds and margins do not use a training frame's own vi
 TEST_CASE("fused scores are scores plus evidence with the weight of earlier frames, clamped") {
   const Walks walks;
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
-  const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
+  const std::vector<DescribedFrames> train = descriptor_spans(walks.database);
   ScoreBasis alone = basis;
   alone.fusion = {};
   const FrameDistances distances = frame_distances(train, walks.query.span());
@@ -100,13 +98,13 @@ TEST_CASE("fused scores are scores plus evidence with the weight of earlier fram
   const FrameDistances both = zscores(distances, basis, {});
   std::vector<uint16_t> plain(192);
   std::vector<uint16_t> fast(192);
-  Agreement agreement;
+  FusionState agreement;
   BestFrames best;
   for (uint32_t frame = 0; frame < scores.query_frames; ++frame) {
     scores.start_row(frame);
     both.start_row(frame);
     scores.tile({&frame, 1}, 0, 160, plain.data(), 192);
-    agreement.count(best, basis.fusion.walks);
+    agreement.count(best, basis.fusion.sequences);
     const FusionRow row =
         fusion_row(basis.fusion, walks.query.words[frame], fusion_weight(basis.fusion, agreement));
     std::optional<size_t> closest;
@@ -224,5 +222,7 @@ TEST_CASE("databases of other sequences are refused for fusion") {
   settings.fusion_weight = 0.25;
   settings.method = "openable";
   CHECK(rejects(settings) == ErrorKind::usage);
-  CHECK(test::error_kind([&] { fuse_views(walks.database, settings, ""); }) == ErrorKind::usage);
+  settings.method = "fastable";
+  walks.database.statistics->fused.reset();
+  CHECK(rejects(settings) == ErrorKind::usage);
 }

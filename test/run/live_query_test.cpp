@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "examples.h"
-#include "run/fuse.h"
 #include "run/plan.h"
 #include "run/thresholds.h"
 #include "run/train.h"
@@ -78,7 +77,7 @@ void check_window(const Result& live, const Result& whole, size_t window) {
   CHECK(live.recognitions == recognitions_of(whole, static_cast<uint32_t>(window)));
   REQUIRE(live.path.has_value() == whole.path.has_value());
   if (!whole.path) return;
-  CHECK(is_same(live.path->nowhere[0], whole.path->nowhere[window]));
+  CHECK(is_same(live.path->off_map[0], whole.path->off_map[window]));
   CHECK(is_same(live.path->rates[0], whole.path->rates[window]));
 }
 
@@ -94,7 +93,7 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
   for (size_t frame = 0; frame < rows.size(); ++frame) {
     INFO("frame " << frame);
     const bool is_gap = std::find(walks.gaps.begin(), walks.gaps.end(), frame) != walks.gaps.end();
-    FrameRow row{rows[frame], !is_gap};
+    ArrivedFrame row{rows[frame], !is_gap};
     if (!walks.query.words.empty()) row.words = walks.query.words[frame];
     const std::optional<Result> live = query.take(row);
     if (live) {
@@ -192,7 +191,7 @@ TEST_CASE("a stop of any length keeps at most as many frames as pending keyframe
   const FrameDistances raw =
       frame_distances(descriptor_spans(walks.database), {walks.query.rows().first(0), {}});
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, *ResolvedSettings(filter));
-  LiveFrames live = start_live(raw, &basis);
+  LiveDistances live = start_live(raw, &basis);
   const DescriptorRows rows = walks.query.rows();
   size_t most = 0;
   for (size_t frame = 0; frame < rows.size(); ++frame) {

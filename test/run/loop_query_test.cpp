@@ -8,11 +8,10 @@
 #include "base/json.h"
 #include "evaluate/loops.h"
 #include "examples.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "reference/verified_query.h"
 #include "run/own_database.h"
 #include "run/query.h"
-#include "run/verify.h"
 #include "support.h"
 #include "truth/times.h"
 
@@ -58,7 +57,7 @@ std::vector<std::optional<Match>> slow_best(const std::vector<LdbCode>& codes, s
   for (uint32_t j = 0; j + length <= codes.size(); ++j) {
     best.emplace_back();
     for (uint32_t i = 0; i + gap <= j; ++i) {
-      const double distance = plain_window_distance(codes, i, codes, j, length);
+      const double distance = reference_window_distance(codes, i, codes, j, length);
       if (!best.back() || distance < best.back()->score) best.back() = {j, 0, i, 0, distance};
     }
   }
@@ -89,7 +88,7 @@ TEST_CASE("recognitions of a sequence in its past are pairs below t_r, in bits p
   std::vector<Match> recognitions;
   for (uint32_t j = 15; j + 4 <= codes.size(); ++j)
     for (uint32_t i = 0; i + 15 <= j; ++i) {
-      const double distance = plain_window_distance(codes, i, codes, j, 4);
+      const double distance = reference_window_distance(codes, i, codes, j, 4);
       if (distance / 4 < 60) recognitions.push_back({j, 0, i, 0, distance});
     }
   CHECK(result.recognitions == recognitions);
@@ -109,15 +108,15 @@ TEST_CASE("a margin in the past excludes the gap around the best match") {
   const Result result = find_loops(make_query(codes), settings);
   const auto best = slow_best(codes, 3, 12);
   for (uint32_t j = 0; j < best.size(); ++j) {
-    std::optional<double> elsewhere;
+    std::optional<double> runner_up;
     for (uint32_t i = 0; best[j] && i + 12 <= j; ++i) {
       if (std::max(i, best[j]->train) - std::min(i, best[j]->train) <= 12) continue;
-      const double distance = plain_window_distance(codes, i, codes, j, 3);
-      elsewhere = std::min(distance, elsewhere.value_or(distance));
+      const double distance = reference_window_distance(codes, i, codes, j, 3);
+      runner_up = std::min(distance, runner_up.value_or(distance));
     }
     INFO("window " << j);
-    REQUIRE(result.margins[j].has_value() == elsewhere.has_value());
-    if (elsewhere) CHECK(*result.margins[j] == *elsewhere - best[j]->score);
+    REQUIRE(result.margins[j].has_value() == runner_up.has_value());
+    if (runner_up) CHECK(*result.margins[j] == *runner_up - best[j]->score);
   }
   CHECK_FALSE(result.recognitions.empty());
 }

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "examples.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "run/plan.h"
 #include "run/query.h"
 #include "support.h"
@@ -49,18 +49,19 @@ std::optional<double> slow_margin(const Walks& walks, size_t window, size_t leng
   std::vector<Match> row;
   for (size_t s = 0; s < walks.train.size(); ++s)
     for (size_t i = 0; i + length <= walks.train[s].size(); ++i)
-      row.push_back({uint32_t(window), uint32_t(s), uint32_t(i), 0,
-                     double(plain_window_distance(DescriptorRows(walks.train[s]), i,
-                                                  DescriptorRows(walks.query), window, length))});
+      row.push_back(
+          {uint32_t(window), uint32_t(s), uint32_t(i), 0,
+           double(reference_window_distance(DescriptorRows(walks.train[s]), i,
+                                            DescriptorRows(walks.query), window, length))});
   for (const Match& match : row)
     if (!best || match.score < best->score) best = match;
-  std::optional<double> elsewhere;
+  std::optional<double> runner_up;
   for (const Match& match : row) {
     const size_t apart = std::max(match.train, best->train) - std::min(match.train, best->train);
     if (match.target == best->target && apart <= width) continue;
-    if (!elsewhere || match.score < *elsewhere) elsewhere = match.score;
+    if (!runner_up || match.score < *runner_up) runner_up = match.score;
   }
-  return elsewhere ? std::optional(*elsewhere - best->score) : std::nullopt;
+  return runner_up ? std::optional(*runner_up - best->score) : std::nullopt;
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ TEST_CASE("every exact method gives each query window its margin, for any decisi
       SequenceQuerySettings settings;
       settings.method = method;
       settings.window_length = 6;
-      settings.margin_width = width;
+      settings.exclusion_frames = width;
       const ThreadLimit limit(1 + width % 3);
       const Result result = query_by(database, query, settings);
       REQUIRE(result.margins.size() == 55);
@@ -122,13 +123,13 @@ TEST_CASE("two sequences of one place do not reduce each other's margin") {
   CHECK(test::error_kind([&] { recognitions(twice, {"a=a"}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("stored half-widths and overlaps have the results of computed ones") {
+TEST_CASE("stored exclusion radii and overlaps have the results of computed ones") {
   const Walks walks;
   const std::vector<std::vector<LdbCode>> train = {walks.train[0], walks.train[1], walks.train[0]};
   const SequenceDatabase old = test::make_database(train);
   SequenceDatabase database = test::make_database(train);
-  ensure_places(database, select_kernels(), {});
-  CHECK(database.shared_places == std::vector<std::pair<size_t, size_t>>{{0, 2}});
+  ensure_exclusion_zones(database, select_kernels(), {});
+  CHECK(database.overlapping_sequences == std::vector<std::pair<size_t, size_t>>{{0, 2}});
   const SequenceQuerySettings settings = by_margin(10, std::nullopt);
   const DescriptorSet query = make_query(walks.query);
   const Result result = query_by(database, query, settings);
@@ -137,7 +138,7 @@ TEST_CASE("stored half-widths and overlaps have the results of computed ones") {
   CHECK(result.margins == derived.margins);
   CHECK(result.targets[1].margin == derived.targets[1].margin);
   // The query uses the stored value.
-  database.shared_places->clear();
+  database.overlapping_sequences->clear();
   CHECK(query_by(database, query, settings).recognitions.empty());
 }
 
@@ -145,7 +146,7 @@ TEST_CASE(
     "without windows outside the exclusion zone there is no margin and no recognition by margin") {
   const Walks walks;
   SequenceQuerySettings settings = by_margin(10, 0.0);
-  settings.margin_width = 10'000;
+  settings.exclusion_frames = 10'000;
   const SequenceDatabase one = test::make_database({walks.train[0]});
   Result result = query_by(one, make_query(walks.query), settings);
   CHECK(result.recognitions.empty());

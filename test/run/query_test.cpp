@@ -9,10 +9,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "examples.h"
-#include "match/plain.h"
+#include "match/reference.h"
 #include "run/thresholds.h"
 #include "run/train.h"
-#include "run/verify.h"
 #include "support.h"
 
 using namespace vpr;
@@ -187,11 +186,11 @@ TEST_CASE("long sequences are compared only in queries that need it") {
   const auto walks = [&](size_t frames) {
     static std::vector<LdbCode> many;
     many.assign(frames, codes[0]);
-    return std::vector<DescriptorSpan>(3, DescriptorSpan{many, {}});
+    return std::vector<DescribedFrames>(3, DescribedFrames{many, {}});
   };
   CHECK_FALSE(is_left_to_queries(walks(30'000)));  // 2.7 billion pairs
   CHECK(is_left_to_queries(walks(40'000)));
-  CHECK_FALSE(is_left_to_queries(std::vector<DescriptorSpan>(1, walks(100'000)[0])));
+  CHECK_FALSE(is_left_to_queries(std::vector<DescribedFrames>(1, walks(100'000)[0])));
 }
 
 TEST_CASE("a search can be limited to sequences, which keep their indices in the database") {
@@ -265,13 +264,13 @@ TEST_CASE("random cells are distinct, valid, and the same for a seed") {
 TEST_CASE("a wrong cell is detected") {
   const std::vector<LdbCode> train = test::random_codes(10, 1);
   const std::vector<LdbCode> query = test::random_codes(10, 2);
-  const DescriptorSpan span{train, {}};
-  const uint32_t right = plain_window_distance(train, 3, query, 2, 4);
+  const DescribedFrames span{train, {}};
+  const uint32_t right = reference_window_distance(train, 3, query, 2, 4);
   const std::vector<Cell> cells = {{2, 0, 3, right}, {2, 0, 4, 1}};
   const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4, {});
   REQUIRE(wrong.size() == 1);
   CHECK(wrong[0].train_window == 4);
-  CHECK(wrong[0].score == plain_window_distance(train, 4, query, 2, 4));
+  CHECK(wrong[0].score == reference_window_distance(train, 4, query, 2, 4));
 }
 
 TEST_CASE(
@@ -371,11 +370,11 @@ TEST_CASE("a resampled query repeats the rows of the recording, frame by frame")
   };
   const Result plain = best_of(record());
   CHECK(plain.query.selection.is_all());
-  for (const WarpRule& rule : warp_rules()) {
+  for (const SpeedRule& rule : speed_rules()) {
     INFO(rule.name);
     const bool is_long_enough = rule.least_frames <= 50;
     REQUIRE(is_long_enough);
-    const Result result = best_of(selected(record(), warped(std::string(rule.name), 50, 4)));
+    const Result result = best_of(selected(record(), at_speed(std::string(rule.name), 50, 4)));
     REQUIRE_FALSE(result.query.selection.is_all());
     REQUIRE(result.query.frames == result.query.selection.frames());
     for (size_t k = 0; k < result.query.frames; ++k) {
@@ -391,14 +390,14 @@ TEST_CASE("a resampled query repeats the rows of the recording, frame by frame")
 }
 
 TEST_CASE(
-    "an empty warp does not change a query, and too short queries are refused with the reason") {
-  const DescriptorSet same = selected(make_query(test::walk_codes(3, 3)), warped("", 3, 1));
+    "an empty speed does not change a query, and too short queries are refused with the reason") {
+  const DescriptorSet same = selected(make_query(test::walk_codes(3, 3)), at_speed("", 3, 1));
   CHECK(same.sequence.selection.is_all());
   CHECK(ldb_codes(same) == test::walk_codes(3, 3));
   CHECK(test::error_text([] {
-          selected(make_query(test::walk_codes(3, 3)), warped("kidnap", 3, 1));
+          selected(make_query(test::walk_codes(3, 3)), at_speed("kidnap", 3, 1));
         }).find("41 frames") != std::string::npos);
-  const DescriptorSet one = selected(make_query(test::walk_codes(1, 3)), warped("0.5", 1, 1));
+  const DescriptorSet one = selected(make_query(test::walk_codes(1, 3)), at_speed("0.5", 1, 1));
   CHECK(one.sequence.frames == 2);
   CHECK(one.sequence.frame_names == std::vector<std::string>{"0", "0"});
 }

@@ -6,14 +6,12 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "decide/automatic_threshold.h"
 #include "examples.h"
 #include "reference/verified_query.h"
 #include "run/plan.h"
 #include "run/query.h"
 #include "run/sweep.h"
 #include "run/train.h"
-#include "run/verify.h"
 #include "support.h"
 
 using namespace vpr;

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "evaluate/counts.h"
+#include "evaluate/outcomes.h"
 #include "run/sweep.h"
 #include "support.h"
 

@@ -216,11 +216,11 @@ TEST_CASE("a sweep by margin equals single queries by margin") {
   }
   // A smaller margin accepts more, also without the places.
   for (const size_t c : {0, 1, 2, 5, 6, 7}) {
-    CHECK(sweep.cells[c].untrained >= sweep.cells[c + 1].untrained);
-    CHECK(sweep.cells[c].untrained.has_value());
+    CHECK(sweep.cells[c].unknown_place >= sweep.cells[c + 1].unknown_place);
+    CHECK(sweep.cells[c].unknown_place.has_value());
   }
-  CHECK(sweep.cells[0].untrained > 0u);
-  CHECK(!sweep.cells[4].untrained);
+  CHECK(sweep.cells[0].unknown_place > 0u);
+  CHECK(!sweep.cells[4].unknown_place);
   CHECK(sweep.cells[0].counts.recognitions.correct > sweep.cells[3].counts.recognitions.correct);
   CHECK(sweep.cells[1].counts.recognitions.correct > 0);
 }

@@ -111,7 +111,7 @@ TEST_CASE("a wait for a camera ends with a stop, and with an error after a timeo
   const auto unplugged = follow_camera(std::make_unique<PacedCapture>(2), argument());
   CHECK(names_of(*unplugged, 2).size() == 2);
   CHECK(error_text([&] { unplugged->next({}); }) ==
-        "camera: gives no frame any more, after 2 frames");
+        "camera: stopped delivering frames after 2 frames");
 }
 
 TEST_CASE("a video played by OpenCV is followed like a camera") {

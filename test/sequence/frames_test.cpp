@@ -215,9 +215,9 @@ TEST_CASE("an image with more pixels than the limit is refused in any format") {
   for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip}) {
     const auto read = [&] { read_all({folder.path(), {}}, unreadable); };
     CHECK(error_kind(read) == ErrorKind::usage);
-    CHECK(error_text(read) == fmt::format("{}: has 1250 x 1001 pixels, more than the 1 "
-                                          "megapixels that are allowed; remove it, or give "
-                                          "--max-megapixels 2 if it is meant",
+    CHECK(error_text(read) == fmt::format("{}: has 1250 x 1001 pixels, more than the limit of 1 "
+                                          "megapixels. Remove it, or pass --max-megapixels 2 to "
+                                          "accept it",
                                           (folder / ("8" + extension)).string()));
   }
 }
@@ -238,7 +238,7 @@ TEST_CASE("a small file that claims a large image does not allocate memory for i
 
 TEST_CASE("invalid pixel limits are refused, and limits end with their scope") {
   CHECK(error_kind([] { const MegapixelLimit none(0); }) == ErrorKind::usage);
-  CHECK(error_kind([] { const MegapixelLimit more(kMostMegapixels + 1); }) == ErrorKind::usage);
+  CHECK(error_kind([] { const MegapixelLimit more(kMaxMegapixels + 1); }) == ErrorKind::usage);
   const MegapixelLimit outer(2);
   {
     const MegapixelLimit inner(1);

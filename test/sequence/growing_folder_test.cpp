@@ -109,7 +109,7 @@ TEST_CASE("an image that arrives too late is omitted with a warning") {
   std::string said;
   monitor.warn = [&](const std::string& sentence) { said += sentence; };
   CHECK(growing.next(monitor) == folder / "6.png");
-  CHECK(has(said, "3.png: came after 5.png"));
+  CHECK(has(said, "3.png: arrived after 5.png"));
 }
 
 TEST_CASE("waiting ends on a stop and when the folder is removed") {

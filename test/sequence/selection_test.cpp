@@ -1,6 +1,4 @@
 // Thinning and resampling of a sequence.
-#include "sequence/selection.h"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -23,19 +21,19 @@ constexpr int64_t kMs = 1'000'000;
 std::vector<uint32_t> kept_at(const std::vector<int64_t>& times_ms, double fps) {
   std::vector<int64_t> times;
   for (const int64_t time : times_ms) times.push_back(time * kMs);
-  return thinned(times, fps).sources;
+  return resampled(times, fps).sources;
 }
 
 // The reference implementation: compares every tick with every frame.
 std::vector<uint32_t> plainly_kept(const std::vector<int64_t>& times, double fps) {
   std::vector<uint32_t> kept;
   const double interval = 1e9 / fps;
-  const auto behind = [&](int64_t time) { return static_cast<double>(time - times[0]); };
-  for (uint64_t k = 0; static_cast<double>(k) * interval <= behind(times.back()) + interval / 10;
+  const auto elapsed = [&](int64_t time) { return static_cast<double>(time - times[0]); };
+  for (uint64_t k = 0; static_cast<double>(k) * interval <= elapsed(times.back()) + interval / 10;
        ++k) {
     const double tick = static_cast<double>(k) * interval;
     const auto nearest = std::ranges::min_element(
-        times, {}, [&](int64_t time) { return std::abs(behind(time) - tick); });
+        times, {}, [&](int64_t time) { return std::abs(elapsed(time) - tick); });
     const auto frame = static_cast<uint32_t>(nearest - times.begin());
     if (kept.empty() || frame > kept.back()) kept.push_back(frame);
   }
@@ -46,8 +44,8 @@ bool is_rising(const std::vector<uint32_t>& sources) {
   return std::is_sorted(sources.begin(), sources.end());
 }
 
-std::vector<uint32_t> sources_of(const std::string& warp, size_t frames, uint64_t seed = 1) {
-  return warped(warp, frames, seed).sources;
+std::vector<uint32_t> sources_of(const std::string& speed, size_t frames, uint64_t seed = 1) {
+  return at_speed(speed, frames, seed).sources;
 }
 
 }  // namespace
@@ -66,11 +64,11 @@ TEST_CASE("the frame nearest to each tick is selected, each at most once") {
   CHECK(kept_at({9000, 9090, 9210, 20000, 20120, 20190}, 5) == std::vector<uint32_t>{0, 2, 3, 5});
   CHECK(kept_at({7}, 5) == std::vector<uint32_t>{0});
   CHECK(kept_at({}, 5).empty());
-  const Selection kept = thinned(std::vector<int64_t>{5, 6}, 2);
+  const Selection kept = resampled(std::vector<int64_t>{5, 6}, 2);
   CHECK(kept.recorded_frames == 2);
-  CHECK(kept.thinned_fps == 2);
-  CHECK(kept.warp.empty());
-  CHECK(selection_text(kept) == "thinned to 2 frames a second");
+  CHECK(kept.selected_fps == 2);
+  CHECK(kept.speed.empty());
+  CHECK(selection_text(kept) == "resampled to 2 frames per second");
 }
 
 TEST_CASE("selected frames equal those of the reference implementation") {
@@ -81,7 +79,7 @@ TEST_CASE("selected frames equal those of the reference implementation") {
       while (times.size() < frames)
         times.push_back(times.back() + 1 + static_cast<int64_t>(random() % 200'000'000));
       INFO(fps << " of " << frames);
-      CHECK(thinned(times, fps).sources == plainly_kept(times, fps));
+      CHECK(resampled(times, fps).sources == plainly_kept(times, fps));
     }
 }
 
@@ -95,17 +93,18 @@ TEST_CASE("a rate is the median of the intervals between frames") {
 }
 
 TEST_CASE("a resampled selection refers to frames of the recording") {
-  const Selection kept = thinned(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
-  const Selection both = composed(kept, warped("reversed", 2, 1));
+  const Selection kept = resampled(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
+  const Selection both = composed(kept, at_speed("reversed", 2, 1));
   CHECK(both.sources == std::vector<uint32_t>{2, 0});
   CHECK(both.recorded_frames == 4);
-  CHECK(selection_text(both) == "thinned to 5 frames a second, replayed by reversed, seed 1");
+  CHECK(selection_text(both) == "resampled to 5 frames per second, at speed reversed, seed 1");
 }
 
-TEST_CASE("Thinned frames of a file must rise and exist") {
+TEST_CASE("resampled frames of a file must increase and exist") {
   const auto read = [](const std::vector<int32_t>& rows, uint64_t recorded) {
-    const Json json = {
-        {"name", "a"}, {"frames", rows.size()}, {"thinned", {{"fps", 5.0}, {"frames", recorded}}}};
+    const Json json = {{"name", "a"},
+                       {"frames", rows.size()},
+                       {"resampled", {{"fps", 5.0}, {"frames", recorded}}}};
     const auto sequence = [&] {
       Sequence found = read_sequence({json, "a.json"}, 10);
       Sequence* const all = &found;
@@ -121,19 +120,19 @@ TEST_CASE("Thinned frames of a file must rise and exist") {
   CHECK_FALSE(read({0, 2, 2}, 5));
   CHECK_FALSE(read({-1, 2}, 5));
   CHECK_FALSE(read({}, 5));
-  CHECK_FALSE(read({0, 1}, 2 * kMostThinned + 1));
+  CHECK_FALSE(read({0, 1}, 2 * kMaxThinned + 1));
 }
 
-TEST_CASE("every kind of warp has its documented properties, for any length and seed") {
-  for (const WarpRule& rule : warp_rules())
+TEST_CASE("every kind of speed has its documented properties, for any length and seed") {
+  for (const SpeedRule& rule : speed_rules())
     for (const size_t frames : {1, 2, 3, 39, 40, 41, 80, 81, 111, 1500})
       for (const uint64_t seed : {1, 2, 7}) {
         if (frames < rule.least_frames) continue;
         INFO(rule.name << " of " << frames << " frames, seed " << seed);
-        const Selection one = warped(std::string(rule.name), frames, seed);
+        const Selection one = at_speed(std::string(rule.name), frames, seed);
         CHECK(one.recorded_frames == frames);
         CHECK(one.seed == seed);
-        CHECK(one.warp == rule.name);
+        CHECK(one.speed == rule.name);
         REQUIRE(!one.sources.empty());
         CHECK(*std::ranges::max_element(one.sources) < frames);
         const auto count = static_cast<double>(frames);
@@ -203,21 +202,21 @@ TEST_CASE("varying uses every speed, never skips more than a frame, and depends 
   CHECK(sources_of("1.5", 3000, 2) == sources_of("1.5", 3000, 1));
 }
 
-TEST_CASE("an unknown warp is refused with a list of the known ones") {
+TEST_CASE("an unknown speed is refused with a list of the known ones") {
   for (const char* pace : {"0", "-1", "0.09", "10.1", "nan", "inf", "1e9"}) {
     INFO(pace);
-    CHECK_THROWS_WITH(warped(pace, 10, 1), Catch::Contains("from 0.1 to 10"));
-    CHECK_THROWS_AS(check_warp(pace), Error);
+    CHECK_THROWS_WITH(at_speed(pace, 10, 1), Catch::Contains("from 0.1 to 10"));
+    CHECK_THROWS_AS(check_speed(pace), Error);
   }
-  CHECK_THROWS_WITH(check_warp("varing"),
+  CHECK_THROWS_WITH(check_speed("varing"),
                     Catch::Contains("did you mean varying?") && Catch::Contains("kidnap"));
-  CHECK_THROWS_AS(check_warp("2x"), Error);
-  CHECK_THROWS_WITH(warped("kidnap", 3, 1), Catch::Contains("41 frames or more, found 3"));
-  CHECK_NOTHROW(check_warp("kidnap"));
+  CHECK_THROWS_AS(check_speed("2x"), Error);
+  CHECK_THROWS_WITH(at_speed("kidnap", 3, 1), Catch::Contains("41 frames or more, found 3"));
+  CHECK_NOTHROW(check_speed("kidnap"));
 }
 
 TEST_CASE("unreadable frames are unreadable wherever they are repeated") {
-  const Selection slow = warped("0.5", 4, 1);
+  const Selection slow = at_speed("0.5", 4, 1);
   CHECK(selected_frames(slow, std::vector<size_t>{1, 3}) == std::vector<size_t>{2, 3, 6, 7});
-  CHECK(selected_frames(warped("2", 4, 1), std::vector<size_t>{1}).empty());
+  CHECK(selected_frames(at_speed("2", 4, 1), std::vector<size_t>{1}).empty());
 }

@@ -119,8 +119,8 @@ TEST_CASE("a byte order mark before a list is not part of a name") {
 
 TEST_CASE("a missing array is reported as a missing file") {
   const auto text = [](const char* path) { return error_text([&] { open_sequence({path, {}}); }); };
-  CHECK(text("/nowhere/db.npy") == "/nowhere/db.npy: no such file");
-  CHECK(text("/nowhere") == "/nowhere: no such folder, list or video");
+  CHECK(text("/off_map/db.npy") == "/off_map/db.npy: no such file");
+  CHECK(text("/off_map") == "/off_map: no such folder, list or video");
 }
 
 TEST_CASE("a path that is not a sequence is an input error with its name") {

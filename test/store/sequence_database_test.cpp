@@ -24,9 +24,9 @@ SequenceDatabase example() {
   database.thresholds = {{2, 0.9, {ClosestWindows{700, 1, 1, 0}, std::nullopt}}};
   for (TrainSequence& sequence : database.sequences) {
     sequence.typical_distance = 300.5;
-    sequence.half_width = 2;
+    sequence.exclusion_radius = 2;
   }
-  database.shared_places.emplace();
+  database.overlapping_sequences.emplace();
   database.statistics = {
       {3, 0.25, 77, 9}, 301.25, {-1.5F, 0, 2, 3.25F, 1e-3F}, {100, 0, 4096, 1, 2}};
   return database;
@@ -102,7 +102,7 @@ TEST_CASE("errors distinguish another version from a folder that is not a databa
   const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   std::string text = read_text(path / "manifest.json");
-  text.replace(text.find("vpr.database/1"), 14, "vpr.database/2");
+  text.replace(text.find("vpr.database/3"), 14, "vpr.database/4");
   write_text(path / "manifest.json", text);
   CHECK(has(error_text([&] { read_sequence_database(path); }), "another version"));
   fs::create_directory(folder / "empty");
@@ -121,8 +121,8 @@ TEST_CASE("a database without training results is damaged") {
   using Database = SequenceDatabase;
   CHECK_FALSE(kind([](Database&) {}));
   CHECK(kind([](Database& d) { d.statistics.reset(); }) == ErrorKind::data);
-  CHECK(kind([](Database& d) { d.shared_places.reset(); }) == ErrorKind::data);
-  CHECK(kind([](Database& d) { d.sequences[1].half_width.reset(); }) == ErrorKind::data);
+  CHECK(kind([](Database& d) { d.overlapping_sequences.reset(); }) == ErrorKind::data);
+  CHECK(kind([](Database& d) { d.sequences[1].exclusion_radius.reset(); }) == ErrorKind::data);
   CHECK(kind([](Database& d) { d.sequences[0].typical_distance.reset(); }) == ErrorKind::data);
 }
 
@@ -143,21 +143,21 @@ TEST_CASE("invalid statistics are refused") {
 
 TEST_CASE("half-widths and overlapping sequences are read back, and refused if invalid") {
   const TemporaryFolder folder;
-  const auto stored = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
+  const auto stored = [&](size_t exclusion_radius, std::vector<std::pair<size_t, size_t>> shared) {
     SequenceDatabase database = example();
-    database.sequences[0].half_width = half_width;
-    database.shared_places = std::move(shared);
+    database.sequences[0].exclusion_radius = exclusion_radius;
+    database.overlapping_sequences = std::move(shared);
     write(folder / "d.vprdb", database, Existing::replace);
     return read_sequence_database(folder / "d.vprdb");
   };
   const size_t frames = example().sequences[0].sequence.frames;
   REQUIRE(example().sequences.size() == 2);
   const SequenceDatabase database = stored(1, {{0, 1}});
-  CHECK(database.sequences[0].half_width == 1);
-  CHECK(database.sequences[1].half_width == 2);
-  CHECK(database.shared_places == std::vector<std::pair<size_t, size_t>>{{0, 1}});
-  const auto kind = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
-    return error_kind([&] { stored(half_width, std::move(shared)); });
+  CHECK(database.sequences[0].exclusion_radius == 1);
+  CHECK(database.sequences[1].exclusion_radius == 2);
+  CHECK(database.overlapping_sequences == std::vector<std::pair<size_t, size_t>>{{0, 1}});
+  const auto kind = [&](size_t exclusion_radius, std::vector<std::pair<size_t, size_t>> shared) {
+    return error_kind([&] { stored(exclusion_radius, std::move(shared)); });
   };
   CHECK(kind(0, {}) == ErrorKind::data);
   CHECK(kind(frames + 1, {}) == ErrorKind::data);

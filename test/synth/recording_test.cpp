@@ -10,7 +10,7 @@
 #include "base/json.h"
 #include "base/statistics.h"
 #include "cli/building.h"
-#include "describe/ldb.h"
+#include "describe/whole_frame.h"
 #include "fabmap/local_features.h"
 #include "support.h"
 #include "synth/renderer.h"
@@ -83,6 +83,28 @@ TEST_CASE("walks on another floor or in another direction never show the same pl
   world.floors.push_back(other);
   world.walks[1].floor = "g";
   CHECK(texts_of(world).at("query.ground_truth.csv") == "query,sequence,reference,label\n");
+}
+
+TEST_CASE("a folder with anything but a recording is recognized as another folder") {
+  World world = three_frames();
+  world.image_width = world.image_height = 32;
+  const TemporaryFolder folder;
+  write_recording(world, folder.path(), Monitor());
+  CHECK(is_recording_folder(folder.path()));
+  for (const char* other : {"notes.txt", "query/notes.txt", "places/x.png", "places/p/poses.csv"}) {
+    INFO(other);
+    write_text(folder / other, "");
+    CHECK_FALSE(is_recording_folder(folder.path()));
+    std::filesystem::remove(folder / other);
+    CHECK(is_recording_folder(folder.path()));
+  }
+  for (const char* required : {"dataset.json", "plan.csv", "query/poses.csv"}) {
+    std::filesystem::remove(folder / required);
+    CHECK_FALSE(is_recording_folder(folder.path()));
+    write_text(folder / required, "");
+  }
+  std::filesystem::create_directory(folder / "query/more");
+  CHECK_FALSE(is_recording_folder(folder.path()));
 }
 
 TEST_CASE("pretraining omits frames that show a place") {
@@ -160,7 +182,7 @@ TEST_CASE("the shipped walks at other speeds have exact ground truth, and a deto
 TEST_CASE("rendered corridors have the detail and the similarity of real ones") {
   const World world = small();
   const Scene scene = make_scene(world, 0, Monitor());
-  const auto cast = make_cast(world.seed);
+  const auto people = make_people(world.seed);
   const Walk& walk = *std::find_if(world.walks.begin(), world.walks.end(),
                                    [](const Walk& w) { return w.name == "corridor"; });
   const auto poses = walk_poses(world, walk, scene.plan);
@@ -168,7 +190,7 @@ TEST_CASE("rendered corridors have the detail and the similarity of real ones") 
   std::vector<LdbCode> codes;
   for (size_t i = 0; i < 40; ++i) {
     const cv::Mat picture =
-        render(make_camera(world), {scene, cast, {}, poses[i], walk.conditions, {}},
+        render(make_camera(world), {scene, people, {}, poses[i], walk.conditions, {}},
                named_engine(world.seed, std::to_string(i)));
     REQUIRE(picture.size() == cv::Size(640, 480));
     cv::Mat gray;
@@ -199,8 +221,8 @@ TEST_CASE("invalid worlds are refused with a reason") {
   CHECK_FALSE(refused([](Json&) {}));
   CHECK(refused([](Json& w) { w["floors"][0]["rooms"][0]["x"] = 0.3; }));
   CHECK(refused([](Json& w) { w["floors"][0]["rooms"] = Json::array(); }));
-  CHECK(refused([](Json& w) { w["floors"][0]["like"] = "nowhere"; }));
-  CHECK(refused([](Json& w) { w["walks"][0]["floor"] = "nowhere"; }));
+  CHECK(refused([](Json& w) { w["floors"][0]["like"] = "off_map"; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["floor"] = "off_map"; }));
   CHECK(refused([](Json& w) { w["walks"][0]["path"] = Json::array(); }));
   CHECK(refused([](Json& w) { w["walks"][0]["path"][0] = {1, 2, 3}; }));
   CHECK(refused([](Json& w) { w["walks"][0]["path"][1] = {19, 1.25}; }));  // outside

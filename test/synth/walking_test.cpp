@@ -48,7 +48,7 @@ Walk straight_walk() {
 
 /// Distance from the previous frame to this one in meters.
 double step_m(const std::vector<CameraPose>& found, size_t i) {
-  return found[i].way_m - found[i - 1].way_m;
+  return found[i].path_m - found[i - 1].path_m;
 }
 
 struct Scenery {
@@ -175,15 +175,15 @@ TEST_CASE("a walk has the specified speeds, each from its point on") {
   walk.paces = {{5, 0.6}, {10, 2.2}};
   const auto found = poses(corridor_world(), walk);
   for (size_t i = 1; i < found.size(); ++i) {
-    const double from = found[i - 1].way_m;
+    const double from = found[i - 1].path_m;
     const double speed = from < 5 ? 1.2 : from < 10 ? 0.6 : 2.2;
     INFO("frame " << i << " from " << from);
     CHECK(step_m(found, i) >= 0.85 * speed / 10);  // with natural variation
     CHECK(step_m(found, i) <= 1.15 * speed / 10);
-    CHECK(found[i].position.x == Approx(1 + found[i].way_m));
+    CHECK(found[i].position.x == Approx(1 + found[i].path_m));
   }
-  CHECK(found.back().way_m > 15 - 0.26);
-  CHECK(found.back().way_m <= 15);
+  CHECK(found.back().path_m > 15 - 0.26);
+  CHECK(found.back().path_m <= 15);
 }
 
 TEST_CASE("a walk stops at the specified points and for the specified time, without steps") {
@@ -193,13 +193,13 @@ TEST_CASE("a walk stops at the specified points and for the specified time, with
   const auto found = poses(corridor_world(), walk);
   const auto standing_at = [&](double way) {
     return std::count_if(found.begin(), found.end(),
-                         [&](const CameraPose& pose) { return pose.way_m == way; });
+                         [&](const CameraPose& pose) { return pose.path_m == way; });
   };
   CHECK(standing_at(4) == 25 + 1 + 2 + 1);  // each stop follows the frame that reaches it
   CHECK(standing_at(9) == 10 + 1);
   const auto at = std::find_if(found.begin(), found.end(),
-                               [](const CameraPose& pose) { return pose.way_m == 9; });
-  for (auto pose = at + 1; pose->way_m == 9; ++pose) {
+                               [](const CameraPose& pose) { return pose.path_m == 9; });
+  for (auto pose = at + 1; pose->path_m == 9; ++pose) {
     CHECK(pose->height_m == at->height_m);  // the body does not bob,
     CHECK(pose->time_s > at->time_s);
     CHECK(pose->heading_deg != at->heading_deg);  // but the hand drifts
@@ -210,7 +210,7 @@ TEST_CASE("a cut continues the walk further on or back, without blur") {
   Walk walk = straight_walk();
   walk.cuts = {{0, 3}, {6, 11}, {13, 8}, {9, 14}};
   const auto found = poses(corridor_world(), walk);
-  CHECK(found.front().way_m == 3);
+  CHECK(found.front().path_m == 3);
   std::vector<double> jumps;
   for (size_t i = 1; i < found.size(); ++i)
     if (std::abs(step_m(found, i)) > 0.2) {
@@ -267,7 +267,7 @@ TEST_CASE("walks differ by the requested amount in how the phone is held") {
   const auto other = poses(world, walk);
   REQUIRE(held.size() == plain.size());
   for (size_t i = 0; i < held.size(); ++i) {
-    CHECK(held[i].way_m == plain[i].way_m);
+    CHECK(held[i].path_m == plain[i].path_m);
     // Constant along the walk, and within the limits of a hand.
     CHECK(held[i].height_m - plain[i].height_m == Approx(held[0].height_m - plain[0].height_m));
     CHECK(held[i].pitch_deg - plain[i].pitch_deg == Approx(held[0].pitch_deg - plain[0].pitch_deg));
@@ -348,7 +348,7 @@ TEST_CASE("a step jolts the camera at the rates of its angles, but not during a 
   const auto quiet = poses(world, walk);
   size_t still = 0;
   for (size_t i = 1; i < stopped.size(); ++i) {
-    if (stopped[i].way_m != stopped[i - 1].way_m) continue;
+    if (stopped[i].path_m != stopped[i - 1].path_m) continue;
     CHECK(stopped[i].pitch_deg == quiet[i].pitch_deg);
     ++still;
   }
@@ -356,16 +356,18 @@ TEST_CASE("a step jolts the camera at the rates of its angles, but not during a 
 }
 
 TEST_CASE("jolts depend on the walk") {
-  const Jolt one(1, "a/up", 1), same(1, "a/up", 1), other(1, "b/up", 1);
-  CHECK(one.at(0.9).angle_deg == 0);
-  CHECK(one.at(2.05).angle_deg == same.at(2.05).angle_deg);
-  CHECK(one.at(2.05).angle_deg != other.at(2.05).angle_deg);
-  CHECK(one.at(2.05).angle_deg != one.at(3.05).angle_deg);
+  const auto jolt = [](double steps, const char* name = "a/up") {
+    return jolt_at(1, name, 1, steps);
+  };
+  CHECK(jolt(0.9).angle_deg == 0);
+  CHECK(jolt(2.05).angle_deg == jolt(2.05).angle_deg);
+  CHECK(jolt(2.05).angle_deg != jolt(2.05, "b/up").angle_deg);
+  CHECK(jolt(2.05).angle_deg != jolt(3.05).angle_deg);
   // A jolt begins level, with a speed of 2 pi 8 Hz times 0.3 to 1.7 degrees.
-  CHECK(one.at(2).angle_deg == 0);
-  CHECK(one.at(2).rate_deg_s > 0.3 * 50.2);
-  CHECK(one.at(2).rate_deg_s < 1.7 * 50.3);
-  CHECK(std::abs(one.at(2.999).angle_deg) < 0.01);
+  CHECK(jolt(2).angle_deg == 0);
+  CHECK(jolt(2).rate_deg_s > 0.3 * 50.2);
+  CHECK(jolt(2).rate_deg_s < 1.7 * 50.3);
+  CHECK(std::abs(jolt(2.999).angle_deg) < 0.01);
 }
 
 TEST_CASE("the exposure follows the frames within its lag, back to a cut") {

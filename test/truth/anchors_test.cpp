@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "truth/check.h"
+#include "truth/ground_truth.h"
 #include "truth/truth_files.h"
 
 using namespace vpr;
@@ -72,15 +72,15 @@ TEST_CASE("a tolerance of anchors in meters uses the poses of the training seque
              "12 1.5 0 0 0 0 0 1\n13 4 0 0 0 0 0 1\n15 1.25 0.25 0 0 0 0 1\n");
   files.text("times.txt", "10\n11\n12\n13\n14\n15\n");
   argument.options.reference = "r.tum";
-  argument.options.reference_times = files.folder / "times.txt";
+  argument.options.train_times = files.folder / "times.txt";
   CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
-  argument.options.reference_times.clear();
+  argument.options.train_times.clear();
   argument.options.reference = "r.csv";
   argument.options.radius_m.reset();
   CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
   argument.options = {};
   argument.options.radius_m = 1;
-  CHECK(test::error_text([&] { files.read(argument, 4, 6); }).find("--ground-truth-reference") !=
+  CHECK(test::error_text([&] { files.read(argument, 4, 6); }).find("--ground-truth-train") !=
         std::string::npos);
   argument.options.reference = "r.csv";
   argument.tolerance_frames = 1;

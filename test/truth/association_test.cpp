@@ -1,6 +1,4 @@
 // Poses at the times of frames.
-#include "truth/association.h"
-
 #include <cmath>
 #include <cstdlib>
 
@@ -11,6 +9,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "truth/times.h"
+#include "truth/trajectory.h"
 #include "truth/truth_files.h"
 
 using namespace vpr;
@@ -168,23 +167,23 @@ TEST_CASE("a trajectory with another rate than the images is ground truth by tim
   argument.options.reference = "r.txt";
   argument.options.radius_m = 2.5;
   argument.options.query_times = files.folder / "q.times";
-  argument.options.reference_times = files.folder / "r.times";
+  argument.options.train_times = files.folder / "r.times";
   argument.options.max_difference_s = 0.05;
-  argument.options.reference_offset_s = 4600;
+  argument.options.train_offset_s = 4600;
   // Query frames at 0, 2.5, 5 and 7.5 meters; training frames at 0, 5 and 10.
   CHECK(files.read(argument, 4, 3) == "S.. SS. .S. .SS");
-  argument.options.reference_offset_s = 1e10;
-  CHECK(test::error_text([&] { files.read(argument, 4, 3); }).find("--reference-offset") == 0);
-  argument.options.reference_offset_s = 4600;
+  argument.options.train_offset_s = 1e10;
+  CHECK(test::error_text([&] { files.read(argument, 4, 3); }).find("--train-offset") == 0);
+  argument.options.train_offset_s = 4600;
   argument.options.max_difference_s = 0.01;  // 1000.25 and 1000.75 are between poses
   CHECK(files.read(argument, 4, 3) == "S.. iii .S. iii");
   CHECK(test::error_kind([&] { files.read(argument, 5, 3); }) == ErrorKind::data);
-  argument.options.reference_offset_s.reset();
+  argument.options.train_offset_s.reset();
   CHECK(test::error_kind([&] { files.read(argument, 4, 3); }) == ErrorKind::data);
-  argument.options.reference_times.clear();
-  argument.options.reference_offset_s = 1;
+  argument.options.train_times.clear();
+  argument.options.train_offset_s = 1;
   CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
-  argument.options.reference_offset_s.reset();
+  argument.options.train_offset_s.reset();
   argument.options.max_difference_s = -1;
   CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
   argument.options.max_difference_s.reset();

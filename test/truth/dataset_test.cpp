@@ -18,7 +18,7 @@ Dataset parse(const test::TemporaryFolder& folder, const std::string& text) {
 
 TEST_CASE("paths in a data set description are relative to it") {
   const test::TemporaryFolder folder;
-  const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/1", "name": "d", "fps": 8,
+  const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/3", "name": "d", "fps": 8,
     "pretrain": ["p"], "train": [{"name": "t", "sequence": "a/b@1:3"}],
     "places": [{"name": "hall", "sequences": ["h1", "h2"]}],
     "queries": [{"name": "q", "sequence": "/abs",
@@ -40,36 +40,36 @@ TEST_CASE("paths in a data set description are relative to it") {
 
 TEST_CASE("a ground truth has the options of its format") {
   const test::TemporaryFolder folder;
-  const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/1", "name": "d",
+  const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/3", "name": "d",
     "queries": [{"name": "q", "sequence": "q", "ground_truth": {"path": "p.csv", "reference": "r.csv",
                  "radius_m": 5, "angle_deg": 40, "matrix_rows": "reference", "soft": "s.npy",
-                 "reference_step": 2, "query_times": "t.txt", "reference_pose_times": "p.txt",
-                 "max_difference_s": 0.1, "reference_offset_s": -3}}]})");
+                 "train_step": 2, "query_times": "t.txt", "train_pose_times": "p.txt",
+                 "max_difference_s": 0.1, "train_offset_s": -3}}]})");
   const GroundTruthArgument& argument = *dataset.queries.at(0).sequence_ground_truth;
   CHECK(argument.format.empty());
   CHECK(argument.options.reference == folder / "r.csv");
   CHECK(argument.options.soft == folder / "s.npy");
   CHECK(argument.options.radius_m == 5);
   CHECK(argument.options.angle_deg == 40);
-  CHECK(argument.options.reference_step == 2);
+  CHECK(argument.options.train_step == 2);
   CHECK(argument.options.matrix_rows == MatrixRows::reference);
   CHECK(argument.options.query_times == folder / "t.txt");
-  CHECK(argument.options.reference_pose_times == folder / "p.txt");
+  CHECK(argument.options.train_pose_times == folder / "p.txt");
   CHECK(argument.options.max_difference_s == 0.1);
-  CHECK(argument.options.reference_offset_s == -3);
+  CHECK(argument.options.train_offset_s == -3);
 }
 
 TEST_CASE("errors in a data set description are usage errors") {
   const std::string text = GENERATE(
-      R"([])", R"({"name": "d"})", R"({"schema": "vpr.dataset/1"})",
-      R"({"schema": "vpr.dataset/1", "name": "d", "trian": []})",
-      R"({"schema": "vpr.dataset/1", "name": "d", "train": [{"name": "t"}]})",
-      R"({"schema": "vpr.dataset/1", "name": "d", "train": [{"name": "t", "sequence": "a"},
+      R"([])", R"({"name": "d"})", R"({"schema": "vpr.dataset/3"})",
+      R"({"schema": "vpr.dataset/3", "name": "d", "trian": []})",
+      R"({"schema": "vpr.dataset/3", "name": "d", "train": [{"name": "t"}]})",
+      R"({"schema": "vpr.dataset/3", "name": "d", "train": [{"name": "t", "sequence": "a"},
                                                             {"name": "t", "sequence": "b"}]})",
-      R"({"schema": "vpr.dataset/1", "name": "d", "places": [{"name": "t", "sequences": []}]})",
-      R"({"schema": "vpr.dataset/1", "name": "d",
+      R"({"schema": "vpr.dataset/3", "name": "d", "places": [{"name": "t", "sequences": []}]})",
+      R"({"schema": "vpr.dataset/3", "name": "d",
           "queries": [{"name": "q", "sequence": "a", "ground_truth": {"tolerance": 1}}]})",
-      R"({"schema": "vpr.dataset/1", "name": "d",
+      R"({"schema": "vpr.dataset/3", "name": "d",
           "queries": [{"name": "q", "sequence": "a", "ground_truth": {"path": "g", "radius": 1}}]})",
       R"({"schema": "vpr.dataset/2", "name": "d"})", R"({"schema": )");
   const test::TemporaryFolder folder;

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "truth/gps.h"
+#include "truth/positions.h"
 #include "truth/times.h"
 
 using namespace vpr;

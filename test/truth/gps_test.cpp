@@ -1,6 +1,4 @@
 // Ground truth by latitude and longitude.
-#include "truth/gps.h"
-
 #include <cmath>
 #include <functional>
 
@@ -8,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "truth/route.h"
+#include "truth/positions.h"
 #include "truth/times.h"
 #include "truth/truth_files.h"
 

@@ -3,7 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/error.h"
-#include "truth/presets.h"
+#include "truth/formats.h"
 #include "truth/truth_files.h"
 
 using namespace vpr;
@@ -40,10 +40,10 @@ TEST_CASE("ranges of pairs are those of the query") {
 
 TEST_CASE("aligned sequences may have different sampling") {
   GroundTruthArgument argument{"aligned", {}, 1};
-  argument.options.reference_step = 2.5;  // 0, 2.5, 5 become 0, 3, 5
+  argument.options.train_step = 2.5;  // 0, 2.5, 5 become 0, 3, 5
   CHECK(draw(read_ground_truth(argument, {{"", 3}, {{"ref", 7}}}), 3, 7) ==
         "SS..... ..SSS.. ....SSS");
-  argument.options.reference_step = 0;
+  argument.options.train_step = 0;
   CHECK(test::error_kind([&] {
           read_ground_truth(argument, {{"", 3}, {{"ref", 7}}});
         }) == ErrorKind::usage);

@@ -174,16 +174,16 @@ void check_replayed(const std::string& argument, int tolerance,
   }
   const GroundTruthScope recorded = {{"", 60}, {{"ref", 60}}};
   const GroundTruth truth = read_ground_truth(given, recorded);
-  for (const WarpRule& rule : warp_rules()) {
+  for (const SpeedRule& rule : speed_rules()) {
     INFO(argument << ", " << rule.name);
     GroundTruthScope scope = recorded;
-    scope.query = selected(scope.query, warped(std::string(rule.name), 60, 3));
-    const GroundTruth warped = read_ground_truth(given, scope);
-    REQUIRE(warped.pairs.size() == scope.query.frames);
-    CHECK(warped.protocol.find("query replayed ") != std::string::npos);
+    scope.query = selected(scope.query, at_speed(std::string(rule.name), 60, 3));
+    const GroundTruth at_speed = read_ground_truth(given, scope);
+    REQUIRE(at_speed.pairs.size() == scope.query.frames);
+    CHECK(at_speed.protocol.find("query at speed ") != std::string::npos);
     for (size_t k = 0; k < scope.query.frames; ++k)
       for (size_t r = 0; r < 60; ++r)
-        if (warped.label(k, 0, r) != truth.label(scope.query.selection.sources[k], 0, r))
+        if (at_speed.label(k, 0, r) != truth.label(scope.query.selection.sources[k], 0, r))
           FAIL("frame " << k << " of the replay, reference " << r);
   }
 }

@@ -12,7 +12,7 @@ Selection kept_of(size_t recorded, std::vector<uint32_t> sources) {
   Selection kept;
   kept.recorded_frames = recorded;
   kept.sources = std::move(sources);
-  kept.thinned_fps = 5;
+  kept.selected_fps = 5;
   return kept;
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("selected frames keep their labels, and a place without any moves to t
     select_train_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == "s...");
   }
-  SECTION("behind") {
+  SECTION("after the last one") {
     scope.sequences[0].sequence.selection = kept_of(10, {5, 6, 7, 8});
     select_train_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == "s..i");

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "truth/check.h"
 #include "truth/ground_truth.h"
 #include "truth/truth_files.h"
 
@@ -95,7 +94,8 @@ TEST_CASE("overlapping labels are counted for the runs that they overlap") {
   // 0 to 9 is the same place, 2 to 12 is ignored, and then 5 to 8 and 5 to 11 are the same place
   // again.
   const GroundTruthArgument argument{"pairs", "made up"};
-  GroundTruthBuilder builder(argument, {{"", 1}, {{"ref", 20}}}, InconsistentPairs::count, {});
+  GroundTruthBuilder builder(argument, "pairs", {{"", 1}, {{"ref", 20}}}, InconsistentPairs::count,
+                             {});
   builder.add(0, 0, 0, 9, PlaceLabel::same);
   builder.add(0, 0, 2, 12, PlaceLabel::ignore);
   builder.add(0, 0, 5, 8, PlaceLabel::same);

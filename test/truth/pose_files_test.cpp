@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "truth/poses.h"
+#include "truth/readers.h"
 #include "truth/truth_files.h"
-#include "truth/utm_names.h"
 
 using namespace vpr;
 using test::Files;
@@ -28,7 +27,7 @@ TEST_CASE("poses within a radius are the same place, unknown ones are ignored") 
     argument.options.radius_m = none;
     CHECK(test::error_kind([&] { files.read(argument, 3, 4); }) == ErrorKind::usage);
   }
-  CHECK(test::error_text([&] { files.read("q.csv", 3, 4); }).find("--ground-truth-reference") !=
+  CHECK(test::error_text([&] { files.read("q.csv", 3, 4); }).find("--ground-truth-train") !=
         std::string::npos);
 }
 

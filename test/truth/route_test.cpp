@@ -1,10 +1,9 @@
-#include "truth/route.h"
-
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
 #include "base/monitor.h"
 #include "support.h"
+#include "truth/positions.h"
 
 using namespace vpr;
 

@@ -1,14 +1,14 @@
-#include "truth/sequence_rate.h"
-
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "sequence/frames.h"
-#include "sequence/selection.h"
+#include "sequence/live_source.h"
+#include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
 #include "support.h"
+#include "truth/times.h"
 
 using namespace vpr;
 
@@ -52,7 +52,7 @@ TEST_CASE("names are times if they are clock readings") {
     CHECK_FALSE(is_named_by_time(name));
 }
 
-TEST_CASE("a folder of images with times as names is thinned by time") {
+TEST_CASE("a folder of images with times as names is resampled by time") {
   Recording seconds(
       {"1305031102.0.png", "1305031102.1.png", "1305031102.2.png", "1305031102.3.png"});
   CHECK(seconds.rated({}, {}).sequence.fps == Approx(10));
@@ -88,7 +88,7 @@ TEST_CASE("times from a list, or a constant rate, thin a folder") {
   CHECK(walk.rated({walk.folder / "times.txt", 30.0}, {}).sequence.fps == Approx(10));
 }
 
-TEST_CASE("frames with unknown times, or times that do not increase, cannot be thinned") {
+TEST_CASE("frames with unknown times, or times that do not increase, cannot be resampled") {
   Recording walk({"0.png", "1.png", "2.png"});
   CHECK_FALSE(walk.rated({}, {}).sequence.fps);
   CHECK(test::error_kind([&] { walk.rated({}, 5); }) == ErrorKind::usage);
@@ -113,7 +113,7 @@ TEST_CASE("frames with unknown times, or times that do not increase, cannot be t
   CHECK_FALSE(kept.sequence.fps);
 }
 
-TEST_CASE("a video is thinned by its own times, and frames keep their numbers") {
+TEST_CASE("a video is resampled by its own times, and frames keep their numbers") {
   Recording recording;
   const std::string path = recording.folder / "walk.avi";
   cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, {64, 48});
@@ -128,7 +128,7 @@ TEST_CASE("a video is thinned by its own times, and frames keep their numbers") 
                        recording.monitor, [](size_t, const cv::Mat&) {});
     if (fps) {
       REQUIRE_FALSE(frames.selection.is_all());
-      CHECK(frames.selection.thinned_fps == *fps);
+      CHECK(frames.selection.selected_fps == *fps);
       CHECK(frames.fps == Approx(*fps));
     }
     return frames.frame_names;
@@ -140,7 +140,7 @@ TEST_CASE("a video is thinned by its own times, and frames keep their numbers") 
   CHECK(with_rate({path, {}}, {}, {}, {}).sequence.fps == Approx(20));
 }
 
-TEST_CASE("live frames are thinned like those of a complete recording") {
+TEST_CASE("live frames are resampled like those of a complete recording") {
   Recording walk;
   Names images;
   int64_t time = 1'305'031'102'000;
@@ -153,7 +153,7 @@ TEST_CASE("live frames are thinned like those of a complete recording") {
   for (const std::string& image : images) list += image + "\n";
   test::write_text(walk.folder / "list.txt", list);
   for (const double fps : {1.0, 4.0, 9.5, 12.0}) {
-    auto source = open_thinned_source(
+    auto source = open_resampled_source(
         open_live_source({walk.folder / "list.txt", {}}, Unreadable::fail), fps, {});
     Names came;
     while (const auto frame = source->next({})) came.push_back(frame->file.stem().string());
@@ -162,8 +162,8 @@ TEST_CASE("live frames are thinned like those of a complete recording") {
   Recording named({"a.png", "b.png"});
   test::write_text(named.folder / "list.txt", "a.png\nb.png\n");
   const auto open = [&](std::optional<double> recorded_fps) {
-    return open_thinned_source(open_live_source({named.folder / "list.txt", {}}, Unreadable::fail),
-                               5, recorded_fps);
+    return open_resampled_source(
+        open_live_source({named.folder / "list.txt", {}}, Unreadable::fail), 5, recorded_fps);
   };
   CHECK(test::error_kind([&] { open({})->next({}); }) == ErrorKind::usage);
   CHECK(open(10)->next({})->name == "a.png");

@@ -74,7 +74,7 @@ before=$(stat -c %Y.%n "$at/array/raw5.report.json" "$at/array/z5.report.json")
 echo; echo "== the profile"
 late_job=$(sbatch --parsable --mem=100 --time=1 --output=/dev/null --wrap "sleep 600")
 cat >"$at/experiments.yaml" <<END
-schema: vpr.experiments/1
+schema: vpr.experiments/3
 memory_mb: 1000
 data: {golden: {world: $PWD/test/golden/world.json}}
 descriptors: {ldb: {}}

@@ -1,4 +1,4 @@
-// Values below the pointer, and what a threshold accepts.
+// Values at the pointer, and best matches by threshold.
 (() => {
   const { data, count, describe, place, frameAt } = window.page;
   const byId = (id) => document.getElementById(id);
@@ -25,7 +25,7 @@
     best === null || Math.abs(point[side] - value) < Math.abs(best[side] - value) ? point : best, null);
   const number = (value) => String(Number(value.toPrecision(6)));
   const counted = (right, wrong, unjudged) => data.judged
-    ? `${right} right, ${wrong} wrong${unjudged ? `, ${unjudged} not judged` : ""}` : `${unjudged} not judged`;
+    ? `${right} correct, ${wrong} incorrect${unjudged ? `, ${unjudged} not judged` : ""}` : `${unjudged} not judged`;
   const limit = (value) => data.order === "distance" ? `Up to ${number(value)}` : `From ${number(value)} on`;
   const texts = {
     timeline: (x, y) => {
@@ -54,8 +54,8 @@
     svg?.addEventListener("pointerleave", () => show(null, ""));
   }
 
-  // The slider over thresholds, from the strictest on. It begins with the margin that decided, or
-  // with the loosest threshold without a mistake.
+  // The slider selects a threshold, the strictest first. It starts at the margin of the decision,
+  // or at the loosest threshold without a mistake.
   if (!data.steps.length) return;
   const slider = byId("threshold");
   const pixel = ([from, to, begin, end], value) => begin + (value - from) / (to - from) * (end - begin);

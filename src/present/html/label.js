@@ -9,14 +9,14 @@
   const several = data.sequences.length > 1;
 
   const field = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-  // Files speak of the frames of recordings, of which sequences may show some.
+  // Files have frames of recordings, of which sequences may select some.
   const recorded = (sources, frame) => (sources ? sources[frame] : frame);
   const row = (query, sequence, reference, ...more) =>
     [recorded(data.query_sources, query), ...(several ? [field(data.sequences[sequence])] : []),
       recorded(data.train_sources?.[sequence], reference), ...more].join(",");
   const header = several ? "query,sequence,reference" : "query,reference";
   const file = (lines) => lines.join("\n") + "\n";
-  // Best matches that nobody labeled are to be ignored; different is what no line says.
+  // Best matches without a label are written as ignore; pairs without a line are different.
   const pairs = () => {
     const lines = [`${header},label`];
     for (let i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@
     byId("labeled").textContent = `Frame ${frameOf(at())}: ${here ?? "not labeled"}. `
       + `${of("same")} same, ${of("different")} different, ${of("ignore")} ignored, ${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
   };
-  // A query frame has one anchor in a sequence.
+  // A query frame has at most one anchor per sequence.
   const anchor = (query, sequence, frame) => {
     anchors = [...anchors.filter((one) => one[0] !== query || one[1] !== sequence), [query, sequence, frame]];
     refresh();
@@ -95,7 +95,7 @@
     for (let step = 1; step <= count; ++step)
       if (isWrong((at() + step) % count)) return go((at() + step) % count);
   };
-  // The query of the card in focus, or the one that is chosen.
+  // The query of the focused card, or the selected query.
   const chosen = (target) => Number(target.closest?.(".card")?.dataset.at ?? at());
   const press = (key, target) => {
     const i = chosen(target);

@@ -37,8 +37,8 @@
     }
   });
 
-  // What became of one query.
-  const verdicts = { c: "right", w: "wrong", n: "wrong: the ground truth has no match", i: "ignored", u: "unreadable" };
+  // The outcome of one query.
+  const verdicts = { c: "correct", w: "incorrect", n: "incorrect: the ground truth has no match", i: "ignored", u: "unreadable" };
   const slider = byId("at");
   const count = data.best.length;
   const here = byId("here");
@@ -50,7 +50,7 @@
     else if (data.best[i] !== "u") parts.push("nothing found");
     if (data.judged || data.best[i] === "u") parts.push(verdicts[data.best[i]]);
     if (match) parts.push(data.recognized[frame] === "." ? "not recognized" : "recognized");
-    if (data.ranks && data.ranks[i]) parts.push(`the first right reference has rank ${data.ranks[i]}`);
+    if (data.ranks && data.ranks[i]) parts.push(`the first correct reference has rank ${data.ranks[i]}`);
     return `Frame ${frame}: ${parts.join(", ")}.`;
   };
   const say = () => {
@@ -70,7 +70,7 @@
     slider.addEventListener("input", say);
     say();
   }
-  // What the other scripts share with this one.
+  // The interface for the other scripts.
   window.page = {
     data, count, describe,
     at: () => Number(slider.value),
@@ -78,14 +78,14 @@
       slider.value = Math.max(0, Math.min(count - 1, i));
       say();
     },
-    // Where the pointer is on the axes of a chart.
+    // The position of the pointer on the axes of a chart.
     place: (event, svg, area) => {
       const box = svg.getBoundingClientRect();
       const unit = area.width / box.width;
       const value = ([from, to, begin, end], at) => from + (at - begin) / (end - begin) * (to - from);
       return [value(area.x, (event.clientX - box.left) * unit), value(area.y, (event.clientY - box.top) * unit)];
     },
-    // The sequence and the frame at a position of an axis; nothing beside it.
+    // The sequence and the frame at a position of an axis; undefined outside.
     frameAt: (bands, position) => {
       const band = bands.find((one) => position >= one.at && position < one.at + one.count);
       return band && [band.sequence, band.first + Math.floor(position) - band.at];

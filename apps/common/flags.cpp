@@ -1,0 +1,302 @@
+#include "flags.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/named_table.h"
+#include "decide/query_settings.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_source.h"
+#include "truth/formats.h"
+#include "truth/times.h"
+
+namespace vpr {
+namespace {
+
+// Flags override the options of a data set.
+GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {
+  if (flags.tolerance_frames) argument.tolerance_frames = *flags.tolerance_frames;
+  if (!flags.format.empty()) argument.format = flags.format;
+  GroundTruthOptions& options = argument.options;
+  GroundTruthOptions given = flags.options;
+  const auto override_number = [](auto& field, const auto& flag) {
+    if (flag) field = flag;
+  };
+  override_number(options.radius_m, given.radius_m);
+  override_number(options.angle_deg, given.angle_deg);
+  override_number(options.train_step, given.train_step);
+  override_number(options.max_difference_s, given.max_difference_s);
+  override_number(options.offset_s, given.offset_s);
+  override_number(options.train_offset_s, given.train_offset_s);
+  if (given.matrix_rows != MatrixRows::automatic) options.matrix_rows = given.matrix_rows;
+  visit_paths(options, [&](std::string_view name, std::filesystem::path& file) {
+    visit_paths(given, [&](std::string_view other, const std::filesystem::path& path) {
+      if (name == other && !path.empty()) file = path;
+    });
+  });
+  return argument;
+}
+
+// Bytes from "512M", "2G", "1000000"; K, M, G are powers of 1024.
+size_t parse_bytes(const std::string& text) {
+  static const std::string kUnits = "KMG";
+  size_t used = 0;
+  unsigned long long value = 0;
+  try {
+    value = std::stoull(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const size_t unit = used + 1 == text.size() ? kUnits.find(text[used]) : std::string::npos;
+  const bool has_unit = used != text.size();
+  if (used == 0 || text[0] == '-' || (has_unit && unit == std::string::npos) ||
+      value >> 32 >> 20 != 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("--max-memory takes bytes, as in 512M or 2G, found {}", text));
+  return has_unit ? value << (10 * (unit + 1)) : value;
+}
+
+}  // namespace
+
+void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
+                    const std::string& note) {
+  command.add_option("--fps", flags.fps,
+                     fmt::format("select frames of {} at this rate, in frames per second; a ground "
+                                 "truth still refers to all frames{}",
+                                 sequences, note));
+  command.add_option("--recorded-fps", flags.recorded_fps,
+                     "frame rate of the recording, unless times, a video or a data set state it");
+}
+
+Flag add_speed_flag(const Command& command, std::string& speed, const std::string& help) {
+  std::vector<std::string> names = names_of(speed_rules());
+  names.emplace_back("NUMBER");
+  command.add_footer("Speeds:\n" + speed_summaries());
+  return command.add_option("--speed", speed, help).choices("WARP", names);
+}
+
+void check_rates(const SelectionFlags& flags) {
+  if (flags.fps) check_fps(*flags.fps, "--fps");
+  if (flags.recorded_fps) check_fps(*flags.recorded_fps, "--recorded-fps");
+}
+
+SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags,
+                          const std::filesystem::path& times, const Dataset* dataset,
+                          const Session& session) {
+  check_rates(flags);
+  RateSource source{times, flags.recorded_fps};
+  if (!source.recorded_fps && dataset != nullptr && dataset->frames_per_second > 0)
+    source.recorded_fps = dataset->frames_per_second;
+  if (!source.recorded_fps) source.recorded_fps = flags.fallback_fps;
+  argument.speed = flags.speed;
+  argument.seed = session.options.seed;
+  return with_rate(std::move(argument), source, flags.fps, session.monitor);
+}
+
+void require_descriptors(const SequenceArgument& argument) {
+  if (open_sequence(argument).kind != SequenceKind::descriptors)
+    throw Error(ErrorKind::usage, fmt::format("{}: is not a .npy file or a folder of .npy files",
+                                              argument.path.string()));
+}
+
+NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
+                                const std::string& flag) {
+  const size_t equals = text.rfind('=');
+  if (equals != std::string::npos && equals > 0) {
+    const SequenceArgument argument =
+        parse_sequence_argument(fmt::format("{}@{}", path.string(), text.substr(equals + 1)));
+    if (argument.path == path) return {text.substr(0, equals), argument};
+  }
+  throw Error(ErrorKind::usage,
+              fmt::format("{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text));
+}
+
+std::string ground_truth_help() {
+  return fmt::format("file or folder, aligned, or a preset ({}); see the formats below",
+                     fmt::join(names_of(ground_truth_presets()), ", "));
+}
+
+void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
+                            const std::string& format_flag) {
+  GroundTruthOptions& options = flags.options;
+  const auto add_number = [&](const std::string& flag, std::optional<double>& value,
+                              const std::string& help) {
+    command.add_option(flag, value, help).group(kGroundTruthGroup);
+  };
+  const auto add_path = [&](const std::string& flag, std::filesystem::path& path,
+                            const std::string& help) {
+    command
+        .add_option(
+            flag, [&path](const std::string& text) { path = text; }, help)
+        .type_name("FILE")
+        .group(kGroundTruthGroup);
+  };
+  add_setting(command, "--tolerance", flags.tolerance_frames,
+              "frames by which the same place may be off (default: the data set's, or 0)")
+      .group(kGroundTruthGroup);
+  command.add_option(format_flag, flags.format, "format of the ground truth (default: detected)")
+      .choices("FORMAT", format_names())
+      .group(kGroundTruthGroup);
+  command.add_footer("Ground truth formats:\n" + format_summaries());
+  add_path("--ground-truth-train", options.reference,
+           "poses of the training sequence, for poses, tum, kitti, euroc, gps and utm, and for "
+           "anchors with --radius");
+  add_number("--radius", options.radius_m,
+             "largest distance of the same place in meters, for poses, tum, kitti, euroc, gps, utm "
+             "and anchors (default for utm: 25)");
+  add_number("--angle", options.angle_deg,
+             "largest difference of headings of the same place in degrees, with --radius "
+             "(default: any)");
+  add_number("--train-step", options.train_step,
+             "training frames per query frame, for aligned: query frame i shows training frame "
+             "STEP * i (default: 1)");
+  add_path("--soft", options.soft, "pairs to ignore, for matrix (.npy)");
+  add_path("--query-times", options.query_times,
+           "times of the query frames, for tum, kitti, euroc and gps: a list, a folder of images "
+           "with times as names, or a video; poses are matched by time");
+  add_path("--train-times", options.train_times,
+           "times of the training frames, as for --query-times");
+  add_path("--query-pose-times", options.query_pose_times,
+           "times of the query's poses, for kitti (times.txt)");
+  add_path("--train-pose-times", options.train_pose_times,
+           "times of the poses of --ground-truth-train, for kitti");
+  add_path("--query-images", options.query_images,
+           "images of the query, for gps with a CSV file image,lat,lon");
+  add_path("--train-images", options.train_images, "images of the training sequence, for gps");
+  add_number("--max-difference", options.max_difference_s,
+             "longest time from a frame to its nearest pose in seconds (default: 0.02; gps: 1)");
+  add_number("--offset", options.offset_s,
+             "seconds added to --query-times, for clocks that differ (default: 0)");
+  add_number("--train-offset", options.train_offset_s,
+             "seconds added to --train-times (default: 0)");
+  add_setting(command, "--matrix-rows", options.matrix_rows,
+              "frames that are rows of a matrix (default: auto, as usual for the format)")
+      .group(kGroundTruthGroup);
+}
+
+bool has_ground_truth_flags(const GroundTruthFlags& flags) {
+  return flags.tolerance_frames || !flags.format.empty() || flags.options != GroundTruthOptions{};
+}
+
+std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
+                                                   const GroundTruthFlags& flags) {
+  const auto& named =
+      family == DatabaseFamily::fabmap ? query.place_ground_truth : query.sequence_ground_truth;
+  if (!named) return std::nullopt;
+  return with_flags(*named, flags);
+}
+
+GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags) {
+  return with_flags(parse_ground_truth_argument(text, 0), flags);
+}
+
+void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& flags) {
+  if (!flags.fps || truth.options.query_times.empty()) return;
+  const auto formats = ground_truth_formats();
+  const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
+  const GroundTruthFormat* format = truth.format.empty()     ? &detect_format(truth.path)
+                                    : named != formats.end() ? &*named
+                                                             : nullptr;
+  if (format == nullptr || std::ranges::find(format->options, "times") == format->options.end())
+    truth.options.query_times.clear();
+}
+
+void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& help,
+                     const std::string& group) {
+  command.add_option("--scores", flags.path, help).group(group).type_name("FILE");
+  const Flag distance =
+      command.add_flag("--distance", flags.is_distance, "small scores are better").group(group);
+  command.add_flag("--similarity", flags.is_similarity, "large scores are better")
+      .group(group)
+      .excludes(distance);
+  command
+      .add_flag("--train-first", flags.train_first,
+                "rows of the matrix are references, columns are queries")
+      .group(group);
+  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN")
+      .group(group);
+}
+
+void require_order(const ScoreFlags& flags) {
+  if (!flags.has_order())
+    throw Error(ErrorKind::usage,
+                "the order of the scores is missing; use --distance (small is better) or "
+                "--similarity (large is better)");
+}
+
+void refuse(bool is_given, const std::string& flag, const std::string& why) {
+  if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
+}
+
+void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why) {
+  refuse(flags.is_distance, "--distance", why);
+  refuse(flags.is_similarity, "--similarity", why);
+  refuse(flags.train_first, "--train-first", why);
+  refuse(flags.missing.has_value(), "--missing", why);
+}
+
+void add_score_settings(const Command& command, SequenceQuerySettings& settings,
+                        const std::string& group) {
+  add_setting(command, "--score", settings.score,
+              fmt::format("raw (distances), zscore (normalized online per training frame) or "
+                          "zscore-offline (normalized over the whole query) (default: {})",
+                          enum_name(settings.score)))
+      .group(group);
+  command
+      .add_list("--rates", settings.rates,
+                "rates of windows in training frames per query frame, as in 1/2,2/3,1,3/2,2; the "
+                "best one counts (default: 1)")
+      .comma_separated()
+      .type_name("P/Q")
+      .group(group);
+  add_setting(command, "--exclusion-frames", settings.exclusion_frames,
+              "exclusion zone: frames before and after the best match (default: the frames after "
+              "which training sequences show another place)")
+      .group(group);
+  command
+      .add_list("--same-place", settings.same_place,
+                "A=B: training sequences of the same place, which are in each other's exclusion "
+                "zone; repeatable; none: all differ (default: detected)")
+      .group(group);
+}
+
+void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
+                           std::string& fabmap, const std::string& group) {
+  add_setting(command, "--decide", settings.decision,
+              "threshold accepts every window pair closer than --t-r, margin the best match if it "
+              "is --margin better than the runner-up (default: threshold)")
+      .group(group);
+  add_setting(command, "--t-r-scale", settings.threshold_scale,
+              "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for z-scores "
+              "(default: relative or mean-z)")
+      .group(group);
+  command
+      .add_option("--fuse", fabmap,
+                  "FAB-MAP database of the same training sequences, to fuse with z-scores")
+      .group(group);
+  add_setting(command, "--fusion-weight", settings.fusion_weight,
+              "fusion weight, in standard deviations per nat, adapted online (default: 0.2)")
+      .group(group);
+}
+
+void add_unreadable_flag(const Command& command, bool& skip_unreadable) {
+  command.add_flag("--skip-unreadable", skip_unreadable,
+                   "ignore frames that cannot be decoded; they keep their index and never match");
+}
+
+Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help) {
+  return command
+      .add_option(
+          "--max-memory", [&bytes](const std::string& text) { bytes = parse_bytes(text); },
+          fmt::format("{} (default: {}G)", help, bytes >> 30))
+      .type_name("BYTES");
+}
+
+Flag add_format_flag(const Command& command, TableFormat& format, const std::string& help) {
+  return add_setting(command, "--format", format, help);
+}
+
+}  // namespace vpr

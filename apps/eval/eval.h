@@ -1,0 +1,155 @@
+// The flags of vpr-eval, and one function per job.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "common/command.h"
+#include "common/flags.h"
+#include "evaluate/loops.h"
+#include "evaluate/score_matrix.h"
+#include "present/evaluation_report.h"
+#include "present/result_file.h"
+#include "present/table.h"
+#include "run/evaluate.h"
+
+namespace vpr {
+
+/// The flags of --scores, --query-npy and --predictions.
+struct ScoreInputs {
+  ScoreFlags matrix;
+  std::string query_npy;
+  std::string train_npy;
+  DescriptorMetric metric = DescriptorMetric::cosine;
+  std::string predictions;
+  std::vector<uint64_t> recall_at;
+  uint64_t stretch_frames = kDefaultStretch;
+  std::optional<double> threshold;
+  uint64_t window_length = 1;
+  std::string speed;
+  std::optional<uint64_t> query_frames;  ///< before --speed
+  std::string name;                      ///< in tables; empty: the name of the file
+  std::string poses;
+
+  /// The path of the scores, descriptors or predictions; empty without any.
+  const std::string& source() const {
+    if (!matrix.path.empty()) return matrix.path;
+    return query_npy.empty() ? predictions : query_npy;
+  }
+};
+
+struct LoopInputs {
+  std::string path;
+  std::string times;
+  std::string gap;
+  LoopFrames frames = LoopFrames::automatic;
+};
+
+/// Empty strings: not given.
+struct EvalInputs {
+  std::vector<std::string> results;
+  std::string result;    ///< the one to evaluate
+  std::string row_name;  ///< its name in tables
+  std::vector<std::string> names;
+  std::string ground_truth;
+  std::string dataset;
+  GroundTruthFlags flags;
+  std::string protocols;
+  std::optional<Confidence> confidence;
+  TableFormat format = TableFormat::text;
+  std::optional<std::string> query;  ///< a sequence, or the name of a query in the data set
+  std::vector<std::string> train;
+  ScoreInputs scores;
+  LoopInputs loops;
+  // Outputs
+  std::string expected;
+  bool update = false;
+  std::string junit;
+  std::string html;
+  std::string plots;
+  std::string map;
+  std::string map_with;
+  std::string saved_trajectory;
+  std::string pairs;
+  std::optional<uint64_t> top_k;
+  std::string outcomes_csv;
+  std::string recognitions_csv;
+
+  bool has_plots() const { return !html.empty() || !plots.empty(); }
+  bool has_csv() const { return !outcomes_csv.empty() || !recognitions_csv.empty(); }
+  bool has_expectation() const { return update || !expected.empty() || !junit.empty(); }
+  bool has_loops() const {
+    return !loops.path.empty() || !loops.times.empty() || !loops.gap.empty() ||
+           loops.frames != LoopFrames::automatic;
+  }
+};
+
+void add_eval_flags(Program& program, EvalInputs& inputs);
+
+/// Throws Error(usage) for flags of scores that cannot be combined, or that a result excludes.
+void check_scores(const ScoreInputs& inputs, bool has_result);
+
+/// Throws Error(usage) for outputs that cannot be combined or lack an input, and claims the others.
+void claim_outputs(const Session& session, const EvalInputs& inputs);
+
+/// Throws Error(data) if `rows` windows do not have the frames that --query-frames or
+/// `query_frames` states; if neither is known, if a window is longer than the matrix.
+void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames);
+
+struct OpenedScores {
+  std::optional<StoredResult> stored;
+  std::optional<ScoreMatrix> matrix;  ///< scores, or the matrix that was saved with the result
+};
+
+/// Throws Error(usage) without a result or scores, and Error(data) if --scores is not the matrix
+/// that was saved with the result.
+OpenedScores open_inputs(const Session& session, const EvalInputs& inputs);
+
+/// The names of query frames, and of training frames by sequence, from --query and --train or the
+/// data set; empty without them.
+std::vector<std::string> query_names(const EvalInputs& inputs);
+std::vector<std::vector<std::string>> train_names(const EvalInputs& inputs);
+
+struct Evaluated {
+  Evaluation evaluation;
+  EvaluationSettings by;
+  Report report;
+};
+
+/// Evaluates the result, or scores without a result. Throws as open_inputs does, and Error(usage)
+/// without a ground truth, which only --html and --plot of a result do not need.
+Evaluated evaluate(Session& session, const EvalInputs& inputs);
+
+/// The files of --outcomes-csv and --recognitions-csv.
+class CsvTables {
+ public:
+  void add(const EvalInputs& inputs, const Evaluation& evaluation, const std::string& name);
+  void write(const Session& session, const EvalInputs& inputs) const;
+
+ private:
+  std::string outcomes_;
+  std::string recognitions_;
+};
+
+/// Each function writes an output if its flag is given.
+void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
+                 const std::string& summary);
+void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated);
+void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
+                      std::optional<double> frames_per_second);
+/// Pairs of the matrix, or of the result if it is null. Returns their number.
+size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
+                   const ScoreLayout& layout, const Result* result);
+
+/// vpr-eval --loops.
+void run_loops(Session& session, const EvalInputs& inputs);
+
+/// The subcommands.
+void add_check(Program& program);
+void add_convert(Program& program);
+void add_compare(Program& program);
+void add_report(Program& program);
+
+}  // namespace vpr

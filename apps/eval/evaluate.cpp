@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "decide/query_settings.h"
+#include "eval.h"
+#include "evaluate/metrics.h"
+#include "evaluate/prediction_lists.h"
+#include "sequence/sequence_source.h"
+#include "store/sequence_database.h"
+
+namespace vpr {
+namespace {
+
+// The data set's query of this name, or the sequence that --query names.
+std::optional<SequenceArgument> query_argument(const EvalInputs& inputs,
+                                               const std::optional<std::string>& query) {
+  if (!inputs.dataset.empty())
+    return select_query(read_dataset(inputs.dataset), query).sequence.sequence;
+  return query ? std::optional(parse_sequence_argument(*query)) : std::nullopt;
+}
+
+std::vector<SequenceArgument> train_arguments(const EvalInputs& inputs) {
+  std::vector<SequenceArgument> arguments;
+  for (const std::string& text : inputs.train) arguments.push_back(parse_sequence_argument(text));
+  if (arguments.empty() && !inputs.dataset.empty())
+    for (const NamedSequence& sequence : read_dataset(inputs.dataset).train)
+      arguments.push_back(sequence.sequence);
+  return arguments;
+}
+
+// The number of images of the query; unset if it is unknown.
+std::optional<size_t> query_frames(const EvalInputs& inputs) {
+  const auto query = query_argument(inputs, inputs.query);
+  if (!query) return std::nullopt;
+  const SequenceSource sequence = open_sequence(*query);
+  return sequence.kind == SequenceKind::images ? std::optional(sequence.files.size())
+                                               : std::nullopt;
+}
+
+// Readers of frame names, for ground truths that need them.
+void add_names(EvaluationSettings& by, const EvalInputs& inputs,
+               const std::optional<std::string>& query_name) {
+  const auto& query = inputs.dataset.empty() ? inputs.query : query_name;
+  if (!inputs.dataset.empty() || query)
+    by.query_names = [inputs, query] { return frame_names(*query_argument(inputs, query)); };
+  for (const SequenceArgument& argument : train_arguments(inputs))
+    by.train_names.emplace_back([argument] { return frame_names(argument); });
+}
+
+// Without sequences, names come from the query and the database of the run.
+void add_recorded_names(EvaluationSettings& by, const StoredResult& stored) {
+  const auto path_of = [&](const char* role) {
+    const auto found = stored.paths.find(role);
+    return found == stored.paths.end() ? std::string() : found->second;
+  };
+  if (const std::string query = path_of("query"); !by.query_names && !query.empty())
+    by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
+  const std::string database = path_of("database");
+  if (!by.train_names.empty() || database.empty()) return;
+  const auto trained = std::make_shared<std::vector<TrainSequence>>();  // read at most once
+  for (size_t s = 0; s < stored.result.targets.size(); ++s)
+    by.train_names.emplace_back([database, trained, s] {
+      if (trained->empty()) *trained = read_sequence_database(database).sequences;
+      return trained->at(s).sequence.frame_names;
+    });
+}
+
+EvaluationSettings evaluation_settings(const Session& session, const EvalInputs& inputs,
+                                       const std::optional<std::string>& query_name,
+                                       DatabaseFamily family) {
+  EvaluationSettings by;
+  by.confidence = inputs.confidence;
+  by.poses = inputs.scores.poses;
+  by.stretch_frames = inputs.scores.stretch_frames;
+  if (!inputs.scores.recall_at.empty()) {
+    by.recall_at.assign(inputs.scores.recall_at.begin(), inputs.scores.recall_at.end());
+    by.recall_at.push_back(1);
+    std::ranges::sort(by.recall_at);
+    by.recall_at.erase(std::unique(by.recall_at.begin(), by.recall_at.end()), by.recall_at.end());
+  }
+  if (!inputs.ground_truth.empty())
+    by.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
+  if (!inputs.dataset.empty() &&
+      (!by.ground_truth || (by.poses.empty() && !inputs.result.empty()))) {
+    const Dataset dataset = read_dataset(inputs.dataset);
+    const DatasetQuery& query = select_query(dataset, query_name);
+    if (!by.ground_truth) by.ground_truth = ground_truth_of(query, family, inputs.flags);
+    if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses;
+  }
+  const bool only_plots = !inputs.result.empty() && inputs.has_plots() && inputs.expected.empty() &&
+                          inputs.map.empty() && session.options.output.empty() &&
+                          !session.options.json && !inputs.has_csv() &&
+                          inputs.saved_trajectory.empty();
+  if (!by.ground_truth && !only_plots)
+    throw Error(ErrorKind::usage,
+                inputs.dataset.empty()
+                    ? "there is no ground truth. Add one, as in --ground-truth pairs.csv or "
+                      "--ground-truth aligned; without one, only --html and --plot show a result"
+                    : fmt::format("{}: the query has no ground truth. Add it there, or with "
+                                  "--ground-truth",
+                                  inputs.dataset));
+  if (family == DatabaseFamily::sequences) add_names(by, inputs, query_name);
+  return by;
+}
+
+// Scores without a result.
+ScoreMatrix open_scores(const EvalInputs& inputs) {
+  const ScoreInputs& scores = inputs.scores;
+  if (!scores.query_npy.empty())
+    return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),
+                             open_sequence(parse_sequence_argument(scores.train_npy)),
+                             scores.metric);
+  if (scores.predictions.empty()) {
+    require_order(scores.matrix);
+    return {scores.matrix.path, scores.matrix.format()};
+  }
+  std::optional<ScoreOrder> kind;
+  if (scores.matrix.has_order()) kind = scores.matrix.order();
+  std::vector<std::string> references;
+  for (const auto& names : train_names(inputs))
+    references.insert(references.end(), names.begin(), names.end());
+  return prediction_scores(scores.predictions, FrameNames(query_names(inputs)),
+                           FrameNames(references), kind);
+}
+
+std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const StoredResult& stored,
+                                             const EvalInputs& inputs) {
+  const ScoreFlags& flags = inputs.scores.matrix;
+  if (flags.path.empty()) return std::nullopt;
+  if (stored.result.places)
+    throw Error(ErrorKind::usage,
+                "a FAB-MAP result has no matrix. Evaluate --scores without the result");
+  const double missing = flags.missing.value_or(stored.result.score().missing);
+  ScoreMatrix matrix(flags.path, {false, flags.train_first, missing});
+  if (!stored.matrix_checksum)
+    warn(session.monitor,
+         fmt::format("{}: no matrix was saved with this result (vpr-query --save-matrix); {} may "
+                     "belong to another one",
+                     inputs.result, flags.path));
+  else if (matrix.fingerprint(session.monitor) != *stored.matrix_checksum)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is not the matrix that {} was written with. Run vpr-query again "
+                            "with --save-matrix, or evaluate the matrix without the result",
+                            flags.path, inputs.result));
+  return matrix;
+}
+
+ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix, uint64_t seed) {
+  const ScoreInputs& scores = inputs.scores;
+  ScoreSettings settings{
+      scores.name.empty() ? std::filesystem::path(scores.source()).stem().string() : scores.name,
+      scores.matrix.format(), scores.window_length, scores.threshold};
+  settings.format.is_similarity = matrix.kind() == ScoreOrder::similarity;
+  if (!scores.speed.empty())
+    settings.query.selection = at_speed(scores.speed, *scores.query_frames, seed);
+  if (!inputs.dataset.empty())
+    settings.query.name = select_query(read_dataset(inputs.dataset), inputs.query).sequence.name;
+  else if (inputs.query)
+    settings.query.name = sequence_names({parse_sequence_argument(*inputs.query)}).front();
+  else
+    settings.query.name = kUnnamedQuery;
+  return settings;
+}
+
+// Warns if the opposite of --distance or --similarity is correct for more queries.
+void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
+  constexpr double kClear = 0.05;  // of the queries: more than chance
+  const uint64_t queries = judged_queries(judgment.outcomes);
+  const auto found = recall_at(judgment.outcomes, 1);
+  if (!found || !judgment.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
+    return;
+  const double other =
+      static_cast<double>(judgment.all_pairs->worst_correct) / static_cast<double>(queries);
+  if (other < 2 * *found || other < *found + kClear) return;
+  warn(monitor,
+       fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
+                   100 * *found, inputs.matrix.is_distance ? "--distance" : "--similarity",
+                   100 * other, inputs.matrix.is_distance ? "--similarity" : "--distance"));
+}
+
+// Warns if the best score may be the missing value of vpr-query.
+void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
+  const auto& points = judgment.single_best.points;
+  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.matrix.path.empty() ||
+      points.empty())
+    return;
+  const double best = judgment.single_best.threshold(points.front());
+  if (std::ranges::find(score_kinds(), best, &ScoreKind::missing) == score_kinds().end()) return;
+  warn(monitor,
+       fmt::format("{0}: the smallest distance is {1}. If it stands for a missing score, as in a "
+                   "matrix of vpr-query, add --missing {1}",
+                   inputs.source(), best));
+}
+
+}  // namespace
+
+std::vector<std::string> query_names(const EvalInputs& inputs) {
+  const auto query = query_argument(inputs, inputs.query);
+  return query ? frame_names(*query) : std::vector<std::string>{};
+}
+
+std::vector<std::vector<std::string>> train_names(const EvalInputs& inputs) {
+  std::vector<std::vector<std::string>> names;
+  for (const SequenceArgument& argument : train_arguments(inputs))
+    names.push_back(frame_names(argument));
+  return names;
+}
+
+OpenedScores open_inputs(const Session& session, const EvalInputs& inputs) {
+  OpenedScores opened;
+  if (!inputs.result.empty()) {
+    opened.stored = read_result(inputs.result, session.monitor);
+    opened.matrix = open_saved_matrix(session, *opened.stored, inputs);
+  } else if (!inputs.scores.source().empty()) {
+    opened.matrix.emplace(open_scores(inputs));
+  } else {
+    throw Error(ErrorKind::usage,
+                "there is no result of vpr-query and no --scores. See vpr-eval --help");
+  }
+  return opened;
+}
+
+Evaluated evaluate(Session& session, const EvalInputs& inputs) {
+  auto [stored, matrix] = open_inputs(session, inputs);
+  const bool has_places = stored && stored->result.places;
+  Evaluated evaluated;
+  Evaluation& evaluation = evaluated.evaluation;
+  evaluated.by = evaluation_settings(
+      session, inputs, stored ? std::optional(stored->result.query.name) : inputs.query,
+      has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
+  if (stored) {
+    if (!has_places) add_recorded_names(evaluated.by, *stored);
+    evaluation = evaluate_result(std::move(stored->result), std::move(matrix), evaluated.by,
+                                 session.monitor);
+    evaluation.fingerprint = stored->fingerprint;
+  } else {
+    check_rows(inputs.scores, matrix->queries(),
+               inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
+    const ScoreSettings settings = score_settings(inputs, *matrix, session.options.seed);
+    evaluation = evaluate_scores(std::move(*matrix), settings, evaluated.by, session.monitor);
+    warn_reversed(session.monitor, inputs.scores, evaluation.judgment);
+    warn_negative(session.monitor, inputs.scores, evaluation.judgment);
+  }
+  if (!inputs.scores.name.empty()) evaluation.name = inputs.scores.name;
+  evaluated.report = report_of(evaluation, session.run, session.monitor);
+  return evaluated;
+}
+
+}  // namespace vpr

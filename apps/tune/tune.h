@@ -1,0 +1,91 @@
+// The command lines of vpr-tune: queries with ground truth, and grids of settings.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/flags.h"
+#include "run/sweep.h"
+
+namespace vpr {
+
+/// Lists of values on the command line; empty: the default.
+struct GridFlags {
+  std::string windows;     ///< c_l or c_w
+  std::string thresholds;  ///< t_r or t_p
+  std::string margins;     ///< instead of t_r, with --decide margin
+};
+
+struct TuneOptions {
+  std::string database;
+  std::string query;
+  std::string ground_truth;
+  std::string fuse;  ///< FAB-MAP database of the same training sequences
+  SelectionFlags selection;
+  GroundTruthFlags ground_truth_flags;
+  std::vector<std::string> datasets;
+  GridFlags grid;
+  std::string validate;
+  std::string validate_ground_truth;
+  std::string save_config;
+  std::string plots;
+  std::string heat_map;
+  size_t memory_limit = kDefaultMemoryLimit;
+  TableFormat format = TableFormat::text;
+};
+
+/// A query and its ground truth.
+struct Source {
+  NamedSequence sequence;
+  GroundTruthArgument ground_truth;
+};
+
+/// The queries that settings are chosen on, by paths or by their names in data sets. Throws
+/// Error(usage) without a query or ground truth.
+std::vector<Source> find_queries(const TuneOptions& options, DatabaseFamily family,
+                                 const Session& session);
+
+/// The query of --validate, if any; warns if it has frames of `queries`.
+std::optional<Source> find_validation(const TuneOptions& options, DatabaseFamily family,
+                                      const std::vector<Source>& queries, const Session& session);
+
+/// Reads the ground truth of a source, which may name frames of the query and the database; null: a
+/// FAB-MAP database, whose frames have no names. The arguments must outlive the reader.
+TruthReader reader_of(const Source& source, const SequenceDatabase* database,
+                      const Monitor& monitor);
+
+/// --c-l, --t-r and --margin.
+void add_sequence_grid(const Command& command, GridFlags& flags);
+/// The grid of the flags. Default c_l are those of 5, 10, 20, 40, 80 that fit the query and a
+/// training sequence, or 5; default t_r or margins cover the scale of the settings. Throws
+/// Error(usage) for an invalid list.
+Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
+                   const SequenceDatabase& database, const DescriptorSet& query);
+
+/// --c-w and --t-p.
+void add_fabmap_grid(const Command& command, GridFlags& flags);
+Grid fabmap_grid(const GridFlags& flags);
+
+/// --c-l of vpr-tune calibrate.
+void add_calibrated_lengths(const Command& command, std::string& windows);
+/// The c_l to calibrate. Default: those of 10, 20, 40 that fit the query and a training sequence,
+/// or 10.
+std::vector<uint64_t> calibrated_lengths(const std::string& windows,
+                                         const SequenceDatabase& database,
+                                         const DescriptorSet& query);
+
+/// Parses "2,5,10", "0.2:0.6:0.05" (with both ends if the steps reach them), "1:5" (in steps of 1),
+/// or a mixture, without duplicates. Values of a range are rounded to nine decimals. "auto", if
+/// allowed, is nullopt. Throws Error(usage), which names the flag.
+std::vector<std::optional<double>> parse_values(const std::string& text, const std::string& flag,
+                                                bool allow_auto);
+
+/// As parse_values, for integers from 1 to 1e9.
+std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag);
+
+/// vpr-tune fastable and vpr-tune fabmap.
+void add_fastable(Program& program);
+void add_fabmap(Program& program);
+
+}  // namespace vpr

@@ -1,0 +1,168 @@
+// The benchmarks of vpr-bench: matching, description, FAB-MAP, and a live query.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "bench/bench_result.h"
+#include "fabmap/local_features.h"
+#include "match/match.h"
+#include "match/zscores.h"
+#include "run/live_query.h"
+#include "sequence/sequence_source.h"
+
+namespace vpr {
+
+/// The distances of a query to a database, and how they are matched.
+struct MatchingCase {
+  MatchSettings settings;
+  FrameDistances distances;
+
+  size_t rows() const { return distances.query_frames - settings.window_length + 1; }
+};
+
+/// Both sides must outlive the case.
+MatchingCase make_case(const DescriptorRows& train, const DescriptorRows& query,
+                       const MatchSettings& settings);
+
+/// An entry of the table of timed methods.
+struct MatchingTimer {
+  std::string_view name;
+  bool needs_codes = false;  ///< compares LDB codes only
+  /// Milliseconds per query frame. Adds values and a note to the row.
+  void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
+};
+
+/// All entries, in the order of help and reports.
+std::span<const MatchingTimer> matching_timers();
+/// Recomputes a few hundred random cells of every exact method with the reference implementation.
+/// Throws Error(expectation) if a cell differs.
+void check_methods(const MatchingCase& example, const std::vector<std::string>& methods,
+                   const Monitor& monitor);
+
+/// Settings of vpr-bench matching, which times every method with every combination of the values.
+struct MatchingBenchSettings {
+  std::vector<std::string> methods = {"fastable-online", "fastable", "zscore", "openable"};
+  std::vector<uint64_t> databases = {500, 1000, 2000, 4000, 8000};  ///< frames
+  std::vector<uint64_t> window_lengths = {20, 40, 60, 80};          ///< c_l
+  std::vector<uint64_t> query_frames = {1000};
+  uint64_t clustered_recognitions = 1'000'000;  ///< 0: clustering is not timed
+  double seconds = 0.3;                         ///< per measurement
+  /// number of bits in which query frames differ from training frames
+  uint64_t changed_bits = 150;
+  /// Length of generated vectors, compared by 1 - cos; 0: LDB codes. Methods that need LDB codes
+  /// are then omitted.
+  uint64_t descriptor_length = 0;
+  uint64_t precision = 16;             ///< bits per value of these vectors: 16 or 8
+  uint64_t ring_bytes = 512ULL << 20;  ///< maximum memory of FastABLE's ring
+  LshSettings lsh = {};
+};
+
+template <class Visitor>
+void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
+  visit("methods", settings.methods);
+  visit("databases", settings.databases);
+  visit("c_l", settings.window_lengths);
+  visit("query_frames", settings.query_frames);
+  visit("clustered_recognitions", settings.clustered_recognitions);
+  visit("seconds", settings.seconds);
+  visit("changed_bits", settings.changed_bits);
+  visit("descriptor_length", settings.descriptor_length);
+  visit("precision", settings.precision);
+  visit("ring_bytes", settings.ring_bytes);
+  visit("lsh", settings.lsh);
+}
+
+/// Codes of a recording, used instead of generated ones.
+struct RecordedCodes {
+  std::vector<LdbCode> train;
+  std::vector<LdbCode> query;
+};
+
+/// Times each method on the first frames of the recording or on generated codes, after it has
+/// compared every method with the reference implementation. Adds the speed-up of FastABLE over
+/// OpenABLE to the rows, and charts. Lists databases that exceed the memory
+/// or the recording in left_out. Throws Error(usage) for settings out of range, Error(expectation)
+/// if a distance differs.
+BenchResult bench_matching(const MatchingBenchSettings& settings,
+                           const std::optional<RecordedCodes>& recorded, uint64_t seed,
+                           const RowKernels& kernels, const Monitor& monitor);
+
+/// Settings of vpr-bench describe.
+struct DescribeBenchSettings {
+  std::vector<std::string> features = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
+  uint64_t frames = 20;  ///< number of different frames, used in turn
+  double seconds = 1;    ///< per measurement
+  FeatureSettings feature_settings;
+};
+
+template <class Visitor>
+void visit_fields(DescribeBenchSettings& settings, Visitor&& visit) {
+  visit("feature_kinds", settings.features);
+  visit("frames", settings.frames);
+  visit("seconds", settings.seconds);
+  visit("feature_settings", settings.feature_settings);
+}
+
+/// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory.
+BenchResult bench_describe(const DescribeBenchSettings& settings,
+                           const std::optional<SequenceSource>& images, uint64_t seed,
+                           const Monitor& monitor);
+
+/// Settings of vpr-bench fabmap, which times every variant with every combination of the values.
+struct FabmapBenchSettings {
+  std::vector<std::string> variants = {"fabmap2", "fabmap2-fixed", "fbo", "lut", "fabmap1"};
+  std::vector<uint64_t> places = {10, 100, 1000, 10'000, 100'000};
+  std::vector<uint64_t> words = {10'000};
+  std::vector<uint64_t> words_per_frame = {200};
+  uint64_t pretrain_frames = 1000;
+  uint64_t descriptors = 20'000;      ///< of 64 values, for k-means; 0: not timed
+  uint64_t iterations = 20;           ///< of k-means
+  double seconds = 0.3;               ///< per measurement
+  double slow_limit = 1'000'000'000;  ///< places x words above which slow variants are omitted
+};
+
+VPR_FIELDS(FabmapBenchSettings, variants, places, words, words_per_frame, pretrain_frames,
+           descriptors, iterations, seconds, slow_limit)
+
+/// Words are drawn uniformly. Before a variant is timed, its results are compared with the
+/// reference implementation on a hundred places. Also times the normalization of the posterior and
+/// the training of the Chow-Liu tree.
+BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
+                         const Monitor& monitor);
+
+struct RealtimeBenchSettings {
+  std::string method = "fastable";  ///< or "filter"
+  Score score = Score::raw;
+  double rate_hz = 10;
+  uint64_t frames = 100;        ///< maximum number of query frames
+  uint64_t window_length = 40;  ///< c_l
+};
+
+template <class Visitor>
+void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
+  visit("method", settings.method);
+  visit("score", settings.score);
+  visit("rate", settings.rate_hz);
+  visit("frames", settings.frames);
+  visit("c_l", settings.window_length);
+}
+
+/// The settings of the timed query: matches are accepted by margin.
+ResolvedSettings live_settings(const RealtimeBenchSettings& settings);
+
+/// Times the steps of vpr-query --follow: decode and describe a frame, LiveQuery::take. Each frame
+/// is due at a fixed time and starts no earlier. Its latency is counted from that time to the
+/// result, so a late frame delays the next ones. Sleeps in between. The row has latency percentiles
+/// (50, 95, 99, 100), missed deadlines (latency above one period) and the share of a core. Throws
+/// Error(usage) for a query that is not a folder or list of images and for settings out of range;
+/// also throws as describe_frames and LiveQuery do.
+BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,
+                           const RealtimeBenchSettings& settings, const QueryResources& resources,
+                           const Monitor& monitor);
+
+}  // namespace vpr

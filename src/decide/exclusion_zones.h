@@ -1,0 +1,55 @@
+// Exclusion zones around best matches, and margins over the runners-up outside them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/monitor.h"
+#include "decide/row_scan.h"
+#include "match/frame_distances.h"
+#include "match/match.h"
+
+namespace vpr {
+
+/// The exclusion zone of a best match: in its sequence, the windows at most w before or after it;
+/// in a sequence of the same place, all windows; in any other sequence, none.
+struct ExclusionZones {
+  std::vector<uint32_t> widths;              ///< w, the exclusion radius, by sequence
+  std::vector<std::vector<uint8_t>> shared;  ///< [a][b]: whether a and b overlap (same place)
+};
+
+/// Exclusion zones for sequences of different places, except for the overlapping pairs.
+ExclusionZones make_exclusion_zones(std::vector<uint32_t> radii,
+                                    const std::vector<std::pair<size_t, size_t>>& overlapping);
+
+/// The smallest k for which frames k apart differ, on average, by at least half of the mean
+/// distance of all frames of the sequence; the number of frames if there is no such k; at least 1.
+/// Uses every frame, or about 10 000 evenly spread frames of a longer sequence.
+size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor = {});
+
+/// By query window; nullopt for a window without a row.
+struct MarginScanResult {
+  std::vector<std::optional<Cell>> best;         ///< ties to the smallest sequence and train window
+  std::vector<std::optional<uint32_t>> margins;  ///< never negative; nullopt also for a best match
+                                                 ///< without a runner-up
+};
+
+/// The margin of every row: the smallest score outside the exclusion zone minus the smallest score.
+/// Accepts whole rows of integers of which smaller ones are better.
+class MarginScan {
+ public:
+  MarginScan(ExclusionZones zones, size_t query_windows, const RowKernels& kernels);
+  void operator()(std::span<const ScoreRow> row);
+  const MarginScanResult& result() const { return result_; }
+
+ private:
+  ExclusionZones zones_;
+  RowKernels kernels_;
+  MarginScanResult result_;
+};
+
+}  // namespace vpr

@@ -1,0 +1,232 @@
+#include "match/reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "match/distance_statistics.h"
+#include "match/frame_distances.h"
+#include "match/score_kernels.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr std::array<uint8_t, 256> bit_counts() {
+  std::array<uint8_t, 256> counts{};
+  for (size_t value = 0; value < counts.size(); ++value)
+    counts[value] = static_cast<uint8_t>(counts[value / 2] + value % 2);
+  return counts;
+}
+
+constexpr std::array<uint8_t, 256> kBitCounts = bit_counts();
+
+std::vector<int64_t> bytes_of(DescriptorRow row) {
+  std::vector<int64_t> values;
+  for (const uint8_t byte : row) values.push_back(byte < 128 ? byte : byte - 256);
+  return values;
+}
+
+std::vector<int64_t> byte_pairs_of(DescriptorRow row) {
+  std::vector<int64_t> values;
+  for (size_t i = 0; i < row.size(); i += 2) {
+    const int64_t value = row[i] + 256 * int64_t{row[i + 1]};
+    values.push_back(value < 32768 ? value : value - 65536);
+  }
+  return values;
+}
+
+double cosine_distance(const std::vector<int64_t>& a, const std::vector<int64_t>& b) {
+  const auto product = [](const std::vector<int64_t>& x, const std::vector<int64_t>& y) {
+    return static_cast<double>(std::inner_product(x.begin(), x.end(), y.begin(), int64_t{0}));
+  };
+  const double lengths = std::sqrt(product(a, a)) * std::sqrt(product(b, b));
+  return (1 - (lengths > 0 ? product(a, b) / lengths : 0)) * 65535 / 2;
+}
+
+double point_distance(const std::vector<int64_t>& a, const std::vector<int64_t>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += static_cast<double>((a[i] - b[i]) * (a[i] - b[i]));
+  return std::sqrt(sum);
+}
+
+double gray_distance(DescriptorRow a, DescriptorRow b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return 256 * sum / static_cast<double>(a.size());
+}
+
+bool contains(std::span<const size_t> frames, size_t frame) {
+  return std::binary_search(frames.begin(), frames.end(), frame);
+}
+
+double mean_over(std::span<const DescribedFrames> sequences, const DescriptorRows& query,
+                 size_t frame) {
+  double sum = 0;
+  size_t count = 0;
+  for (const DescribedFrames& sequence : sequences) {
+    for (size_t i = 0; i < sequence.rows.size(); ++i) {
+      if (contains(sequence.unreadable, i)) continue;
+      sum += reference_distance(sequence.rows, i, query, frame);
+      ++count;
+    }
+  }
+  return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+ComponentWeights plain_common(const DescriptorRows& query, size_t frame, const ScoreBasis& basis) {
+  const TrainComponents& components = basis.components;
+  ComponentValues values = {};
+  for (size_t l = 0; l < components.landmarks.size(); ++l) {
+    const double distance =
+        reference_unrounded(query.shape.element, components.rows()[l], query[frame]);
+    for (size_t k = 0; k < kMaxComponents; ++k) values[k] += components.weights[l][k] * distance;
+  }
+  return component_weights(components, basis.settings.components, values);
+}
+
+std::vector<std::optional<size_t>> plain_schedule(const DescribedFrames& query,
+                                                  const ScoreBasis& basis) {
+  std::vector<std::optional<size_t>> learned(query.rows.size());
+  std::vector<size_t> views;  // all keyframes, increasing
+  const double least_change = basis.settings.keyframe_change * basis.typical_distance;
+  const size_t lag = basis.settings.lag_keyframes;
+  for (size_t j = 0; j < query.rows.size(); ++j) {
+    if (contains(query.unreadable, j) || !basis.settings.learn) continue;
+    const size_t recent = std::min(views.size(), lag);
+    const bool is_new =
+        std::all_of(views.end() - static_cast<ptrdiff_t>(recent), views.end(), [&](size_t view) {
+          return reference_distance(query.rows, view, query.rows, j) >= least_change;
+        });
+    if (!is_new) continue;
+    views.push_back(j);
+    if (basis.offline)
+      learned[j] = j;
+    else if (views.size() > lag)
+      learned[j] = views[views.size() - 1 - lag];
+  }
+  return learned;
+}
+
+/// Weighted sums of the centered distances of one training frame.
+struct Sums {
+  double weight = 0;
+  double first = 0;
+  double second = 0;
+  double mean = 0;
+  double variance = 0;
+
+  void add(double x, double forgetting) {
+    weight = forgetting * weight + 1;
+    first = forgetting * first + x;
+    second = forgetting * second + x * x;
+    mean = first / weight;
+    variance = second / weight - mean * mean;
+  }
+};
+
+double z_of(double x, const Sums& sums, const ZScoreSettings& settings, uint16_t largest) {
+  constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
+  const double deviation = settings.divide ? std::max(std::sqrt(std::max(sums.variance, 0.0)),
+                                                      deviation_floor(settings, largest))
+                                           : unknown_deviation(largest);
+  return std::clamp((x - sums.mean) / deviation, -kLimit, kLimit - 1.0 / kScoreUnit);
+}
+
+}  // namespace
+
+uint32_t reference_hamming(DescriptorRow a, DescriptorRow b) {
+  uint32_t distance = 0;
+  for (size_t i = 0; i < a.size(); ++i) distance += kBitCounts[a[i] ^ b[i]];
+  return distance;
+}
+
+double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b) {
+  switch (element) {
+    case ElementType::bits:
+      return reference_hamming(a, b);
+    case ElementType::int8:
+      return cosine_distance(bytes_of(a), bytes_of(b));
+    case ElementType::int16:
+      return cosine_distance(byte_pairs_of(a), byte_pairs_of(b));
+    case ElementType::points16:
+      return point_distance(byte_pairs_of(a), byte_pairs_of(b));
+    case ElementType::gray_levels:
+      return gray_distance(a, b);
+    case ElementType::frame_numbers:
+      break;
+  }
+  return distance_of(element).pair(a, b);
+}
+
+uint32_t reference_distance(ElementType element, DescriptorRow a, DescriptorRow b) {
+  return static_cast<uint32_t>(std::clamp(reference_unrounded(element, a, b) + 0.5, 0.0, 65535.0));
+}
+
+uint32_t reference_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
+                            size_t frame_b) {
+  assert(a.shape == b.shape);
+  return reference_distance(a.shape.element, a[frame_a], b[frame_b]);
+}
+
+uint32_t reference_window_distance(const DescriptorRows& train, size_t train_window,
+                                   const DescriptorRows& query, size_t query_window,
+                                   size_t window_length) {
+  assert(train_window + window_length <= train.size());
+  assert(query_window + window_length <= query.size());
+  uint32_t sum = 0;
+  for (size_t k = 0; k < window_length; ++k)
+    sum += reference_distance(train, train_window + k, query, query_window + k);
+  return sum;
+}
+
+ReferenceUpdates reference_updates(std::span<const DescribedFrames> centered_over,
+                                   const DescribedFrames& query, const ScoreBasis& basis,
+                                   const Monitor& monitor) {
+  ReferenceUpdates updates;
+  updates.row_means.assign(query.rows.size(), basis.typical_distance);
+  if (basis.settings.center)
+    parallel_for(query.rows.size(), monitor,
+                 [&](size_t j) { updates.row_means[j] = mean_over(centered_over, query.rows, j); });
+  updates.common.resize(query.rows.size());
+  parallel_for(query.rows.size(), monitor,
+               [&](size_t j) { updates.common[j] = plain_common(query.rows, j, basis); });
+  updates.learned = plain_schedule(query, basis);
+  return updates;
+}
+
+std::vector<double> reference_frame_scores(DescriptorRow train, size_t frame,
+                                           const DescriptorRows& query,
+                                           const ReferenceUpdates& updates,
+                                           const ScoreBasis& basis) {
+  const ZScoreSettings& settings = basis.settings;
+  const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
+  const double forgetting = basis.offline ? 1 : settings.forgetting;
+  const double start = basis.mean[frame];
+  Sums sums{weight, weight * start, weight * (basis.variance + start * start), start,
+            basis.variance};
+  const uint16_t largest = largest_distance(query.shape);
+  const double unit = component_unit(query.shape);
+  const auto centered = [&](size_t j) {
+    return reference_distance(query.shape.element, train, query[j]) - updates.row_means[j] -
+           unit * component_sum(basis.components, updates.common[j], frame);
+  };
+  if (basis.offline)
+    for (const auto& view : updates.learned)
+      if (view) sums.add(centered(*view), forgetting);
+  std::vector<double> scores;
+  for (size_t j = 0; j < query.size(); ++j) {
+    if (!basis.offline && updates.learned[j]) sums.add(centered(*updates.learned[j]), forgetting);
+    scores.push_back(z_of(centered(j), sums, settings, largest));
+  }
+  return scores;
+}
+
+double score_tolerance(size_t window_length) {
+  return static_cast<double>(window_length) / kScoreUnit;
+}
+
+}  // namespace vpr

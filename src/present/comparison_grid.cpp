@@ -1,0 +1,221 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "present/comparison_report.h"
+#include "present/html_page.h"
+
+namespace vpr {
+namespace {
+
+using Value = std::optional<double>;
+
+double number(uint64_t count) { return static_cast<double>(count); }
+
+// A metric of best matches, multiplied by the number of queries with a match.
+Value scaled_metric(const Report& report, std::string_view key) {
+  const CurveNumbers& best = report.metrics.curves.single_best;
+  const auto metric = static_cast<size_t>(&find_metric(key) - curve_metrics().data());
+  const Value value = best.values[metric].value;
+  return value ? Value(*value * number(best.to_find)) : std::nullopt;
+}
+
+/// A share of frames with the same denominator for all methods on a query.
+struct GridMetric {
+  std::string_view key;
+  std::string_view title;
+  Value (*part)(const Report& report);  ///< in frames
+  bool is_count = false;                ///< `part` is an integer
+  bool is_of_path = false;              ///< of all frames, not only of frames with a match
+  bool has_best = true;
+};
+
+constexpr std::array<GridMetric, 5> kMetrics = {
+    {{"recall_at_1", "R@1: frames with a right best match",
+      [](const Report& report) { return Value(number(report.counts.best_match.correct)); }, true},
+     {"average_precision", "AP of best matches",
+      [](const Report& report) { return scaled_metric(report, "average_precision"); }},
+     {"recall_at_100_precision", "R@100P of best matches",
+      [](const Report& report) { return scaled_metric(report, "recall_at_100_precision"); }},
+     {"share", "Share of the path with a correct recognition",
+      [](const Report& report) { return Value(number(report.localization.correct)); }, true, true},
+     {"incorrect", "Share of the path with a incorrect recognition",
+      [](const Report& report) { return Value(number(report.localization.incorrect)); }, true, true,
+      false}}};
+
+/// The denominator. Frames whose best match is labeled ignore are omitted.
+double frames_of(const Report& report, const GridMetric& metric) {
+  if (metric.is_of_path) return number(report.localization.frames);
+  return number(report.localization.frames_with_match) - number(report.counts.best_match.ignored);
+}
+
+Value value_of(const Report& report, const GridMetric& metric) {
+  const Value part = metric.part(report);
+  const double frames = frames_of(report, metric);
+  if (!part || frames <= 0) return {};
+  return *part / frames;
+}
+
+/// "0.9950 (199 of 200)".
+std::string cell_text(const Report& report, const GridMetric& metric) {
+  const Value value = value_of(report, metric);
+  if (!value) return "-";
+  std::string text = fmt::format("{:.4f}", *value);
+  if (metric.is_count)
+    text += fmt::format(" ({:.0f} of {:.0f}{})", *metric.part(report), frames_of(report, metric),
+                        metric.is_of_path && report.is_oracle ? ", oracle" : "");
+  return text;
+}
+
+/// Different values in order of first occurrence.
+template <class Projection>
+std::vector<std::string> distinct(std::span<const GridReport> reports, const Projection& text) {
+  std::vector<std::string> found;
+  for (const GridReport& report : reports)
+    if (std::ranges::find(found, text(report)) == found.end()) found.push_back(text(report));
+  return found;
+}
+
+std::vector<std::string> methods_of(std::span<const GridReport> reports) {
+  return distinct(reports, [](const GridReport& one) { return one.method; });
+}
+
+std::vector<std::string> queries_of(std::span<const GridReport> reports) {
+  return distinct(reports, [](const GridReport& one) { return one.report.query; });
+}
+
+/// Null if the method has no report on the query.
+const Report* report_of(std::span<const GridReport> reports, const std::string& method,
+                        const std::string& query) {
+  const auto found = std::ranges::find_if(reports, [&](const GridReport& one) {
+    return one.method == method && one.report.query == query;
+  });
+  return found == reports.end() ? nullptr : &found->report;
+}
+
+// None if a value is unknown.
+Value mean_of(const std::vector<Value>& values) {
+  double sum = 0;
+  for (const Value& value : values) {
+    if (!value) return std::nullopt;
+    sum += *value;
+  }
+  return sum / static_cast<double>(values.size());
+}
+
+Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) {
+  Table table;
+  const auto oracle = [](const GridReport& one) { return one.report.is_oracle; };
+  const bool all_oracle = std::ranges::all_of(reports, oracle);
+  const bool any_oracle = std::ranges::any_of(reports, oracle);
+  table.title = fmt::format(
+      "{} (over all frames of the query{}{})", metric.title,
+      metric.is_of_path ? "" : " that have a match",
+      metric.is_of_path && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
+  const std::vector<std::string> queries = queries_of(reports);
+  table.columns = {"method"};
+  table.columns.insert(table.columns.end(), queries.begin(), queries.end());
+  if (queries.size() > 1) table.columns.emplace_back("mean");
+  std::vector<std::vector<Value>> columns(table.columns.size() - 1);  // values that may be best
+  for (const std::string& method : methods_of(reports)) {
+    std::vector<Value> values;
+    auto& cells = table.rows.emplace_back(std::vector{method});
+    bool may_be_best = true;
+    for (const std::string& query : queries) {
+      const Report* report = report_of(reports, method, query);
+      values.push_back(report != nullptr ? value_of(*report, metric) : std::nullopt);
+      cells.push_back(report != nullptr ? cell_text(*report, metric) : "-");
+      // A threshold from the ground truth does not make a better method.
+      if (report != nullptr && metric.is_of_path && report->is_oracle && !all_oracle)
+        may_be_best = false;
+    }
+    if (queries.size() > 1) {
+      values.push_back(mean_of(values));
+      cells.push_back(values.back() ? fmt::format("{:.4f}", *values.back()) : "-");
+    }
+    for (size_t c = 0; c < columns.size(); ++c)
+      columns[c].push_back(may_be_best ? values[c] : std::nullopt);
+  }
+  if (metric.has_best && table.rows.size() > 1)
+    for (size_t c = 0; c < columns.size(); ++c) mark_best(table, c + 1, columns[c], false);
+  return table;
+}
+
+std::string query_section(std::span<const GridReport> reports, const std::string& query) {
+  std::vector<Report> of_query;
+  std::vector<std::string> names;
+  for (const auto& [method, report] : reports) {
+    if (report.query != query) continue;
+    of_query.push_back(report);
+    names.push_back(method);
+  }
+  const std::string& truth = of_query.front().protocol.ground_truth;
+  return section_html(html_escaped(query), "<p class=\"note\">" +
+                                               html_escaped("Ground truth: " + truth) + "</p>" +
+                                               methods_html(query, of_query, names));
+}
+
+std::string sentence_of(std::span<const GridReport> reports) {
+  const size_t methods = methods_of(reports).size();
+  const size_t queries = queries_of(reports).size();
+  const Table table = grid_table(reports, kMetrics[0]);
+  std::vector<std::string> best;
+  for (const auto& [row, column] : table.best)
+    if (column + 1 == table.columns.size())
+      best.push_back(fmt::format("{}, {}{}", table.rows[row][0],
+                                 queries > 1 ? "a mean R@1 of " : "R@1 ", table.rows[row][column]));
+  return fmt::format(
+      "{} on {}{}.", counted(methods, "method"), counted(queries, "query", "queries"),
+      best.empty() ? "" : fmt::format("; the most best matches right: {}", fmt::join(best, "; ")));
+}
+
+}  // namespace
+
+std::string grid_name(const Report& report) {
+  if (report.name) return *report.name;
+  std::string name = report.method;
+  const Json settings = report.settings_json();
+  for (const char* key : {"c_l", "c_w", "window"})
+    if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
+  if (settings.contains("score")) name += ", " + settings["score"].get<std::string>();
+  if (report.selection.selected_fps > 0)
+    name += fmt::format(", {} frames per second", report.selection.selected_fps);
+  if (!report.selection.speed.empty()) name += ", speed " + report.selection.speed;
+  return name;
+}
+
+std::vector<Table> grid_tables(std::span<const GridReport> reports) {
+  std::vector<Table> tables;
+  for (const GridMetric& metric : kMetrics) tables.push_back(grid_table(reports, metric));
+  return tables;
+}
+
+Table grid_rows(std::span<const GridReport> reports) {
+  Table table{"", {"method", "query", "metric", "value", "frames", "oracle"}, {}};
+  for (const auto& [method, report] : reports)
+    for (const GridMetric& metric : kMetrics) {
+      const Value value = value_of(report, metric);
+      add_row(table, method, report.query, metric.key, value ? fmt::format("{}", *value) : "",
+              frames_of(report, metric), metric.is_of_path && report.is_oracle ? "yes" : "no");
+    }
+  return table;
+}
+
+std::string grid_page(const std::string& title, std::span<const GridReport> reports) {
+  std::string tables;
+  for (const Table& table : grid_tables(reports)) tables += table_html(table);
+  std::string sections = section_html("Numbers", tables);
+  for (const std::string& query : queries_of(reports)) sections += query_section(reports, query);
+  Json first = report_json(reports.front().report);
+  first["protocol"].erase("ground_truth");
+  return sections_page(title, sentence_of(reports),
+                       "Rows are methods, columns queries; the best of each is bold.", sections,
+                       first["protocol"], first["provenance"]);
+}
+
+}  // namespace vpr

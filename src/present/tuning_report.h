@@ -1,0 +1,67 @@
+// Sweeps (vpr.sweep/3) and calibrations (vpr.calibration/3) as JSON, charts, tables and text.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "evaluate/sweep.h"
+#include "present/chart.h"
+#include "present/run_info.h"
+#include "present/table.h"
+#include "run/calibrate.h"
+
+namespace vpr {
+
+/// "cells": the cells of all sweeps, each with its "query". "queries": the recommendation of each
+/// sweep, with cells by index. `base`: the settings that all cells share.
+Json sweep_json(std::string_view method, const QuerySettings& base,
+                const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds);
+
+/// A file for vpr-query --config (vpr.config/3).
+std::string config_text(const QuerySettings& settings);
+
+/// Correct against incorrect recognitions, one line per window.
+Chart sweep_chart(const Sweep& sweep);
+
+/// A PNG file of correct and incorrect recognitions over the grid, one row per sweep.
+std::string heat_map_png(const std::vector<Sweep>& sweeps);
+
+/// Recognitions, places with the number of mixed ones (for sequences), and best matches, laid out
+/// as in the paper: a row per query and threshold, two columns per window, a star at the
+/// recommended cell. All sweeps have the same grid, and there is at least one.
+std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps);
+
+/// A row per cell for CSV. FAB-MAP's cells of places are empty.
+Table cells_table(const std::vector<Sweep>& sweeps);
+
+/// The reason for the recommendation or, without one, the reason and a remedy.
+std::string reason_text(const Sweep& sweep);
+
+/// The recommendation with the first error and intervals. Ends with a line feed.
+std::string recommendation_text(const Sweep& sweep);
+
+/// The counts of the recommended setting on the query of a validation (Sweep::validation).
+std::string validation_text(const ValidatedCell& validation);
+
+struct CalibrationRequest {
+  double precision = 1;
+  std::optional<double> fps;  ///< of the query, if known
+};
+
+/// "settings" is a configuration for vpr-query --config, or null.
+Json calibration_json(const CalibratedSequence& calibrated, const CalibrationRequest& request,
+                      const RunInfo& run, double seconds);
+
+/// A row per window length; the chosen one has a star.
+Table calibration_table(const CalibratedSequence& calibrated);
+
+/// The margin and the false recognitions to expect, or calibration_failure. Ends with a line feed.
+std::string calibration_text(const CalibratedSequence& calibrated,
+                             const CalibrationRequest& request);
+
+/// The reason for a missing margin, and a remedy.
+std::string calibration_failure(const CalibratedSequence& calibrated);
+
+}  // namespace vpr

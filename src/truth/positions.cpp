@@ -1,0 +1,356 @@
+#include "truth/positions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/converters.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "sequence/sequence_source.h"
+#include "truth/formats.h"
+#include "truth/text_file.h"
+#include "truth/times.h"
+
+namespace vpr {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// WGS84: semi-major axis in meters, and flattening.
+constexpr double kSemiMajorAxis = 6378137;
+constexpr double kFlattening = 1 / 298.257223563;
+constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
+
+/// The names of the columns in a header.
+struct GpsColumns {
+  std::string latitude;
+  std::string longitude;
+};
+
+// The first column with one of the names, which are in lower case; empty if there is none.
+std::string find_column(const std::vector<std::string>& header,
+                        const std::vector<std::string>& names) {
+  for (const std::string& column : header) {
+    std::string lower = column;
+    for (char& c : lower)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (std::ranges::find(names, lower) != names.end()) return column;
+  }
+  return "";
+}
+
+// Nullopt if a column is missing.
+std::optional<GpsColumns> find_gps_columns(const std::vector<std::string>& header) {
+  const GpsColumns columns{find_column(header, {"lat", "latitude"}),
+                           find_column(header, {"lon", "lng", "long", "longitude"})};
+  if (columns.latitude.empty() || columns.longitude.empty()) return std::nullopt;
+  return columns;
+}
+
+double read_degrees(const NamedRows& rows, const char* what, const std::string& column) {
+  const auto value = parse_real(rows.text(column));
+  if (!value)
+    rows.fail(
+        fmt::format("the {} \"{}\" is not a number in degrees. Leave both empty if there is no fix",
+                    what, rows.text(column)));
+  return *value;
+}
+
+// Nullopt if both fields are empty: the receiver had no fix.
+std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& columns) {
+  const std::string& latitude = rows.text(columns.latitude);
+  const std::string& longitude = rows.text(columns.longitude);
+  if (latitude.empty() && longitude.empty()) return std::nullopt;
+  const Geographic place{read_degrees(rows, "latitude", columns.latitude),
+                         read_degrees(rows, "longitude", columns.longitude)};
+  if (std::abs(place.latitude_deg) > 90)
+    rows.fail(fmt::format(
+        "the latitude {} is beyond 90 degrees{}", latitude,
+        std::abs(place.longitude_deg) <= 90 ? "; are latitude and longitude swapped?" : ""));
+  if (!(place.longitude_deg >= -180 && place.longitude_deg <= 360))
+    rows.fail(fmt::format("the longitude {} is not within -180 and 180 degrees", longitude));
+  return place;
+}
+
+// The pose of the current row: x and y without `gps`. A heading may be empty in a file of fixes.
+std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColumns>& gps) {
+  Pose pose;
+  if (gps) {
+    const auto place = read_fix(rows, *gps);
+    if (!place) return std::nullopt;
+    pose.position = earth_position(*place);
+  } else {
+    pose.position = {rows.real("x"), rows.real("y"), 0};
+  }
+  if (gps ? !rows.text("heading").empty() : rows.has("heading"))
+    pose.heading_deg = rows.real("heading");
+  return pose;
+}
+
+std::map<std::string, size_t> frames_by_name(const fs::path& images) {
+  const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
+  if (sequence.kind != SequenceKind::images)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is not a folder or list of images, to which a CSV of GPS fixes "
+                            "can refer by name",
+                            images.string()));
+  std::map<std::string, size_t> frames;
+  for (const auto& file : sequence.files)
+    if (!frames.emplace(file.filename().string(), frames.size()).second)
+      throw Error(ErrorKind::data, fmt::format("{}: has two images named {}", images.string(),
+                                               file.filename().string()));
+  return frames;
+}
+
+void read_fixes_by_name(NamedRows& rows, const GpsColumns& columns, const std::string& name_column,
+                        const fs::path& images, Trajectory& found) {
+  const auto frames = frames_by_name(images);
+  found.poses.resize(frames.size());
+  std::set<size_t> named;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    const std::string name = fs::path(rows.text(name_column)).filename().string();
+    const auto frame = frames.find(name);
+    if (frame == frames.end()) rows.fail(fmt::format("{} has no image {}", images.string(), name));
+    if (!named.insert(frame->second).second)
+      rows.fail(fmt::format("the image {} is listed twice", name));
+    found.poses[frame->second] = read_pose(rows, columns);
+  }
+}
+
+// Times are numbers, all in the unit of the first one, or dates.
+void read_fixes_in_order(NamedRows& rows, const GpsColumns& columns, const std::string& time_column,
+                         const FrameRange& range, Trajectory& found) {
+  TimeReader times;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    const auto pose = read_pose(rows, columns);
+    if (!frame_in_range(range, row)) continue;
+    found.poses.push_back(pose);
+    found.lines.push_back(rows.line());
+    if (time_column.empty()) continue;
+    const std::string& text = rows.text(time_column);
+    const auto date = parse_calendar_time(text);
+    found.times_ns.push_back(date ? *date : times.read(rows.location(), text));
+  }
+}
+
+}  // namespace
+
+std::array<double, 3> earth_position(const Geographic& place) {
+  const double latitude = place.latitude_deg * std::numbers::pi / 180;
+  const double longitude = std::remainder(place.longitude_deg, 360.0) * std::numbers::pi / 180;
+  const double sine = std::sin(latitude);
+  // The distance from the earth's axis along the normal of the ellipsoid.
+  const double normal = kSemiMajorAxis / std::sqrt(1 - kEccentricity2 * sine * sine);
+  const double from_axis = normal * std::cos(latitude);
+  return {from_axis * std::cos(longitude), from_axis * std::sin(longitude),
+          normal * (1 - kEccentricity2) * sine};
+}
+
+LocalPlane::LocalPlane(const std::array<double, 3>& origin) : origin_(origin) {
+  const double from_axis = std::sqrt(origin[0] * origin[0] + origin[1] * origin[1]);
+  // At a pole, east is the direction of east at points of longitude 0 nearby.
+  const double cosine = from_axis > 0 ? origin[0] / from_axis : 1;
+  const double sine = from_axis > 0 ? origin[1] / from_axis : 0;
+  // The normal of the ellipsoid.
+  const double rise = origin[2] / (1 - kEccentricity2);
+  const double length = std::sqrt(from_axis * from_axis + rise * rise);
+  const double level = from_axis / length;
+  const double steep = rise / length;
+  axes_ = {-sine,          cosine,       0,    -steep * cosine, -steep * sine, level,
+           level * cosine, level * sine, steep};
+}
+
+std::array<double, 3> LocalPlane::local(const std::array<double, 3>& earth) const {
+  std::array<double, 3> position{};
+  for (size_t row = 0; row < 3; ++row)
+    for (size_t k = 0; k < 3; ++k) position[row] += axes_[3 * row + k] * (earth[k] - origin_[k]);
+  return position;
+}
+
+bool is_pose_header(std::string_view line) {
+  const std::vector<std::string> names = header_names(line);
+  return std::ranges::all_of(std::array{"frame", "x", "y"}, [&](const char* column) {
+    return std::ranges::find(names, column) != names.end();
+  });
+}
+
+bool is_gps_header(std::string_view line) {
+  return find_gps_columns(header_names(line)).has_value();
+}
+
+Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  NamedRows rows(source.path, path.string(), {"frame"});
+  std::optional<GpsColumns> gps;
+  if (!rows.has("x") || !rows.has("y")) {
+    gps = find_gps_columns(rows.header());
+    if (!gps)
+      rows.fail(
+          fmt::format("its header has no column {} (or lat and lon)", rows.has("x") ? "y" : "x"));
+  }
+  const auto in_range = frame_count(source.range);
+  if (in_range && rules.frames && *in_range != *rules.frames)
+    rows.fail(fmt::format("its range has {}, but the sequence has {}", counted(*in_range, "frame"),
+                          *rules.frames));
+  Trajectory found;
+  found.name = path.string();
+  found.is_on_earth = gps.has_value();
+  found.poses.resize(rules.frames.value_or(0));
+  std::set<size_t> listed;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    const std::string& text = rows.text("frame");
+    const auto number = parse_frame(text);
+    if (!number || !number->in_range) rows.fail(fmt::format("\"{}\" is not a frame number", text));
+    const auto frame = frame_in_range(source.range, number->value);
+    if (!frame) continue;
+    if (!rules.frames && *frame >= rules.most_frames)
+      rows.fail("the frame is too large; pass the number of frames");
+    if (rules.frames && *frame >= *rules.frames)
+      rows.fail(fmt::format("frame {} is out of range; there are {} frames{}", text, *rules.frames,
+                            source.range.is_all() ? range_hint(source.path) : ""));
+    if (!listed.insert(*frame).second) rows.fail(fmt::format("frame {} is listed twice", text));
+    found.poses.resize(std::max<size_t>(found.poses.size(), *frame + 1));
+    found.floors.resize(found.poses.size());
+    found.poses[*frame] = read_pose(rows, gps);
+    found.floors[*frame] = rows.text("floor");
+  }
+  return found;
+}
+
+Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optional<size_t> frames) {
+  const FileStart start = open_start(path);
+  if (start.is_folder)
+    throw Error(ErrorKind::usage, fmt::format("{} is a folder. Write the GPS positions of its "
+                                              "images to a CSV with scripts/convert/exif.py",
+                                              path.string()));
+  if (!is_gps_header(start.first_line)) {
+    refuse_convertible(start.path, start.bytes);
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: is not a CSV with latitudes and longitudes{}", path.string(),
+                    is_pose_header(start.first_line) ? "; its positions are in meters" : ""));
+  }
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  NamedRows rows(source.path, path.string(), {});
+  const auto columns = find_gps_columns(rows.header());
+  if (!columns) rows.fail("its header has no columns lat and lon");
+  if (rows.has("frame")) {
+    if (rows.has("x") && rows.has("y"))
+      rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
+    return read_pose_csv(path, {frames});
+  }
+  const std::string name_column = find_column(rows.header(), {"image", "name", "file", "filename"});
+  const std::string time_column = find_column(rows.header(), {"time", "timestamp"});
+  Trajectory found;
+  found.name = path.string();
+  found.is_on_earth = true;
+  if (images.empty()) {
+    if (!name_column.empty() && time_column.empty())
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: has fixes by image names. Pass the images with --query-images "
+                              "FOLDER (--train-images for the training side)",
+                              path.string()));
+    read_fixes_in_order(rows, *columns, time_column, source.range, found);
+    return found;
+  }
+  if (name_column.empty()) rows.fail("has no column image with the names of images");
+  if (!source.range.is_all())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: its lines are selected by image names. Add the range to {}",
+                            path.string(), images.string()));
+  read_fixes_by_name(rows, *columns, name_column, images, found);
+  return found;
+}
+
+Routes read_routes(const std::vector<fs::path>& paths) {
+  Routes found;
+  std::optional<LocalPlane> plane;
+  fs::path meters;  // a file with x and y
+  fs::path gps;     // a file with latitudes
+  for (const fs::path& path : paths) {
+    Route& route = found.routes.emplace_back();
+    if (path.empty()) continue;
+    const Trajectory read = read_pose_csv(path, {});
+    (read.is_on_earth ? gps : meters) = path;
+    if (!meters.empty() && !gps.empty())
+      throw Error(ErrorKind::data, fmt::format("{} has latitudes and longitudes, but {} has x and "
+                                               "y in meters. Use one of them for both",
+                                               gps.string(), meters.string()));
+    for (size_t frame = 0; frame < read.poses.size(); ++frame) {
+      route.emplace_back();
+      if (!read.poses[frame]) continue;
+      std::array<double, 3> position = read.poses[frame]->position;
+      if (read.is_on_earth) {
+        if (!plane) plane.emplace(position);
+        position = plane->local(position);
+      }
+      route.back() = {position[0], position[1], read.floors[frame]};
+    }
+  }
+  found.is_gps = plane.has_value();
+  return found;
+}
+
+std::vector<RoutePoint> read_place_positions(const fs::path& path) {
+  NamedRows rows(path, path.string(), {"place", "x", "y"});
+  std::vector<RoutePoint> places;
+  std::set<std::string> seen;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    if (seen.insert(rows.text("place")).second)
+      places.push_back({rows.real("x"), rows.real("y"), rows.text("floor")});
+  }
+  return places;
+}
+
+std::vector<WallLine> read_walls(const fs::path& path) {
+  NamedRows rows(path, path.string(), {"x0", "y0", "x1", "y1"});
+  std::vector<WallLine> walls;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    const std::string floor = rows.text("floor");
+    walls.push_back(
+        {{rows.real("x0"), rows.real("y0"), floor}, {rows.real("x1"), rows.real("y1"), floor}});
+  }
+  return walls;
+}
+
+std::vector<double> read_traveled(const fs::path& path, const Sequence& sequence,
+                                  const Monitor& monitor) {
+  const Poses poses =
+      selected(read_pose_csv(path, {sequence.recorded_frames()}).poses, sequence.selection);
+  if (const size_t missing = count_unknown(poses); missing > 0) {
+    warn(monitor,
+         fmt::format(
+             "{}: has no pose for {} of {} (the first is frame {}), so there are no distances in "
+             "meters",
+             path.string(), missing, counted(sequence.frames, "frame"),
+             std::ranges::find_if(poses, [](const auto& pose) { return !pose; }) - poses.begin()));
+    return {};
+  }
+  std::vector<double> traveled_m;
+  for (size_t frame = 0; frame < sequence.frames; ++frame) {
+    double square = 0;
+    for (size_t k = 0; frame > 0 && k < 3; ++k) {
+      const double step = poses[frame]->position[k] - poses[frame - 1]->position[k];
+      square += step * step;
+    }
+    // Correctly rounded on every machine, unlike hypot.
+    traveled_m.push_back(frame == 0 ? 0 : traveled_m.back() + std::sqrt(square));
+  }
+  if (!traveled_m.empty() && !std::isfinite(traveled_m.back()))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its positions are too far apart for meters", path.string()));
+  return traveled_m;
+}
+
+}  // namespace vpr

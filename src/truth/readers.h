@@ -1,0 +1,116 @@
+// The readers and writers of all ground truth formats: frame numbers, matrices and poses.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "truth/formats.h"
+#include "truth/trajectory.h"
+
+namespace vpr {
+
+/// Header query,reference[,label] or query,sequence,reference[,label]; label "same" (default) or
+/// "ignore"; unlisted pairs are different. A frame is a number or, if the scope has names, the name
+/// of its file, with or without extension; digits alone are a number. Requires exactly one searched
+/// sequence if there is no sequence column. The path may end in a range (pairs.csv@60:111), which
+/// selects the query's frames with its step; other pairs are skipped. Throws Error(data), with the
+/// line.
+std::string read_pairs_csv(GroundTruthBuilder& builder);
+
+bool is_pairs_csv(const FileStart& start);
+
+/// One pair per line, with the tolerance applied; writes the columns sequence and label only if
+/// needed.
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
+                     const Monitor& monitor);
+
+/// A CSV query,reference or query,sequence,reference: anchors, with increasing query frames for
+/// each training sequence. A query frame between two neighboring anchors of a sequence is at the
+/// training frame found by linear interpolation, rounded (ties up); before the first and after the
+/// last anchor it has no place. `same` are training frames within the tolerance and, if the
+/// argument has a `reference` (poses of the training sequence, a CSV frame,x,y or a trajectory) and
+/// a radius, all frames within that many meters of the interpolated position; training frames
+/// without a pose are then ignored. A range after the path is the range of the query. Throws
+/// Error(data), with the line, for query frames that do not increase and for frames out of range;
+/// Error(usage) for a radius without poses, or poses without a radius.
+std::string read_anchors(GroundTruthBuilder& builder);
+
+/// Whether the file name ends in anchors.csv and the file has the header of pairs.
+bool is_anchors_csv(const FileStart& start);
+
+/// Query frame i is training frame step * i (argument: train_step, default 1), rounded to
+/// nearest, ties up. Frames beyond the training sequence match its end within the tolerance.
+/// Requires exactly one searched sequence.
+std::string read_aligned(GroundTruthBuilder& builder);
+
+/// Reads a .npy matrix of 0 and 1 (bool, integers or floats) in C or Fortran order, whose rows are
+/// query frames, and optionally a second one of the same shape (argument: soft), whose ones are
+/// ignored if the first has 0. Or a .npz file with both, named GThard and GTsoft, whose rows are
+/// training frames, as in VPR_Tutorial's data sets (Schubert et al. 2023); a .npz file with a
+/// single matrix is read like a .npy file. The argument's matrix_rows overrides this, and so does a
+/// shape that only fits transposed. Reads row by row, without the whole matrix in memory. Requires
+/// exactly one searched sequence. Throws Error(data) for another shape, a value that is neither 0
+/// nor 1, or damage.
+std::string read_matrix_file(GroundTruthBuilder& builder);
+
+/// Whether it is a .npy file of numbers or a zip archive.
+bool is_matrix_file(const FileStart& start);
+
+/// Writes bool matrices: to a .npz file GThard and GTsoft (rows training frames; soft: same or
+/// ignored), otherwise a .npy matrix (rows query frames; ignored becomes different).
+void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
+                       const Monitor& monitor);
+
+/// Labels every pair of a query frame and a frame of `sequence`: `same` if the distance is at most
+/// the argument's radius_m and, if angle_deg is set, the angle is at most angle_deg (both
+/// inclusive); `ignore` if a pose is unknown. `default_radius_m`: the radius in the format's own
+/// protocol, if the argument has none. Warns if more than a tenth of all pairs of known poses are
+/// the same. Throws Error(data) if the numbers of poses and frames differ, Error(usage) for an
+/// invalid radius or angle, and if there is no radius. Returns the protocol as text. References are
+/// sorted by one coordinate, so that only nearby ones are compared. Query frames in `unplaced`,
+/// which is empty or has one entry per frame, are different from all references.
+std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
+                        const Poses& train, std::optional<double> default_radius_m = std::nullopt,
+                        const std::vector<bool>& unplaced = {});
+
+/// Readers of poses. All take the query's poses from the argument's path and the training
+/// sequence's from its `reference`, each with a range of frames (PATH@FIRST:LAST[:STEP]) if the
+/// sequence had one; all require exactly one searched sequence and use match_poses(). Throw
+/// Error(data), with the line.
+
+/// CSV with columns frame, x, y and optionally heading, in meters and degrees (read_pose_csv).
+/// Pairs with a frame without a line are ignored.
+std::string read_poses(GroundTruthBuilder& builder);
+
+/// Poses in the builder's format, one of pose_line_format. Poses are associated by time if the
+/// argument has the frames' times (poses_of_side); otherwise line i belongs to frame i, and times
+/// are ignored.
+std::string read_trajectories(GroundTruthBuilder& builder);
+
+/// GPS fixes (read_fixes), by time as for trajectories. Distances are straight lines between points
+/// on the ellipsoid, without heights. Warns if more than half of the frames of a side have no fix;
+/// throws Error(data) if none has, and as the readers do.
+std::string read_gps(GroundTruthBuilder& builder);
+
+/// A name in the format of the field's data sets:
+/// @east@north@zone@letter@latitude@longitude@pano@tile@heading@..., of which east and north (UTM,
+/// meters) are required and the rest may be empty or missing. Nullopt for other names. `zone`: the
+/// UTM zone, 1 to 60; empty if missing or invalid.
+struct UtmName {
+  Pose pose;
+  std::string zone;
+};
+std::optional<UtmName> parse_utm_name(std::string_view file_name);
+
+/// The argument's path is the query, its `reference` the training sequence: folders or lists, as
+/// passed to vpr-query and vpr-train, with positions as names. Images within a radius (default 25
+/// m) show the same place. Throws Error(data) for a name without coordinates, for different zones,
+/// or if the numbers of images and frames differ.
+std::string read_utm_names(GroundTruthBuilder& builder);
+
+/// A folder, or a list whose first image has a UTM name.
+bool is_utm_names(const FileStart& start);
+
+}  // namespace vpr

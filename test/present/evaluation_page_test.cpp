@@ -1,0 +1,314 @@
+#include "present/evaluation_page.h"
+
+#include <atomic>
+#include <limits>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "base/json.h"
+#include "evaluate/metrics.h"
+#include "present/evaluation_report.h"
+#include "present/html_page.h"
+#include "present/score_matrix.h"
+#include "sequence/sequence_source.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Twenty queries with best matches by letter (c correct, w incorrect) and increasing scores.
+Judgment example(const std::string& letters, size_t window_length = 1) {
+  Judgment judgment;
+  ScoreLayout& layout = judgment.layout;
+  layout.window_length = window_length;
+  layout.scope = {{"", letters.size() + window_length - 1}, {{{"ref", 40}, true}}};
+  layout.columns = {{0, 0, 40 - window_length + 1}};
+  judgment.outcomes.query_frames = layout.scope.query.frames;
+  judgment.outcomes.window_length = window_length;
+  for (size_t q = 0; q < letters.size(); ++q) {
+    const size_t frame = layout.anchor(q);
+    judgment.outcomes.queries.push_back({frame,
+                                         letters[q] == 'c' ? Verdict::correct : Verdict::incorrect,
+                                         true,
+                                         false,
+                                         FrameMatch{0, frame},
+                                         score_key(double(q), ScoreOrder::distance),
+                                         false,
+                                         {}});
+  }
+  judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
+  judgment.single_best = single_best_curve(judgment.outcomes);
+  return judgment;
+}
+
+GroundTruth example_truth(const Judgment& judgment) {
+  return read_ground_truth({"aligned", {}, 0}, judgment.layout.scope);
+}
+
+Evaluation evaluation_of(const Judgment& judgment, const GroundTruth& truth,
+                         const std::string& method = "mine", const std::string& query = "walk") {
+  Evaluation evaluation;
+  evaluation.truth = truth;
+  evaluation.judgment = judgment;
+  evaluation.judgment.layout.scope.query.name = query;
+  evaluation.scores = {method, {}, judgment.layout.window_length, {}};
+  return evaluation;
+}
+
+std::vector<size_t> chosen(const std::vector<GalleryItem>& items, GalleryKind kind) {
+  std::vector<size_t> queries;
+  for (const GalleryItem& item : items)
+    if (item.kind == kind) queries.push_back(item.query);
+  return queries;
+}
+
+}  // namespace
+
+TEST_CASE("text in a page can neither open an element nor end an attribute") {
+  CHECK(html_escaped("<a href=\"x\" id='y'>&") ==
+        "&lt;a href=&quot;x&quot; id=&#39;y&#39;&gt;&amp;");
+  CHECK(html_escaped("a\x01z\xff") == "a\xef\xbf\xbdz\xef\xbf\xbd");
+  CHECK(html_escaped("\xc3\xa4") == "\xc3\xa4");
+}
+
+TEST_CASE("data in a page cannot end its script") {
+  CHECK(script_json(Json{{"a", "</script><!--"}}) == "{\"a\":\"\\u003c/script>\\u003c!--\"}");
+}
+
+TEST_CASE("base64 equals RFC 4648's examples") {
+  const auto encode = [](const std::string& text) {
+    return base64(std::as_bytes(std::span(text)));
+  };
+  CHECK(encode("").empty());
+  CHECK(encode("f") == "Zg==");
+  CHECK(encode("fo") == "Zm8=");
+  CHECK(encode("foo") == "Zm9v");
+  CHECK(encode("foobar") == "Zm9vYmFy");
+  CHECK(encode("\xff\xfe") == "//4=");
+}
+
+TEST_CASE("inserted text is not expanded again") {
+  CHECK(fill_page("a{{x}}b{{y}}c", {{"x", "{{y}}"}, {"y", "2"}}) == "a{{y}}b2c");
+  CHECK(fill_page("a {{ b", {}) == "a {{ b");
+}
+
+TEST_CASE("the gallery has the worst errors and the best and weakest recognitions, far apart") {
+  const Judgment judgment = example("cwwwwwwccccccccccccccccccccw");
+  const auto items = choose_gallery(judgment, example_truth(judgment), 3);
+  CHECK(chosen(items, GalleryKind::mistake) == std::vector<size_t>{1, 6, 27});
+  CHECK(chosen(items, GalleryKind::recognition) == std::vector<size_t>{0, 7, 12});
+  CHECK(chosen(items, GalleryKind::weak) == std::vector<size_t>{26, 21, 16});
+  CHECK(items[0].truth == FrameMatch{0, 1});
+  CHECK(choose_gallery(example(""), {}, 3).empty());
+}
+
+TEST_CASE("queries without a match have no true place in the gallery") {
+  const Judgment judgment = example("w");
+  GroundTruth truth;
+  truth.pairs.resize(1);
+  CHECK_FALSE(choose_gallery(judgment, truth, 3)[0].truth);
+}
+
+TEST_CASE("a strip ends at the anchor and covers the window") {
+  CHECK(strip_frames(7, 1, 5) == std::vector<size_t>{7});
+  CHECK(strip_frames(7, 3, 5) == std::vector<size_t>{5, 6, 7});
+  CHECK(strip_frames(39, 40, 5) == std::vector<size_t>{0, 10, 20, 30, 39});
+  CHECK(strip_frames(2, 40, 5) == std::vector<size_t>{0, 1, 2});
+}
+
+TEST_CASE("thumbnails are small, and unreadable frames are gaps") {
+  const test::TemporaryFolder folder;
+  test::write_image(folder / "1.png", 1, 400, 300);
+  test::write_text(folder / "2.png", "no image");
+  const SequenceSource sequence = open_sequence({folder.path(), {}});
+  const auto found = make_thumbnails(sequence, {}, {0, 1, 9}, 100, {});
+  REQUIRE(found.size() == 2);
+  CHECK(found.at(0).name == "1.png");
+  const auto& bytes = found.at(0).jpeg;
+  const cv::Mat image =
+      cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data())),
+                   cv::IMREAD_COLOR);
+  CHECK(image.cols == 100);
+  CHECK(image.rows == 75);
+  CHECK(found.at(1).jpeg.empty());
+}
+
+TEST_CASE("a report is written again as it was read") {
+  Judgment judgment = example("cwcwcw", 2);
+  judgment.outcomes.queries[2].verdict = Verdict::unreadable;
+  judgment.outcomes.queries[2].best.reset();
+  judgment.outcomes.queries[2].key = kNoScore;
+  judgment.outcomes.queries[3].verdict = Verdict::ignored;
+  judgment.outcomes.has_margins = judgment.outcomes.has_ranks = true;
+  judgment.outcomes.queries[0].margin = 0.1;
+  judgment.outcomes.queries[0].rank = 7;
+  judgment.outcomes.queries[1].key =
+      score_key(std::numeric_limits<double>::infinity(), ScoreOrder::distance);
+  set_confidence(judgment, Confidence::margin);
+  judgment.verdicts[2] = FrameVerdict::correct;
+  judgment.verdicts[3] = FrameVerdict::unjudged;
+  judgment.localization = localize(judgment.verdicts, {});
+  Evaluation evaluation = evaluation_of(judgment, example_truth(judgment));
+  evaluation.scores.query.selection = at_speed("varying", 7, 3);
+  evaluation.name = "mine";
+  const Json json = report_json(report_of(evaluation, {}));
+  CHECK(json["confidence"] == "margin");
+  CHECK(json["outcomes"]["recognized"] == "..ri...");
+  CHECK(report_json(parse_report(json, "r.json")).dump() == json.dump());
+}
+
+TEST_CASE("a page has no external references, even with hostile names") {
+  const test::TemporaryFolder folder;
+  const std::string hostile = "<img src=x onerror=alert(1)>\"'&{{data}}.png";
+  for (int i = 0; i < 6; ++i)
+    test::write_image(folder / (std::to_string(i) + hostile), uint64_t(i));
+  Judgment judgment = example("cwcwcw");
+  judgment.layout.scope.sequences[0] = {{"</script><script>alert(2)</script>", 6}, true};
+  judgment.layout.columns = {{0, 0, 6}};
+  const GroundTruth truth = example_truth(judgment);
+  const Evaluation evaluation = evaluation_of(judgment, truth, "<b>method</b>", "<i>query</i>");
+  const SequenceSource sequence = open_sequence({folder.path(), {}});
+  const std::string page = evaluation_page(evaluation, report_of(evaluation, {}), {}, "<s>all</s>",
+                                           {sequence, {sequence}}, {});
+  CHECK(page.find("<s>all") == std::string::npos);
+  CHECK(page.find("<img src=x") == std::string::npos);
+  CHECK(page.find("</script><script>alert") == std::string::npos);
+  CHECK(page.find("<b>method") == std::string::npos);
+  CHECK(page.find("&lt;b&gt;method") != std::string::npos);
+  CHECK(page.find("&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;{{data}}.png") !=
+        std::string::npos);
+  CHECK(page.find("://") == std::string::npos);
+  CHECK(page.find("default-src 'none'") != std::string::npos);
+  CHECK(page.find("data:image/jpeg;base64,/9j/") != std::string::npos);
+  CHECK(page.find("data:image/png;base64,") != std::string::npos);
+}
+
+TEST_CASE("an empty page is a valid page") {
+  const Judgment judgment = example("");
+  GroundTruth truth;
+  const Evaluation evaluation = evaluation_of(judgment, truth);
+  CHECK(
+      evaluation_page(evaluation, report_of(evaluation, {}), {}, "", {}, {}).find("No query has") !=
+      std::string::npos);
+}
+
+namespace {
+
+size_t count_of(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+std::string page_of(const Judgment& judgment, const GroundTruth& truth,
+                    const Monitor& monitor = {}) {
+  const Evaluation evaluation = evaluation_of(judgment, truth);
+  return evaluation_page(evaluation, report_of(evaluation, {}), {}, "Recognized in 2 of 8 frames.",
+                         {}, monitor);
+}
+
+}  // namespace
+
+TEST_CASE("a page begins with its summary and states the protocol once") {
+  const Judgment judgment = example("cwcwcwcw");
+  GroundTruth truth = example_truth(judgment);
+  truth.protocol = "pairs from my desk";
+  const std::string page = page_of(judgment, truth);
+  CHECK(page.find("<p class=\"summary\">Recognized in 2 of 8 frames.</p>") < page.find("<table"));
+  CHECK(count_of(page, "pairs from my desk") == 1);
+  CHECK(page.find("best match wrong, not recognized") != std::string::npos);
+  CHECK(page.find("worst mistakes") != std::string::npos);
+  CHECK(page.find("{{") == std::string::npos);
+}
+
+TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
+  Judgment judgment = example("cccccccc", 20);
+  ScoreLayout& layout = judgment.layout;
+  layout.scope.sequences = {
+      {{"monday", 111}, true}, {{"unused", 50}, false}, {{"<tuesday>", 41}, true}};
+  layout.columns = {{0, 0, 92}, {2, 92, 22}};
+  const std::string page = page_of(judgment, example_truth(example("cccccccc", 20)));
+  const std::string timeline =
+      page.substr(page.find("<svg class=\"timeline\""),
+                  page.find("</svg>", page.find("<svg class=\"timeline\"")) -
+                      page.find("<svg class=\"timeline\""));
+  CHECK(timeline.find(">100</text>") != std::string::npos);
+  CHECK(timeline.find(">monday</text>") != std::string::npos);
+  CHECK(timeline.find(">&lt;tuesday&gt;</text>") != std::string::npos);
+  CHECK(timeline.find("unused") == std::string::npos);
+  const std::string matrix = page.substr(page.find("<svg class=\"matrix\""));
+  CHECK(matrix.find(">19</text>") != std::string::npos);  // the first window's anchor
+  CHECK(matrix.find(">monday</text>") != std::string::npos);
+}
+
+TEST_CASE("the cost of a page depends on its content, not on the claimed number of frames") {
+  Judgment judgment = example("cwcwcwcw", 3);
+  constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
+  judgment.layout.scope.sequences[0].sequence.frames = kClaimed;
+  judgment.layout.columns = {{0, 0, kClaimed - 2}};
+  const std::string page = page_of(judgment, example_truth(judgment));
+  CHECK(count_of(page, "2000000000</text>") == 2);  // on the axes of timeline and matrix
+  CHECK(page.size() < 1000000);
+}
+
+TEST_CASE("a page can be stopped during drawing") {
+  const Judgment judgment = example("cwcwcwcw");
+  const GroundTruth truth = example_truth(judgment);
+  const std::atomic<bool> stop{true};
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK(test::error_kind([&] { page_of(judgment, truth, monitor); }) == ErrorKind::interrupted);
+  CHECK(test::error_kind([&] {
+          matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {}, {}, monitor);
+        }) == ErrorKind::interrupted);
+}
+
+TEST_CASE("without ground truth, a page shows matches without evaluation") {
+  Judgment judgment = example("cccccccc");
+  const GroundTruth truth = unknown_ground_truth(judgment.layout.scope);
+  for (QueryOutcome& query : judgment.outcomes.queries) query.verdict = Verdict::ignored;
+  judgment.verdicts.assign(8, FrameVerdict::unjudged);
+  judgment.verdicts[3] = FrameVerdict::none;
+  const Evaluation evaluation = evaluation_of(judgment, truth);
+  Report report = report_of(evaluation, {});
+  report.counts.recognitions.ignored = 7;
+  const std::string page = evaluation_page(evaluation, report, {}, "", {}, {});
+  CHECK(page.find("recognized, not judged") != std::string::npos);
+  CHECK(page.find("recognized, wrong") == std::string::npos);
+  CHECK(page.find("worst mistakes") == std::string::npos);
+  CHECK(page.find("class=\"card mistake\"") == std::string::npos);
+  CHECK(page.find("class=\"card recognition unjudged\"") != std::string::npos);
+  CHECK(page.find("wrong: query") == std::string::npos);
+  CHECK(page.find("right: query") == std::string::npos);
+  CHECK(page.find("; the ground truth has no match") == std::string::npos);
+  CHECK(page.find("<td>7</td>") != std::string::npos);
+}
+
+TEST_CASE("a page has risk against coverage, with the area of the metric") {
+  Judgment judgment = example("cwcwcw");
+  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
+  judgment.single_best = single_best_curve(judgment.outcomes);
+  const auto area = risk_coverage_area(judgment.single_best).value;
+  REQUIRE(area);
+  const std::string page = page_of(judgment, example_truth(judgment));
+  CHECK(page.find(fmt::format("Risk and coverage: area {:.3f}", *area)) != std::string::npos);
+  CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
+}
+
+TEST_CASE("a page of thinned sequences has the recordings' frames for saved labels") {
+  Judgment judgment = example("cwcwcw");
+  const GroundTruth truth = example_truth(judgment);
+  CHECK(page_of(judgment, truth).find("\"query_sources\"") == std::string::npos);
+  Selection kept;
+  kept.recorded_frames = 20;
+  kept.selected_fps = 5;
+  kept.sources = {0, 3, 7, 9, 12, 19};
+  judgment.layout.scope.query.selection = kept;
+  judgment.layout.scope.sequences[0].sequence.selection = kept;
+  const std::string page = page_of(judgment, truth);
+  CHECK(page.find("\"query_sources\":[0,3,7,9,12,19]") != std::string::npos);
+  CHECK(page.find("\"train_sources\":[[0,3,7,9,12,19]]") != std::string::npos);
+}
