@@ -1,11 +1,10 @@
 // Help, versions, completions and suggestions.
-#include "common/parser.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
 #include "cli/world.h"
+#include "common/parser.h"
 
 using namespace vpr;
 using namespace vpr::test;
