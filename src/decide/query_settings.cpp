@@ -108,8 +108,7 @@ constexpr DecisionKind kThreshold = {.recognitions = "window pairs with a {} bel
                                      .settings = kThresholdSettings};
 
 constexpr DecisionKind kMargin = {
-    .recognitions =
-        "best matches with a {} better than the best one elsewhere by at least the margin",
+    .recognitions = "best matches with a {} better than the runner-up by at least the margin",
     .symbol = "margin",
     .order = ScoreOrder::similarity,
     .settings = kMarginSettings};

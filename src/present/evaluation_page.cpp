@@ -157,7 +157,7 @@ std::string margins_html(const Report& report, const Judgment& judgment) {
   if (chart.series.empty()) return "";
   chart.title = "margin of every query frame's best match";
   chart.height = 300;
-  return "<h3>Margins: how much better than elsewhere</h3>\n<p class=\"legend\">" +
+  return "<h3>Margins: difference to the runner-up</h3>\n<p class=\"legend\">" +
          legend_html(meanings_of(chart)) + "</p>" +
          scrolling_html(html_escaped(chart.title), page_svg(chart)) + "\n";
 }

@@ -14,7 +14,7 @@ constexpr size_t kMostPoints = 100;  // of a curve in a report
 
 constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
 constexpr const char* kUnreachableProtocol =
-    "neither is one whose anchor has matches only where no training window ends";
+    "a query window with matches only where no training window ends is not among the queries";
 
 std::vector<ReportedPlace> places_of(const EvaluatedResult& judged) {
   std::vector<ReportedPlace> places;
@@ -45,7 +45,7 @@ void define_windows(Definitions& define, const Result& result) {
         fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
        {"places", result.path ? "confirmed tracks, judged at their middle frame"
                               : "clusters of recognitions, judged at their mean"},
-       {"mixed_places", "correct places of whose recognitions some are incorrect"},
+       {"mixed_places", "correct places with incorrect recognitions"},
        {"distinct", "correct places"},
        {"best_match", fmt::format("the window with the lowest {}, ties to the first; rate = "
                                   "correct / (queries - ignored)",
@@ -81,12 +81,9 @@ void define_scores(Definitions& define, size_t window_length) {
 }
 
 constexpr const char* kViewProtocol =
-    "consecutive frames that look alike are one view; a pair of views with recognitions, and a "
-    "query "
-    "view "
-    "with best matches, counts once: correct or incorrect if all of its windows are, else mixed; "
-    "rate = "
-    "mean over query views of the share of their windows that is right";
+    "consecutive frames that look alike are one keyframe; a pair of keyframes with recognitions, "
+    "and a query keyframe with best matches, counts once: correct or incorrect if all of its "
+    "windows are, else mixed; rate = mean over query keyframes of the share of correct windows";
 
 void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
   const bool has_ranks = judgment.outcomes.has_ranks;
@@ -96,39 +93,40 @@ void define_metrics(Definitions& define, const Judgment& judgment, bool is_resul
                   "one is incorrect; {}",
                   judgment.outcomes.confidence == Confidence::margin
                       ? "margin accepts best matches that have at least this margin"
-                      : "threshold accepts best matches that score at least as good",
-                  has_ranks ? "references labeled ignore are passed over"
+                      : "threshold accepts best matches that score at least as well",
+                  has_ranks ? "references labeled ignore are skipped"
                             : "a query whose best match is labeled ignore is omitted"));
   if (judgment.outcomes.has_margins)
     define.emplace_back(
         "margin",
-        "how much better the best match is than the best one elsewhere, in score a frame; a best "
-        "match without one is never accepted by its margin");
+        "difference between the best match and the runner-up, in score per frame; a best match "
+        "without a runner-up is never accepted by its margin");
   if (judgment.all_pairs)
     define.emplace_back(
         "all_pairs",
-        "a threshold accepts pairs that score at least as good; recall is over all pairs of the "
+        "a threshold accepts pairs that score at least as well; recall is over all pairs of the "
         "same place; pairs labeled ignore, and queries without any score, are omitted");
   if (has_ranks)
     define.emplace_back(
         "precision_at",
-        "right references among the K best, of K; mAP@K: mean over queries of the precision at "
-        "each right one among the K best, of as many right ones as K can hold");
+        "correct references among the K best, divided by K; mAP@K: mean over queries of the sum of "
+        "the precision at each correct one among the K best, divided by the smaller of K and the "
+        "number of correct ones");
   define.emplace_back(
       "recall_achievement",
-      "the path is cut into stretches of about as many frames; share of those with a query to "
-      "find whose recall@1 reaches the target");
+      "the path is cut into stretches of about stretch_frames frames; share of the stretches with "
+      "a match in the ground truth whose recall@1 reaches the target");
   define.emplace_back(
-      "ties", "equal scores are accepted together; the best match, and ranks, take the first");
+      "ties", "equal scores are accepted together; the best match and ranks take the first");
   define.emplace_back(
       "localization",
-      is_result ? "a frame is recognized by its closest recognition"
-                : fmt::format(
-                      "a frame is recognized by its best match where it scores at least as good as "
-                      "{}{}",
-                      judgment.threshold ? fmt::format("{:.6g}", *judgment.threshold)
-                                         : "any correct one before the first mistake",
-                      judgment.is_oracle ? ", a threshold chosen from the ground truth" : ""));
+      is_result
+          ? "a frame is recognized by its closest recognition"
+          : fmt::format("a frame is recognized by its best match if it scores at least as well as "
+                        "{}{}",
+                        judgment.threshold ? fmt::format("{:.6g}", *judgment.threshold)
+                                           : "any correct one before the first mistake",
+                        judgment.is_oracle ? ", a threshold chosen from the ground truth" : ""));
 }
 
 template <class T>

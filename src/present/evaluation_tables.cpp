@@ -106,8 +106,8 @@ std::vector<NamedNumbers> curves_of(const Report& report) {
   const bool by_margin = report.outcomes.confidence == Confidence::margin;
   std::vector<NamedNumbers> all = {
       {by_margin ? "best matches, by margin" : "best matches", "best", &curves.single_best}};
-  if (curves.by_margin) all.push_back({"the same by margin", "margin", &*curves.by_margin});
-  if (curves.by_score) all.push_back({"the same by score", "score", &*curves.by_score});
+  if (curves.by_margin) all.push_back({"best matches, by margin", "margin", &*curves.by_margin});
+  if (curves.by_score) all.push_back({"best matches, by score", "score", &*curves.by_score});
   if (curves.all_pairs) all.push_back({"all pairs", "pairs", &*curves.all_pairs});
   return all;
 }
@@ -141,7 +141,7 @@ Table curve_table(const Report& report) {
 }
 
 constexpr const char* kRankTitle =
-    "{} (queries with a match; ties to the first; ignored references passed over)";
+    "{} (queries with a match; ties to the first; ignored references skipped)";
 
 Table recall_table(const Report& report) {
   Table table{fmt::format(kRankTitle, "Recall@K"), {}, {}};

@@ -60,7 +60,7 @@ Json protocol_json(const LoopsEvaluation& evaluation) {
   if (evaluation.judgment.curve) {
     protocol["score_order"] = enum_name(rules.order);
     protocol["curve"] =
-        "a threshold accepts the best loop of each frame if it scores at least as good; equal "
+        "a threshold accepts the best loop of each frame if it scores at least as well; equal "
         "scores are accepted together; of equals the best is the first that is listed";
   }
   return protocol;

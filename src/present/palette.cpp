@@ -12,11 +12,11 @@ namespace vpr {
 namespace {
 
 constexpr std::array<PaletteColor, 18> kPalette = {{
-    {Meaning::right, "right", "recognized, right", 0x1668c7, 0x5aa5f5},
-    {Meaning::wrong, "wrong", "recognized, wrong", 0xd9480f, 0xff8552},
+    {Meaning::right, "right", "recognized, correct", 0x1668c7, 0x5aa5f5},
+    {Meaning::wrong, "wrong", "recognized, incorrect", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognized, not judged", 0xc2268f, 0xffc4ec},
     {Meaning::weak_right, "weak-right", "best match correct, not recognized", 0x8fbcec, 0x3c6ea8},
-    {Meaning::weak_wrong, "weak-wrong", "best match wrong, not recognized", 0xefaa86, 0xa3593c},
+    {Meaning::weak_wrong, "weak-wrong", "best match incorrect, not recognized", 0xefaa86, 0xa3593c},
     {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognized", 0xdba3c9, 0x7d4a70},
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
     {Meaning::missed, "missed", "not recognized", 0xd9a400, 0xe0b030},
@@ -30,7 +30,7 @@ constexpr std::array<PaletteColor, 18> kPalette = {{
     {Meaning::best_matches, "best-matches", "best matches", 0x334155, 0xcbd5e1},
     {Meaning::all_pairs, "all-pairs", "all pairs", 0x0f8a7a, 0x12a08d},
     {Meaning::by_margin, "by-margin", "best matches by margin", 0xb45309, 0xfbbf24},
-    {Meaning::required_margin, "asked-margin", "required margin", 0x111827, 0x8a8f98},
+    {Meaning::required_margin, "required-margin", "required margin", 0x111827, 0x8a8f98},
 }};
 
 // From dark to light, so that neighbors also differ in brightness.

@@ -291,6 +291,6 @@ TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
   CHECK(eval({"--dataset", world().dataset(), "--map-with", out / "b.json"}).exit_code == 2);
   ok(eval({"--dataset", world().dataset(), "--map", out / "m", "--map-with", out / "b.json"}));
   CHECK(list_folder(out / "m") == Words{".vpr-files", "map.png", "map.svg"});
-  CHECK_FALSE(has(read_text(out / "m/map.svg"), "recognized, wrong"));
-  CHECK(has(read_text(out / "m/map.svg"), "recognized, right"));
+  CHECK_FALSE(has(read_text(out / "m/map.svg"), "recognized, incorrect"));
+  CHECK(has(read_text(out / "m/map.svg"), "recognized, correct"));
 }

@@ -192,7 +192,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
     CHECK(report["confidence"] == "margin");
     CHECK(report["protocol"]["recognitions"] ==
-          "best matches with a path score better than the best one elsewhere by at least the "
+          "best matches with a path score better than the runner-up by at least the "
           "margin");
     // The last frame's rate: both sequences have the same speed.
     const auto values = read_array<double>(folder / "r0.path.npy");

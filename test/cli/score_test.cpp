@@ -171,7 +171,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   const Json by_margin = report({"--html", page, "--force"});  // the decision of the result
   CHECK(by_margin["confidence"] == "margin");
   CHECK(by_margin["protocol"]["recognitions"] ==
-        "best matches with a distance better than the best one elsewhere by at least the margin");
+        "best matches with a distance better than the runner-up by at least the margin");
   CHECK(by_margin["metrics"]["single_best"] == by_score["metrics"]["by_margin"]);
   CHECK(by_margin["metrics"]["by_score"]["average_precision"] ==
         by_score["metrics"]["single_best"]["average_precision"]);
@@ -185,7 +185,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   CHECK_FALSE(has(html, "below the threshold"));
   const auto table =
       run_program("vpr-eval", {result, "--ground-truth", walks().folder / "truth.csv"});
-  CHECK(has(table.out, "the same by score"));
+  CHECK(has(table.out, "best matches, by score"));
 }
 
 TEST_CASE("invalid margins and settings without effect are refused with advice") {

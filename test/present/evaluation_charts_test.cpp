@@ -131,11 +131,11 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   const std::string svg = svg_of(chart);
   CHECK(has(svg, ">mine on it&#39;s</text>"));
   CHECK(has(svg, ">friday</text>"));
-  CHECK(has(svg, ">recognized, wrong</text>"));  // in the legend
+  CHECK(has(svg, ">recognized, incorrect</text>"));  // in the legend
   // A page has its own title, legend and colors.
   const std::string page = page_svg(chart);
   CHECK(has(page, "<svg class=\"timeline\""));
-  CHECK_FALSE(has(page, ">recognized, wrong</text>"));
+  CHECK_FALSE(has(page, ">recognized, incorrect</text>"));
   CHECK_FALSE(has(page, "<style>"));
   CHECK(has(page, "id=\"here\""));
 }

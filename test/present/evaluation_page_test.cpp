@@ -219,7 +219,7 @@ TEST_CASE("a page begins with its summary and states the protocol once") {
   const std::string page = page_of(judgment, truth);
   CHECK(page.find("<p class=\"summary\">Recognized in 2 of 8 frames.</p>") < page.find("<table"));
   CHECK(count_of(page, "pairs from my desk") == 1);
-  CHECK(page.find("best match wrong, not recognized") != std::string::npos);
+  CHECK(page.find("best match incorrect, not recognized") != std::string::npos);
   CHECK(page.find("worst mistakes") != std::string::npos);
   CHECK(page.find("{{") == std::string::npos);
 }
@@ -277,7 +277,7 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
   report.counts.recognitions.ignored = 7;
   const std::string page = evaluation_page(evaluation, report, {}, "", {}, {});
   CHECK(page.find("recognized, not judged") != std::string::npos);
-  CHECK(page.find("recognized, wrong") == std::string::npos);
+  CHECK(page.find("recognized, incorrect") == std::string::npos);
   CHECK(page.find("worst mistakes") == std::string::npos);
   CHECK(page.find("class=\"card mistake\"") == std::string::npos);
   CHECK(page.find("class=\"card recognition unjudged\"") != std::string::npos);

@@ -32,7 +32,7 @@
     for (let i = 0; i < count; ++i)
       if (isWrong(i))
         lines.push(row(frameOf(i), ...data.matches[i], data.scores[i], data.recognized[frameOf(i)] === "." ? "no" : "yes",
-          data.best[i] === "w" ? "elsewhere" : "no match"));
+          data.best[i] === "w" ? "different" : "no match"));
     return file(lines);
   };
   const save = (name, text) => {
