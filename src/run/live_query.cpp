@@ -30,7 +30,7 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
                      const Monitor& monitor)
     : resources_(resources),
       plan_(plan_window(database, query_name, settings, resources, monitor)),
-      frames_(start_live(searched_distances(plan_), plan_.basis ? &*plan_.basis : nullptr)) {
+      frames_(start_live(searched_distances(plan_), plan_.basis.get())) {
   const MatchSettings& match = plan_.match;
   const FrameDistances& distances = frames_.distances;
   const size_t length = match.window_length;

@@ -165,7 +165,7 @@ void plan_margins(QueryPlan& plan, const SequenceDatabase& database, const Monit
   const auto& setting = plan.settings.margin;
   std::vector<uint32_t> wrong;
   if (!setting)
-    wrong = false_margins(plan.train, *plan.exclusion_zones, plan.basis ? &*plan.basis : nullptr,
+    wrong = false_margins(plan.train, *plan.exclusion_zones, plan.basis.get(),
                           {plan.match.window_length, plan.match.memory_limit, plan.match.kernels},
                           monitor);
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
@@ -264,13 +264,21 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& qu
   plan.match.method = &find_sequence_method(plan.is_approximate ? "fastable" : settings->method);
   plan.decision = settings->decision;
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
-  plan.basis = score_basis(statistics, *settings);
+  if (auto basis = score_basis(statistics, *settings))
+    plan.basis = std::make_shared<const ScoreBasis>(*std::move(basis));
   const bool has_zscores = score_kind(settings->score).needs_statistics;
   if (settings->loop && has_zscores) plan.past_zscores = settings->zscore;
   if (statistics != nullptr && !query.given) plan.typical_distance = statistics->typical_distance;
   if (statistics != nullptr && has_zscores)
     plan.statistics = {statistics->settings, statistics->typical_distance};
   return plan;
+}
+
+void plan_decision(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
+  if (plan.decision == Decision::margin)
+    plan_margins(plan, database, monitor);
+  else
+    plan_thresholds(plan, database, monitor);
 }
 
 void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
@@ -283,10 +291,7 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const Monito
                                     : declared_pairs(database, settings.same_place));
     plan.match.overlapping_sequences = plan.exclusion_zones->shared;
   }
-  if (plan.decision == Decision::margin)
-    plan_margins(plan, database, monitor);
-  else
-    plan_thresholds(plan, database, monitor);
+  plan_decision(plan, database, monitor);
 }
 
 // Replaces the recognitions by the best matches with at least the margin of their sequence.
@@ -396,6 +401,20 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   plan_windows(plan, monitor);
   finish_plan(plan, database, monitor);
   return plan;
+}
+
+QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
+                     const ResolvedSettings& settings, const Monitor& monitor) {
+  QueryPlan changed = plan;
+  changed.settings = *settings;
+  for (Target& sequence : changed.sequences) {
+    sequence.threshold.reset();
+    sequence.scale = ThresholdScale::bits;
+    sequence.distance_limit = 0;
+    sequence.margin.reset();
+  }
+  plan_decision(changed, database, monitor);
+  return changed;
 }
 
 QueryPlan plan_loop(const SequenceDatabase& database, const DescriptorSet& query,

@@ -1,6 +1,7 @@
 // A query by a sequence method, resolved before any distance is computed.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct QueryPlan {
   std::vector<Target> sequences;               ///< the same, with thresholds and margins
   MatchSettings match;                         ///< the window stage
   bool is_approximate = false;                 ///< windows are searched by LSH (lsh.h)
-  std::optional<ScoreBasis> basis;             ///< z-scores from training statistics
+  std::shared_ptr<const ScoreBasis> basis;     ///< z-scores from training statistics; or null
   std::vector<uint32_t> past;                  ///< for a loop query (FrameDistances::past)
   std::optional<ZScoreSettings> past_zscores;  ///< z-scores of a loop query
   Decision decision = Decision::threshold;
@@ -84,6 +85,10 @@ DescriptorSet describe_query(const SequenceArgument& query, const SequenceDataba
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const ResolvedSettings& settings,
                      const QueryResources& resources, const Monitor& monitor);
+
+/// The same plan with the threshold or margin of `settings`, which may differ in nothing else.
+QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
+                     const ResolvedSettings& settings, const Monitor& monitor);
 
 /// Plans the query of a sequence against its own past; `database` is own_database() of it.
 /// `times_ns`: non-decreasing times of its frames, for a gap in seconds; otherwise empty.

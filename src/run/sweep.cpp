@@ -48,7 +48,9 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
       settings.window_length = length;
       const bool by_margin = settings.decision == Decision::margin;
       (by_margin ? settings.margin : settings.distance_threshold) = threshold;
-      sweep.plans.push_back(plan_query(database, query, query_name, settings, resources, once));
+      sweep.plans.push_back(sweep.plans.empty()
+                                ? plan_query(database, query, query_name, settings, resources, once)
+                                : with_limit(sweep.plans.front(), database, settings, once));
     }
   }
   return sweeps;

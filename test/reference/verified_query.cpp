@@ -148,7 +148,7 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
     return wrong_past_scores(cells, plan.query, plan.past, length, *plan.past_zscores);
   RatedWindows windows{length, plan.match.rates};
   if (windows.rates.empty()) windows.rates = {{1, 1}};
-  const ScoreBasis* basis = plan.basis ? &*plan.basis : nullptr;
+  const ScoreBasis* basis = plan.basis.get();
   return wrong_rated_cells(cells, windows, plan.train, plan.query, basis, {});
 }
 
