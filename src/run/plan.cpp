@@ -97,8 +97,7 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
   bool any = false;
   for (size_t s = 0; s < plan.train.size(); ++s) {
     Target& target = plan.sequences.emplace_back();
-    target.sequence = sequences[s].sequence;
-    target.sequence.frame_names.clear();  // a live query has one result per frame
+    target.sequence = without_frame_names(sequences[s].sequence);
     target.windows = count_windows(readable_runs(plan.train[s]), length);
     target.searched = is_searched(plan.settings, target.sequence.name);
     if (!target.searched) continue;

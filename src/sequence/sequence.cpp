@@ -305,6 +305,11 @@ std::optional<double> median_fps(std::span<const int64_t> times_ns) {
   return 1e9 / median(std::move(steps));
 }
 
+Sequence without_frame_names(const Sequence& sequence) {
+  return {sequence.name,       sequence.frames, {},
+          sequence.unreadable, sequence.fps,    sequence.selection};
+}
+
 Sequence selected(Sequence recorded, const Selection& selection) {
   if (selection.is_all()) return recorded;
   Sequence sequence = std::move(recorded);

@@ -168,6 +168,9 @@ struct Sequence {
   size_t recorded_frames() const { return selection.is_all() ? frames : selection.recorded_frames; }
 };
 
+/// A copy without the names of frames.
+Sequence without_frame_names(const Sequence& sequence);
+
 /// The selected frames of `recorded`; the result's selection refers to the recording.
 Sequence selected(Sequence recorded, const Selection& selection);
 
