@@ -61,7 +61,7 @@ void add_recorded_names(EvaluationSettings& by, const StoredResult& stored) {
   const std::string database = path_of("database");
   if (!by.train_names.empty() || database.empty()) return;
   const auto trained = std::make_shared<std::vector<TrainSequence>>();  // read at most once
-  for (size_t s = 0; s < stored.result.targets.size(); ++s)
+  for (size_t s = 0; s < stored.result.sequences.size(); ++s)
     by.train_names.emplace_back([database, trained, s] {
       if (trained->empty()) *trained = read_sequence_database(database).sequences;
       return trained->at(s).sequence.frame_names;

@@ -206,7 +206,7 @@ Table places_table(const Result& result) {
       const auto rate = mean_rate(cluster);
       value = rate ? fmt::format("{:.2f}", *rate) : "-";
     }
-    table.rows.push_back({result.targets[cluster.target].sequence.name,
+    table.rows.push_back({result.sequences[cluster.sequence].sequence.name,
                           anchors_text(cluster.query_first, cluster.query_last, length),
                           anchors_text(cluster.train_first, cluster.train_last, length),
                           std::to_string(cluster.recognitions), value});

@@ -86,7 +86,7 @@ uint32_t rounded_mean(uint64_t sum, uint64_t count) {
 
 void add_recognition(Cluster& cluster, const Match& recognition) {
   if (cluster.recognitions == 0) {
-    cluster.target = recognition.target;
+    cluster.sequence = recognition.sequence;
     cluster.query_first = recognition.query;
     cluster.train_first = cluster.train_last = recognition.train;
     cluster.best_score = recognition.score;
@@ -160,9 +160,9 @@ Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequenc
                              const ClusterSettings& settings, const Monitor& monitor) {
   std::vector<std::vector<Match>> by_sequence(sequences);
   for (const Match& recognition : recognitions)
-    by_sequence[recognition.target].push_back(recognition);
+    by_sequence[recognition.sequence].push_back(recognition);
   Clusters all;
-  std::vector<std::vector<uint32_t>> of_recognition;  // by target
+  std::vector<std::vector<uint32_t>> of_recognition;  // by sequence
   for (std::vector<Match>& own : by_sequence) {
     Clusters found = cluster_recognitions(own, settings, monitor);
     for (uint32_t& cluster : found.of_recognition) cluster += static_cast<uint32_t>(all.all.size());
@@ -173,7 +173,8 @@ Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequenc
   std::vector<size_t> next(sequences, 0);
   all.of_recognition.reserve(recognitions.size());
   for (const Match& recognition : recognitions)
-    all.of_recognition.push_back(of_recognition[recognition.target][next[recognition.target]++]);
+    all.of_recognition.push_back(
+        of_recognition[recognition.sequence][next[recognition.sequence]++]);
   return all;
 }
 
@@ -182,7 +183,7 @@ Clusters cluster_tracks(std::span<const Match> recognitions, std::span<const uin
   for (size_t r = 0; r < recognitions.size(); ++r) {
     const uint32_t track = tracks[recognitions[r].query];
     const bool continues = r > 0 && track != 0 && track == tracks[recognitions[r - 1].query] &&
-                           recognitions[r].target == recognitions[r - 1].target;
+                           recognitions[r].sequence == recognitions[r - 1].sequence;
     if (!continues) clusters.all.emplace_back();
     clusters.of_recognition.push_back(static_cast<uint32_t>(clusters.all.size() - 1));
     add_recognition(clusters.all.back(), recognitions[r]);

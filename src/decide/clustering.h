@@ -14,11 +14,11 @@ namespace vpr {
 
 /// A match. Windows are identified by their first frame; FAB-MAP has windows of one frame.
 struct Match {
-  uint32_t query = 0;   ///< window of the query
-  uint32_t target = 0;  ///< index of the training sequence; 0 for places
-  uint32_t train = 0;   ///< window of the sequence, or index of a place
-  uint32_t view = 0;    ///< the likeliest view of a place; 0 for a window
-  double score = 0;     ///< an integer, summed over the window, or the probability of the view
+  uint32_t query = 0;     ///< window of the query
+  uint32_t sequence = 0;  ///< index of the training sequence; 0 for places
+  uint32_t train = 0;     ///< window of the sequence, or index of a place
+  uint32_t view = 0;      ///< the likeliest view of a place; 0 for a window
+  double score = 0;       ///< an integer, summed over the window, or the probability of the view
 
   bool operator==(const Match&) const = default;
 };
@@ -35,7 +35,7 @@ VPR_FIELDS(ClusterSettings, eps, eps_inclusive)
 
 /// A cluster of recognitions: one distinct recognition. Means are rounded half up.
 struct Cluster {
-  uint32_t target = 0;
+  uint32_t sequence = 0;
   uint32_t query_window = 0;  ///< mean of the recognitions; for a track, the middle one
   uint32_t query_first = 0;
   uint32_t query_last = 0;

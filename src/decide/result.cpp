@@ -17,7 +17,7 @@ std::optional<double> frame_margin(const Result& result, size_t query_window) {
 void cluster(Result& result, const Monitor& monitor) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   result.clusters = result.path ? cluster_tracks(result.recognitions, result.path->tracks)
-                                : cluster_by_sequence(result.recognitions, result.targets.size(),
+                                : cluster_by_sequence(result.recognitions, result.sequences.size(),
                                                       settings.clustering, monitor);
 }
 

@@ -13,7 +13,7 @@ namespace vpr {
 
 /// A training sequence of a result, with its threshold or margin. For FAB-MAP the only one, which
 /// has places instead of frames.
-struct Target {
+struct ComparedSequence {
   Sequence sequence;
   size_t windows = 0;               ///< without an unreadable frame
   bool searched = true;             ///< false: not in only_sequences
@@ -65,8 +65,8 @@ struct Result {
   QuerySettings settings;
   Sequence query;
   size_t query_windows = 0;  ///< frames - window_length() + 1, also with unreadable frames
-  std::vector<Target> targets;
-  std::vector<Match> recognitions;         ///< by query, target, train; each once
+  std::vector<ComparedSequence> sequences;
+  std::vector<Match> recognitions;         ///< by query, sequence, train; each once
   std::vector<std::optional<Match>> best;  ///< by query window; ties to the first. Nullopt: has an
                                            ///< unreadable frame, or a frame without words
   std::vector<double> best_rates;  ///< for windows of several rates: training frames per query

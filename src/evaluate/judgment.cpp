@@ -69,7 +69,7 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
   for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
     judgment.recognized.push_back(
-        {recognition.query, column_of(judgment.layout, recognition.target, recognition.train)});
+        {recognition.query, column_of(judgment.layout, recognition.sequence, recognition.train)});
   }
   set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m);
   return judgment;

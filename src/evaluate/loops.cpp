@@ -129,7 +129,7 @@ bool is_decided(const Result& result) {
 
 // The places of FAB-MAP are those of the database, if any, then the frames of the query.
 size_t first_own_place(const Result& result) {
-  return result.places ? result.targets.front().sequence.frames - result.query.frames : 0;
+  return result.places ? result.sequences.front().sequence.frames - result.query.frames : 0;
 }
 
 }  // namespace

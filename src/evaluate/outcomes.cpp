@@ -56,7 +56,7 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
     query.frame = anchor_of(window, length);
     look_up_match(query, truth, layout);
     if (const auto& best = result.best[window]) {
-      query.best = FrameMatch{best->target, anchor_of(best->train, length)};
+      query.best = FrameMatch{best->sequence, anchor_of(best->train, length)};
       query.key = score_key(best->score, outcomes.kind);
       query.verdict = verdict_of(label_of(truth, *best, length));
     } else {
@@ -77,10 +77,10 @@ void add_margins(Outcomes& outcomes, const Result& result) {
     QueryOutcome& query = outcomes.queries[window];
     const auto& best = result.best[window];
     if (!best ||
-        query.best != FrameMatch{best->target, anchor_of(best->train, result.window_length())})
+        query.best != FrameMatch{best->sequence, anchor_of(best->train, result.window_length())})
       continue;
     query.margin = frame_margin(result, window);
-    query.required_margin = result.targets[best->target].margin;
+    query.required_margin = result.sequences[best->sequence].margin;
   }
 }
 
@@ -140,12 +140,12 @@ void LabelCounts::add(PlaceLabel label) {
 }
 
 PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length) {
-  return truth.label(anchor_of(match.query, window_length), match.target,
+  return truth.label(anchor_of(match.query, window_length), match.sequence,
                      anchor_of(match.train, window_length));
 }
 
 PlaceLabel label_of(const GroundTruth& truth, const Cluster& cluster, size_t window_length) {
-  return truth.label(anchor_of(cluster.query_window, window_length), cluster.target,
+  return truth.label(anchor_of(cluster.query_window, window_length), cluster.sequence,
                      anchor_of(cluster.train_window, window_length));
 }
 
@@ -154,7 +154,7 @@ Clusters clusters_of(const Result& result) {
   Clusters single;
   for (const Match& recognition : result.recognitions) {
     single.of_recognition.push_back(static_cast<uint32_t>(single.all.size()));
-    single.all.push_back({recognition.target, recognition.query, recognition.query,
+    single.all.push_back({recognition.sequence, recognition.query, recognition.query,
                           recognition.query, recognition.train, recognition.train,
                           recognition.train, 1, recognition.score});
   }
@@ -178,13 +178,13 @@ std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& 
 
 Counts count_recognitions(const Result& result, const GroundTruth& truth, const Monitor& monitor) {
   Counts counts;
-  std::set<std::pair<uint32_t, uint32_t>> places;  // recognized correctly: target and window
+  std::set<std::pair<uint32_t, uint32_t>> places;  // recognized correctly: sequence and window
   for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
     const PlaceLabel label = label_of(truth, recognition, result.window_length());
     counts.recognitions.add(label);
     if (!result.clusters && label == PlaceLabel::same)
-      places.insert({recognition.target, recognition.train});
+      places.insert({recognition.sequence, recognition.train});
   }
   counts.distinct = places.size();
   if (result.clusters) {
@@ -206,15 +206,16 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
   const size_t length = result.window_length();
   CountsByKeyframe counts;
   counts.query_keyframes = query_keyframes.size();
-  for (size_t s = 0; s < result.targets.size(); ++s)
-    if (result.targets[s].searched) counts.train_keyframes += train_keyframes[s].size();
+  for (size_t s = 0; s < result.sequences.size(); ++s)
+    if (result.sequences[s].searched) counts.train_keyframes += train_keyframes[s].size();
   std::map<std::tuple<size_t, uint32_t, size_t>, LabelCounts> pairs;
   for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
-    const uint32_t target = recognition.target;
+    const uint32_t sequence = recognition.sequence;
     const size_t query = keyframe_of(query_keyframes, anchor_of(recognition.query, length));
-    const size_t train = keyframe_of(train_keyframes[target], anchor_of(recognition.train, length));
-    pairs[{query, target, train}].add(label_of(truth, recognition, length));
+    const size_t train =
+        keyframe_of(train_keyframes[sequence], anchor_of(recognition.train, length));
+    pairs[{query, sequence, train}].add(label_of(truth, recognition, length));
   }
   for (const auto& [pair, labels] : pairs) count(counts.recognitions, labels);
   std::map<size_t, LabelCounts> queries;

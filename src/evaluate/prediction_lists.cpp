@@ -233,7 +233,7 @@ std::vector<BestPair> best_pairs(const Result& result) {
   for (const auto& best : result.best)
     if (best)
       pairs.push_back(
-          {anchor_of(best->query, length), {best->target, anchor_of(best->train, length)}});
+          {anchor_of(best->query, length), {best->sequence, anchor_of(best->train, length)}});
   return pairs;
 }
 

@@ -201,8 +201,8 @@ const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
 GroundTruthScope scope_of(const Result& result) {
   GroundTruthScope scope;
   scope.query = result.query;
-  for (const Target& target : result.targets)
-    scope.sequences.push_back({target.sequence, target.searched});
+  for (const ComparedSequence& compared : result.sequences)
+    scope.sequences.push_back({compared.sequence, compared.searched});
   return scope;
 }
 
@@ -229,9 +229,9 @@ ScoreLayout layout_of(const Result& result) {
   ScoreLayout layout;
   layout.window_length = result.window_length();
   layout.scope = scope_of(result);
-  for (size_t t = 0; t < result.targets.size(); ++t) {
-    const size_t frames = result.targets[t].sequence.frames;
-    if (!result.targets[t].searched || frames < layout.window_length) continue;
+  for (size_t t = 0; t < result.sequences.size(); ++t) {
+    const size_t frames = result.sequences[t].sequence.frames;
+    if (!result.sequences[t].searched || frames < layout.window_length) continue;
     layout.columns.push_back(
         {static_cast<uint32_t>(t), column_count(layout), frames - layout.window_length + 1});
   }

@@ -114,7 +114,7 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
                {"fingerprint", report.provenance.evaluated()}};
   for (const std::string_view key : kPathKeys)
     json["localization"][std::string(key)] = number_json(find_metric(key), path_value(report, key));
-  if (!report.selection_words().empty()) json["walk"] = report.selection_words();
+  if (!report.selection_words().empty()) json["selection"] = report.selection_words();
   json["ground_truth_fingerprint"] = report.provenance.ground_truth;
   return json;
 }
@@ -357,8 +357,8 @@ Table comparison_rows(const ComparisonReport& comparison) {
   };
   const std::string truths(enum_name(compare_ground_truths(comparison.reports)));
   Table table;
-  table.columns = {"query", "report",     "walk", "ground_truths", "metric",
-                   "value", "difference", "low",  "high",          "verdict"};
+  table.columns = {"query", "report",     "selection", "ground_truths", "metric",
+                   "value", "difference", "low",       "high",          "verdict"};
   for (size_t r = 0; r < comparison.reports.size(); ++r) {
     const Report& report = comparison.reports[r];
     const auto add = [&](const std::string& key, const Metric& metric, Value number,

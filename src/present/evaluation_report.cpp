@@ -22,7 +22,7 @@ std::vector<ReportedPlace> places_of(const EvaluatedResult& judged) {
   const auto anchor = [&](size_t window) { return anchor_of(window, result.window_length()); };
   for (size_t c = 0; c < judged.clusters.size(); ++c) {
     const Cluster& cluster = result.clusters->all[c];
-    places.push_back({result.targets[cluster.target].sequence.name,
+    places.push_back({result.sequences[cluster.sequence].sequence.name,
                       anchor(cluster.query_window),
                       {anchor(cluster.query_first), anchor(cluster.query_last)},
                       anchor(cluster.train_window),

@@ -37,7 +37,7 @@ std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& eval
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
   for (size_t frame = 0; frame < recognitions.size(); ++frame) {
     if (recognitions[frame] == nullptr) continue;
-    const uint32_t sequence = result.places ? 0 : recognitions[frame]->target;
+    const uint32_t sequence = result.places ? 0 : recognitions[frame]->sequence;
     matches[frame] =
         FrameMatch{sequence, anchor_of(recognitions[frame]->train, result.window_length())};
   }
@@ -108,7 +108,7 @@ std::string recognitions_csv(const EvaluatedResult& judged, const std::string& n
     const Cluster& cluster = clusters.all[c];
     const JudgedCluster& one = judged.clusters[c];
     const std::string& target = result.places ? result.places->names[cluster.train_window]
-                                              : result.targets[cluster.target].sequence.name;
+                                              : result.sequences[cluster.sequence].sequence.name;
     text += fmt::format(
         "{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target), cluster.query_first,
         anchor_of(cluster.query_window, length), anchor_of(cluster.query_last, length),

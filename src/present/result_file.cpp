@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file in memory
 
-/// Matches as two arrays: query, target, train and, for places, the view; and scores. A query
+/// Matches as two arrays: query, sequence, train and, for places, the view; and scores. A query
 /// without a match has -1 for all but the query, and NaN.
 struct MatchColumns {
   size_t columns;
@@ -28,7 +28,7 @@ struct MatchColumns {
   std::vector<double> scores = {};
 
   void add(const Match& match) {
-    const std::array<uint32_t, 4> row = {match.query, match.target, match.train, match.view};
+    const std::array<uint32_t, 4> row = {match.query, match.sequence, match.train, match.view};
     for (size_t c = 0; c < columns; ++c) indices.push_back(static_cast<int32_t>(row[c]));
     scores.push_back(match.score);
   }
@@ -48,12 +48,12 @@ std::vector<double> path_rows(const ResultPath& path) {
   return rows;
 }
 
-// The first frames of views as rows of target and frame; the query is target -1.
+// The first frames of views as rows of sequence and frame; the query is sequence -1.
 std::vector<int32_t> view_rows(const ResultKeyframes& views) {
   std::vector<int32_t> rows;
-  const auto add = [&](int32_t target, const std::vector<uint32_t>& starts) {
+  const auto add = [&](int32_t sequence, const std::vector<uint32_t>& starts) {
     for (const uint32_t frame : starts) {
-      rows.push_back(target);
+      rows.push_back(sequence);
       rows.push_back(static_cast<int32_t>(frame));
     }
   };
@@ -69,15 +69,15 @@ Json query_json(const Result& result) {
   return json;
 }
 
-Json target_json(const Target& target, const Result& result) {
-  Json json =
-      sequence_json(target.sequence, {{"windows", target.windows}, {"searched", target.searched}});
-  if (!target.searched || result.places) return json;
-  json["t_r"] = target.threshold ? Json(*target.threshold) : Json();
-  json["t_r_scale"] = enum_name(target.scale);
-  json["limit"] = target.distance_limit - result.score().offset(result.window_length());
-  if (target.max_distance) json["max_distance"] = *target.max_distance;
-  if (target.margin) json["margin"] = *target.margin;
+Json compared_json(const ComparedSequence& compared, const Result& result) {
+  Json json = sequence_json(compared.sequence,
+                            {{"windows", compared.windows}, {"searched", compared.searched}});
+  if (!compared.searched || result.places) return json;
+  json["t_r"] = compared.threshold ? Json(*compared.threshold) : Json();
+  json["t_r_scale"] = enum_name(compared.scale);
+  json["limit"] = compared.distance_limit - result.score().offset(result.window_length());
+  if (compared.max_distance) json["max_distance"] = *compared.max_distance;
+  if (compared.margin) json["margin"] = *compared.margin;
   return json;
 }
 
@@ -100,7 +100,7 @@ Json number_or_null(double value) { return std::isnan(value) ? Json() : Json(val
 
 Json match_json(const Result& result, const Match& match) {
   const size_t length = result.window_length();
-  return {{"sequence", result.targets[match.target].sequence.name},
+  return {{"sequence", result.sequences[match.sequence].sequence.name},
           {"frame", anchor_of(match.train, length)},
           {"score", result.score().frame_value(match.score, length)},
           {"sum", static_cast<int64_t>(match.score)}};
@@ -144,7 +144,7 @@ Json clusters_json(const Clusters& clusters, size_t length) {
   Json json = Json::array();
   for (const Cluster& one : clusters.all)
     json.push_back(
-        {{"sequence", one.target},
+        {{"sequence", one.sequence},
          {"query", extent_json(one.query_window, one.query_first, one.query_last, length)},
          {"train", extent_json(one.train_window, one.train_first, one.train_last, length)},
          {"recognitions", one.recognitions},
@@ -161,8 +161,8 @@ Json result_json(const Result& result, const ResultContext& context) {
   }
   json["query"] = query_json(result);
   json["sequences"] = Json::array();
-  for (const Target& target : result.targets)
-    json["sequences"].push_back(target_json(target, result));
+  for (const ComparedSequence& compared : result.sequences)
+    json["sequences"].push_back(compared_json(compared, result));
   if (result.places)
     json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
   json["totals"] = {{"recognitions", result.recognitions.size()}};
@@ -230,7 +230,7 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   const Sequence* query = &result.query;
   if (!query->selection.is_all()) write("source_frames", source_rows({&query, 1}));
   std::vector<const Sequence*> train;
-  for (const Target& target : result.targets) train.push_back(&target.sequence);
+  for (const ComparedSequence& compared : result.sequences) train.push_back(&compared.sequence);
   if (const std::vector<int32_t> rows = source_rows(train); !rows.empty())
     write("train_source_frames", rows);
   json["checksum"] = result_checksum(json);

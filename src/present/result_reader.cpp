@@ -101,23 +101,23 @@ void read_query(const ResultSource& source, Result& result) {
     source.fields.fail("its numbers of windows and frames do not fit");
 }
 
-void read_threshold(const Fields& item, const Result& result, Target& target) {
-  fields_from_json(item["t_r"], target.threshold, item, "t_r");
-  fields_from_json(item["t_r_scale"], target.scale, item, "t_r_scale");
-  target.distance_limit = read_sum(item, "limit", offset_of(result));
-  if (item.has("margin")) fields_from_json(item["margin"], target.margin, item, "margin");
-  if (item.has("max_distance")) target.max_distance = read_sum(item, "max_distance", 0);
+void read_threshold(const Fields& item, const Result& result, ComparedSequence& compared) {
+  fields_from_json(item["t_r"], compared.threshold, item, "t_r");
+  fields_from_json(item["t_r_scale"], compared.scale, item, "t_r_scale");
+  compared.distance_limit = read_sum(item, "limit", offset_of(result));
+  if (item.has("margin")) fields_from_json(item["margin"], compared.margin, item, "margin");
+  if (item.has("max_distance")) compared.max_distance = read_sum(item, "max_distance", 0);
 }
 
 void read_targets(const ResultSource& source, Result& result) {
   for (const Json& json : source.fields.list("sequences")) {
     const Fields item(json, source.where);
-    Target& target = result.targets.emplace_back();
-    target.sequence = read_sequence(item, kMostFrames);
-    target.windows =
-        item.count("windows", window_count(target.sequence.frames, result.window_length()));
-    fields_from_json(item["searched"], target.searched, item, "searched");
-    if (target.searched && !result.places) read_threshold(item, result, target);
+    ComparedSequence& compared = result.sequences.emplace_back();
+    compared.sequence = read_sequence(item, kMostFrames);
+    compared.windows =
+        item.count("windows", window_count(compared.sequence.frames, result.window_length()));
+    fields_from_json(item["searched"], compared.searched, item, "searched");
+    if (compared.searched && !result.places) read_threshold(item, result, compared);
   }
 }
 
@@ -152,9 +152,10 @@ bool is_score(double score, const Result& result) {
 }
 
 bool is_inside(const Match& match, const Result& result) {
-  if (match.query >= result.query_windows || match.target >= result.targets.size()) return false;
+  if (match.query >= result.query_windows || match.sequence >= result.sequences.size())
+    return false;
   const uint64_t windows =
-      window_count(result.targets[match.target].sequence.frames, result.window_length());
+      window_count(result.sequences[match.sequence].sequence.frames, result.window_length());
   return match.train < windows && (!result.places || match.view < result.places->views) &&
          is_score(match.score, result);
 }
@@ -207,7 +208,7 @@ void read_matches(const ResultSource& source, Result& result) {
     result.recognitions.push_back(*recognition);
   }
   const auto position = [](const Match& recognition) {
-    return std::tie(recognition.query, recognition.target, recognition.train);
+    return std::tie(recognition.query, recognition.sequence, recognition.train);
   };
   for (size_t h = 1; h < result.recognitions.size(); ++h)
     if (position(result.recognitions[h - 1]) >= position(result.recognitions[h]))
@@ -265,9 +266,9 @@ void read_views(const ResultSource& source, Result& result) {
   size_t row = 0;
   ResultKeyframes& views = result.views.emplace();
   views.query = take_views(file.values, row, -1, result.query.frames, source);
-  for (size_t t = 0; t < result.targets.size(); ++t)
+  for (size_t t = 0; t < result.sequences.size(); ++t)
     views.train.push_back(take_views(file.values, row, static_cast<int32_t>(t),
-                                     result.targets[t].sequence.frames, source));
+                                     result.sequences[t].sequence.frames, source));
   if (2 * row != file.values.size()) source.refuse("keyframes", "does not fit the sequences");
 }
 
@@ -331,12 +332,12 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   if (has_places) read_places(source, result);
   read_targets(source, result);
   std::vector<Sequence*> train;
-  for (Target& target : result.targets) train.push_back(&target.sequence);
+  for (ComparedSequence& compared : result.sequences) train.push_back(&compared.sequence);
   read_selected(source, {&result.query}, "source_frames");
   read_selected(source, train, "train_source_frames");
-  if (has_places && (result.targets.size() != 1 ||
-                     result.targets[0].sequence.frames != result.places->names.size()))
-    fields.fail("its places and its target do not fit");
+  if (has_places && (result.sequences.size() != 1 ||
+                     result.sequences[0].sequence.frames != result.places->names.size()))
+    fields.fail("its places and its sequences do not fit");
   read_matches(source, result);
   read_rates(source, result);
   read_path(source, result);

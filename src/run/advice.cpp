@@ -30,8 +30,8 @@ std::optional<double> recognized_rate(const Result& result) {
 std::optional<std::string> excess_advice(const Result& result) {
   constexpr double kMostShare = 0.2;
   double train_windows = 0;
-  for (const Target& target : result.targets)
-    if (target.searched) train_windows += static_cast<double>(target.windows);
+  for (const ComparedSequence& compared : result.sequences)
+    if (compared.searched) train_windows += static_cast<double>(compared.windows);
   const auto queries = static_cast<double>(
       std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
   const double share = static_cast<double>(result.recognitions.size()) / (train_windows * queries);
@@ -47,7 +47,7 @@ std::string no_recognition_advice(const Result& result) {
     return "Nothing is recognized: the query may show another place or the opposite direction.";
   if (settings.decision == Decision::threshold) {
     const bool has_threshold = std::ranges::any_of(
-        result.targets, [](const Target& t) { return t.threshold.has_value(); });
+        result.sequences, [](const ComparedSequence& t) { return t.threshold.has_value(); });
     return has_threshold ? "Nothing is recognized: no score is below t_r."
                          : "Without a threshold there are no recognitions, only best matches.";
   }

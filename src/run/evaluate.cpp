@@ -42,7 +42,7 @@ std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
       if (recognition != nullptr)
         all.push_back(
             {anchor_of(recognition->query, result.window_length()),
-             {recognition->target, anchor_of(recognition->train, result.window_length())}});
+             {recognition->sequence, anchor_of(recognition->train, result.window_length())}});
   }
   if (!all.empty()) return all;
   for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)

@@ -59,9 +59,9 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
   places.names = searched.place_names();
   places.views = searched.places().size();
   places.featureless = featureless_frames(query);
-  Target& target = result.targets.emplace_back();
-  target.sequence = {"places", places.names.size()};
-  target.windows = places.names.size();
+  ComparedSequence& compared = result.sequences.emplace_back();
+  compared.sequence = {"places", places.names.size()};
+  compared.windows = places.names.size();
   return result;
 }
 

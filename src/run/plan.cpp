@@ -96,16 +96,16 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
   const size_t length = plan.match.window_length;
   bool any = false;
   for (size_t s = 0; s < plan.train.size(); ++s) {
-    Target& target = plan.sequences.emplace_back();
-    target.sequence = without_frame_names(sequences[s].sequence);
-    target.windows = count_windows(readable_runs(plan.train[s]), length);
-    target.searched = is_searched(plan.settings, target.sequence.name);
-    if (!target.searched) continue;
-    any = any || target.windows > 0;
-    if (target.windows == 0)
+    ComparedSequence& compared = plan.sequences.emplace_back();
+    compared.sequence = without_frame_names(sequences[s].sequence);
+    compared.windows = count_windows(readable_runs(plan.train[s]), length);
+    compared.searched = is_searched(plan.settings, compared.sequence.name);
+    if (!compared.searched) continue;
+    any = any || compared.windows > 0;
+    if (compared.windows == 0)
       warn(monitor, fmt::format("{}: cannot be recognized without {} consecutive readable frames "
                                 "(c_l)",
-                                target.sequence.name, length));
+                                compared.sequence.name, length));
   }
   if (!any)
     throw Error(ErrorKind::usage,
@@ -168,9 +168,9 @@ void plan_margins(QueryPlan& plan, const SequenceDatabase& database, const Monit
                           {plan.match.window_length, plan.match.memory_limit, plan.match.kernels},
                           monitor);
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
-    Target& target = plan.sequences[s];
-    if (!target.searched || target.windows == 0) continue;
-    target.margin =
+    ComparedSequence& compared = plan.sequences[s];
+    if (!compared.searched || compared.windows == 0) continue;
+    compared.margin =
         setting ? *setting
                 : automatic_margin(wrong, score_kind(plan.settings.score),
                                    typical_distance(database.sequences[s], plan.train[s], monitor),
@@ -209,7 +209,7 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
       automatic_thresholds(database, automatic_table(plan, database, monitor), monitor);
   warn_of_overlaps(database, automatic.table, monitor);
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
-    Target& sequence = plan.sequences[s];
+    ComparedSequence& sequence = plan.sequences[s];
     if (!sequence.searched || !automatic.sequences[s]) continue;
     sequence.threshold = automatic.sequences[s]->value;
     if (!automatic.table.closest[s])
@@ -226,14 +226,14 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database, const Mo
   const SequenceQuerySettings& settings = plan.settings;
   const size_t length = plan.match.window_length;
   if (settings.distance_threshold || settings.loop) {
-    for (Target& sequence : plan.sequences) {
+    for (ComparedSequence& sequence : plan.sequences) {
       sequence.threshold = settings.distance_threshold;
       sequence.scale = scale_of(settings);
     }
   } else if (!plan.query.given) {  // a matrix has no automatic threshold
     plan_automatic_thresholds(plan, database, monitor);
   }
-  for (Target& sequence : plan.sequences) {
+  for (ComparedSequence& sequence : plan.sequences) {
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
@@ -299,7 +299,7 @@ void decide_by_margin(Result& result) {
   for (size_t window = 0; window < result.best.size(); ++window) {
     const auto& best = result.best[window];
     if (!best) continue;
-    const std::optional<double> least = result.targets[best->target].margin;
+    const std::optional<double> least = result.sequences[best->sequence].margin;
     const std::optional<double> margin = frame_margin(result, window);
     if (least && margin && *margin >= *least) result.recognitions.push_back(*best);
   }
@@ -406,7 +406,7 @@ QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
                      const ResolvedSettings& settings, const Monitor& monitor) {
   QueryPlan changed = plan;
   changed.settings = *settings;
-  for (Target& sequence : changed.sequences) {
+  for (ComparedSequence& sequence : changed.sequences) {
     sequence.threshold.reset();
     sequence.scale = ThresholdScale::bits;
     sequence.distance_limit = 0;
@@ -464,14 +464,15 @@ FrameDistances scored(FrameDistances distances, const QueryPlan& plan, const Mon
 }
 
 bool needs_maxima(const QueryPlan& plan) {
-  return std::any_of(plan.sequences.begin(), plan.sequences.end(), [](const Target& sequence) {
-    return sequence.threshold && sequence.scale == ThresholdScale::relative;
-  });
+  return std::any_of(plan.sequences.begin(), plan.sequences.end(),
+                     [](const ComparedSequence& sequence) {
+                       return sequence.threshold && sequence.scale == ThresholdScale::relative;
+                     });
 }
 
 void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima) {
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
-    Target& sequence = plan.sequences[s];
+    ComparedSequence& sequence = plan.sequences[s];
     if (!sequence.searched || sequence.windows == 0) continue;
     sequence.max_distance = maxima[s];
     sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);
@@ -480,7 +481,8 @@ void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima) {
 
 RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources) {
   RecognitionScanSettings settings;
-  for (const Target& sequence : plan.sequences) settings.limits.push_back(sequence.distance_limit);
+  for (const ComparedSequence& sequence : plan.sequences)
+    settings.limits.push_back(sequence.distance_limit);
   settings.query_windows = plan.query_windows;
   settings.max_recognitions =
       std::min(resources.memory_limit / kBytesPerRecognition, kMostRecognitions);
@@ -499,7 +501,7 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
   result.settings = plan.settings;
   result.query = plan.query_sequence;
   result.query_windows = plan.query_windows;
-  result.targets = plan.sequences;
+  result.sequences = plan.sequences;
   result.statistics = plan.statistics;
   result.recognitions.reserve(found.recognitions.size());
   for (const Cell& cell : found.recognitions) result.recognitions.push_back(match_of(cell));

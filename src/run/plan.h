@@ -29,7 +29,7 @@ struct QueryPlan {
   DescribedFrames query;
   size_t query_windows = 0;
   std::vector<DescribedFrames> train;          ///< all sequences, also those that are not searched
-  std::vector<Target> sequences;               ///< the same, with thresholds and margins
+  std::vector<ComparedSequence> sequences;     ///< the same, with thresholds and margins
   MatchSettings match;                         ///< the window stage
   bool is_approximate = false;                 ///< windows are searched by LSH (lsh.h)
   std::shared_ptr<const ScoreBasis> basis;     ///< z-scores from training statistics; or null

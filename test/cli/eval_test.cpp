@@ -410,7 +410,7 @@ TEST_CASE("a resampled query is compared with the query over its own frames") {
   const Json found = printed_json("vpr-eval", {"compare", plain, slow, "--json"});
   CHECK(found["ground_truths"] == "same");
   CHECK(found["reports"][1]["paired"] == false);
-  CHECK(found["reports"][1]["walk"] == "speed 0.5, seed 1");
+  CHECK(found["reports"][1]["selection"] == "speed 0.5, seed 1");
   CHECK(found["reports"][1]["queries"] == 2 * found["reports"][0]["queries"].get<int>());
   CHECK(found["paired"].empty());
   // Every frame is shown twice: the shares are equal.

@@ -121,8 +121,8 @@ TEST_CASE(
       {0, 0, 0, 1}, {0, 2, 0, 1}, {1, 0, 1, 1}, {1, 2, 30, 1}, {9, 0, 9, 1}};
   const Clusters clusters = cluster_by_sequence(recognitions, 3, {});
   REQUIRE(clusters.all.size() == 4);
-  CHECK((clusters.all[0].target == 0 && clusters.all[0].recognitions == 2));
-  CHECK((clusters.all[2].target == 2 && clusters.all[3].train_window == 30));
+  CHECK((clusters.all[0].sequence == 0 && clusters.all[0].recognitions == 2));
+  CHECK((clusters.all[2].sequence == 2 && clusters.all[3].train_window == 30));
   CHECK(clusters.of_recognition == std::vector<uint32_t>{0, 2, 0, 3, 1});
   CHECK(cluster_by_sequence({}, 3, {}).all.empty());
 }

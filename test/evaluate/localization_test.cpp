@@ -82,7 +82,7 @@ TEST_CASE("the closest recognition of a window is its fix, at the anchor") {
   result.settings = settings;
   result.query.frames = 6;
   result.query_windows = 4;
-  result.targets = {{{"ref", 6}, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.sequences = {{{"ref", 6}, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
   result.recognitions = {
       {0, 0, 0, 0, 9}, {0, 0, 3, 0, 8}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 5}, {3, 0, 3, 0, 1}};
   GroundTruth truth;

@@ -19,7 +19,7 @@ Result random_result(RandomEngine& engine) {
   result.settings = settings;
   result.query.frames = 10;
   result.query_windows = 8;
-  result.targets = {{{"ref", 12}, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.sequences = {{{"ref", 12}, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
   for (uint32_t window = 0; window < 8; ++window) {
     const bool found = uniform_below(engine, 5) != 0;
     result.best.push_back(found
@@ -71,8 +71,8 @@ TEST_CASE("a probability is a similarity, and a frame without words is incorrect
   result.settings = FabmapQuerySettings{};
   result.query.frames = result.query_windows = 3;
   result.places = ResultPlaces{{"a", "b"}, 2, 0, {}};
-  result.targets.resize(1);
-  result.targets[0].sequence.frames = 2;
+  result.sequences.resize(1);
+  result.sequences[0].sequence.frames = 2;
   result.best = {Match{0, 0, 0, 0, 0.4}, std::nullopt, Match{2, 0, 1, 1, 0.9}};
   GroundTruth truth;
   truth.pairs = {
@@ -95,11 +95,11 @@ TEST_CASE("matches can be accepted by margin, and those without one never are") 
   result.settings = settings;
   result.query.frames = 5;
   result.query_windows = 4;
-  result.targets = {{{"ref", 9}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.sequences = {{{"ref", 9}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
   result.best = {Match{0, 0, 0, 0, 40}, Match{1, 0, 1, 0, 10}, Match{2, 0, 7, 0, 5},
                  Match{3, 0, 3, 0, 50}};
   result.margins = {30, 20, 4, std::nullopt};  // sums over two frames
-  result.targets[0].margin = 12;
+  result.sequences[0].margin = 12;
   GroundTruth truth;
   for (uint32_t frame = 0; frame < 5; ++frame)
     truth.pairs.push_back({{0, frame, PlaceLabel::same}});
@@ -157,7 +157,7 @@ Result example() {
   result.settings = settings;
   result.query.frames = 10;
   result.query_windows = 8;
-  result.targets = {{{"ref", 10}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.sequences = {{{"ref", 10}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
   result.best.resize(8);
   return result;
 }
@@ -245,7 +245,7 @@ TEST_CASE("a window without a match of an approximate method is incorrect") {
 
 TEST_CASE("a place before the first training anchor cannot be found, and is counted separately") {
   Result result = example();
-  result.targets.push_back({{"short", 2}, 0, true, 0.5, ThresholdScale::relative, 10, 100});
+  result.sequences.push_back({{"short", 2}, 0, true, 0.5, ThresholdScale::relative, 10, 100});
   GroundTruth truth;
   truth.pairs.resize(10);
   // No window ends before frame 2, and none in the short sequence.

@@ -29,7 +29,7 @@ void seal(std::vector<fuzz::Part>& parts) {
 
 void report(const Result& result) {
   size_t frames = result.query.frames;
-  for (const auto& sequence : result.targets) frames += sequence.sequence.frames;
+  for (const auto& sequence : result.sequences) frames += sequence.sequence.frames;
   if (frames > kMaxFrames) return;
   const EvaluationSettings by{GroundTruthArgument{"aligned", {}, 1}, {}, {}};
   report_json(report_of(evaluate_result(result, {}, by, {}), {}));

@@ -16,7 +16,7 @@ TEST_CASE("a modified result of places is refused") {
   const test::TemporaryFolder folder;
   for (const auto& change : std::vector<void (*)(Result&)>{
            [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
-           [](Result& r) { r.targets.push_back(r.targets[0]); },
+           [](Result& r) { r.sequences.push_back(r.sequences[0]); },
            [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
            [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.recognitions[1].train = 2; },
            [](Result& r) { r.recognitions[1] = r.recognitions[0]; },

@@ -26,8 +26,8 @@ TEST_CASE("a result can be read back after writing") {
   CHECK(result.best == expected.best);
   CHECK(result.clusters->all == expected.clusters->all);
   CHECK(result.query.unreadable == expected.query.unreadable);
-  CHECK(result.targets[0].max_distance == 30);
-  CHECK_FALSE(result.targets[1].searched);
+  CHECK(result.sequences[0].max_distance == 30);
+  CHECK_FALSE(result.sequences[1].searched);
   CHECK(test::list_folder(folder.path()) ==
         std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.json",
                                  "r.recognition_scores.npy", "r.recognitions.npy"});
@@ -60,7 +60,7 @@ TEST_CASE("margins are written next to the best matches, and missing ones are Na
   Result result = example_result();
   CHECK(read_result(write_example(folder)).result.margins.empty());
   result.margins = {3, 0, std::nullopt, std::nullopt};
-  result.targets[0].margin = 1.5;
+  result.sequences[0].margin = 1.5;
   write(folder / "r.json", result, Existing::replace);
   const NpyArray file(folder / "r.margins.npy");
   const auto values = file.values<double>(1);
@@ -69,7 +69,7 @@ TEST_CASE("margins are written next to the best matches, and missing ones are Na
   CHECK(std::isnan(values[3]));
   const Result read = read_result(folder / "r.json").result;
   CHECK(read.margins == result.margins);
-  CHECK(read.targets[0].margin == 1.5);
+  CHECK(read.sequences[0].margin == 1.5);
   for (const std::vector<std::optional<double>>& wrong :
        std::vector<std::vector<std::optional<double>>>{
            {3, 0, {}}, {-1, 0, {}, {}}, {0.5, 0, {}, {}}, {1e10, 0, {}, {}}, {3, 0, {}, 1}}) {
@@ -108,7 +108,7 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   settings.score = Score::zscore;
   settings.distance_threshold = -1.5;
   settings.threshold_scale = ThresholdScale::mean_z;
-  scored.targets[0] = {{"a", 6}, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
+  scored.sequences[0] = {{"a", 6}, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
   scored.recognitions = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
   scored.best = {scored.recognitions[0], scored.recognitions[1], Match{2, 0, 0, 0, 17},
                  std::nullopt};
@@ -133,7 +133,7 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   CHECK(result.recognitions == scored.recognitions);
   CHECK(result.best == scored.best);
   CHECK(result.clusters->all == scored.clusters->all);
-  CHECK(result.targets[0].distance_limit == scored.targets[0].distance_limit);
+  CHECK(result.sequences[0].distance_limit == scored.sequences[0].distance_limit);
 }
 
 TEST_CASE("settings of raw distances omit those of z-scores") {

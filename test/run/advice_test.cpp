@@ -24,7 +24,7 @@ Result planned_result(std::optional<double> threshold) {
   settings.distance_threshold = threshold;
   result.settings = settings;
   result.query_windows = 20;
-  Target& sequence = result.targets.emplace_back();
+  ComparedSequence& sequence = result.sequences.emplace_back();
   sequence.sequence.name = "walk";
   sequence.windows = 10;
   sequence.threshold = threshold;

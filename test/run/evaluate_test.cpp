@@ -19,9 +19,9 @@ Result example() {
   result.settings = settings;
   result.query.name = "walk";
   result.query.frames = result.query_windows = 4;
-  Target& target = result.targets.emplace_back();
-  target.sequence = {"ref", 4};
-  target.windows = 4;
+  ComparedSequence& compared = result.sequences.emplace_back();
+  compared.sequence = {"ref", 4};
+  compared.windows = 4;
   result.recognitions = {{0, 0, 0, 0, 5}, {1, 0, 1, 0, 6}, {2, 0, 0, 0, 7}};
   for (const Match& recognition : result.recognitions) result.best.emplace_back(recognition);
   result.best.emplace_back();

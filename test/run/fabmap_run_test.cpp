@@ -91,8 +91,8 @@ TEST_CASE("a FAB-MAP result holds places, best views and the probability of a ne
   CHECK(result.places->names == std::vector<std::string>{"lift", "walk#0"});
   CHECK(result.places->views == 3);
   CHECK(result.places->featureless == 1);
-  REQUIRE(result.targets.size() == 1);
-  CHECK(result.targets[0].sequence.frames == 2);
+  REQUIRE(result.sequences.size() == 1);
+  CHECK(result.sequences[0].sequence.frames == 2);
   REQUIRE(result.best.size() == 7);
   REQUIRE(result.best[0]);
   CHECK(result.best[0]->train == 0);

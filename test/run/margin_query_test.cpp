@@ -58,7 +58,7 @@ std::optional<double> slow_margin(const Walks& walks, size_t window, size_t leng
   std::optional<double> runner_up;
   for (const Match& match : row) {
     const size_t apart = std::max(match.train, best->train) - std::min(match.train, best->train);
-    if (match.target == best->target && apart <= width) continue;
+    if (match.sequence == best->sequence && apart <= width) continue;
     if (!runner_up || match.score < *runner_up) runner_up = match.score;
   }
   return runner_up ? std::optional(*runner_up - best->score) : std::nullopt;
@@ -94,7 +94,7 @@ TEST_CASE("by margin, only a place that is seen again is recognized") {
     const Result result = query_by(database, make_query(walks.query), by_margin(10, margin));
     CHECK(result.recognitions.size() >= 20);
     for (const Match& recognition : result.recognitions) {
-      CHECK(recognition.target == 0);
+      CHECK(recognition.sequence == 0);
       CHECK(std::abs(int(recognition.train) - int(recognition.query) - 5) <= 1);
     }
     REQUIRE(result.clusters->all.size() == 1);
@@ -136,7 +136,7 @@ TEST_CASE("stored exclusion radii and overlaps have the results of computed ones
   const Result derived = query_by(old, query, settings);
   CHECK(result.recognitions == derived.recognitions);
   CHECK(result.margins == derived.margins);
-  CHECK(result.targets[1].margin == derived.targets[1].margin);
+  CHECK(result.sequences[1].margin == derived.sequences[1].margin);
   // The query uses the stored value.
   database.overlapping_sequences->clear();
   CHECK(query_by(database, query, settings).recognitions.empty());

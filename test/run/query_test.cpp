@@ -55,7 +55,7 @@ std::vector<Match> slow_recognitions(const std::vector<std::vector<LdbCode>>& tr
             {uint32_t(x / cols), uint32_t(s), uint32_t(x % cols), 0, double(distances[x])});
   }
   std::sort(recognitions.begin(), recognitions.end(), [](const Match& a, const Match& b) {
-    return std::tie(a.query, a.target, a.train) < std::tie(b.query, b.target, b.train);
+    return std::tie(a.query, a.sequence, a.train) < std::tie(b.query, b.sequence, b.train);
   });
   return recognitions;
 }
@@ -90,9 +90,9 @@ TEST_CASE("automatic thresholds recognize a revisit and nothing between the trai
   SequenceQuerySettings settings;
   settings.window_length = 10;
   const Result result = query_all(database, make_query(query), settings).result;
-  CHECK(result.targets[0].scale == ThresholdScale::bits);
+  CHECK(result.sequences[0].scale == ThresholdScale::bits);
   REQUIRE_FALSE(result.clusters->all.empty());
-  for (const Cluster& cluster : result.clusters->all) CHECK(cluster.target == 1);
+  for (const Cluster& cluster : result.clusters->all) CHECK(cluster.sequence == 1);
   // The threshold is strict: the closest windows of the training sequences are not recognitions.
   const DescriptorSet first = make_query(train[0]);
   settings.only_sequences = {"b"};
@@ -111,9 +111,9 @@ TEST_CASE("a missing window length is computed") {
   CHECK(warnings.empty());
   const SequenceDatabase other =
       make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 7);
-  CHECK(
-      query_all(other, make_query(test::walk_codes(30, 3)), settings).result.targets[1].threshold ==
-      computed.result.targets[1].threshold);
+  CHECK(query_all(other, make_query(test::walk_codes(30, 3)), settings)
+            .result.sequences[1]
+            .threshold == computed.result.sequences[1].threshold);
 }
 
 TEST_CASE("training sequences that look different do not make every match a recognition") {
@@ -134,7 +134,7 @@ TEST_CASE("training sequences that look different do not make every match a reco
   const Result result = query_all(database, make_query(walks[0]), settings).result;
   CHECK(result.recognitions.size() ==
         36);  // each window matches itself; with the closest windows all 1296
-  CHECK(*result.targets[0].threshold < 180);
+  CHECK(*result.sequences[0].threshold < 180);
 }
 
 TEST_CASE("the automatic threshold needs two training sequences, and raw distances") {
@@ -203,8 +203,8 @@ TEST_CASE("a search can be limited to sequences, which keep their indices in the
   settings.only_sequences = {"b"};
   const Result result = query_all(database, make_query(train[0]), settings).result;
   CHECK_FALSE(result.recognitions.empty());
-  for (const Match& recognition : result.recognitions) CHECK(recognition.target == 1);
-  CHECK_FALSE(result.targets[0].searched);
+  for (const Match& recognition : result.recognitions) CHECK(recognition.sequence == 1);
+  CHECK_FALSE(result.sequences[0].searched);
 }
 
 TEST_CASE("identical training and query windows: the maximum and all quotients are 0") {
@@ -292,7 +292,7 @@ TEST_CASE(
   CHECK(std::includes(
       exact.recognitions.begin(), exact.recognitions.end(), some.recognitions.begin(),
       some.recognitions.end(), [](const Match& a, const Match& b) {
-        return std::tie(a.query, a.target, a.train) < std::tie(b.query, b.target, b.train);
+        return std::tie(a.query, a.sequence, a.train) < std::tie(b.query, b.sequence, b.train);
       }));
   CHECK(some.recognitions.size() >= 50);
   CHECK(some.margins.empty());

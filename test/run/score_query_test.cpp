@@ -52,9 +52,9 @@ TEST_CASE("z-scores recognize a revisit, with the same result for every method")
   settings.distance_threshold = -4;
   const Result result = query_all(database, make_query(query), settings).result;
   REQUIRE_FALSE(result.recognitions.empty());
-  CHECK(result.targets[0].scale == ThresholdScale::mean_z);
+  CHECK(result.sequences[0].scale == ThresholdScale::mean_z);
   for (const Match& recognition : result.recognitions) {
-    CHECK(recognition.target == 0);
+    CHECK(recognition.sequence == 0);
     CHECK(result.score().frame_value(recognition.score, 5) < -4);
   }
   CHECK(result.best[18]->train == 13);
@@ -93,7 +93,7 @@ TEST_CASE("rows are centered over all training frames, also in a limited search"
   const Result one = query_all(database, query, settings).result;
   std::vector<Match> expected;
   for (const Match& recognition : all.recognitions)
-    if (recognition.target == 1) expected.push_back(recognition);
+    if (recognition.sequence == 1) expected.push_back(recognition);
   CHECK(expected.size() > 46 * 9);
   CHECK(one.recognitions == expected);
 }
@@ -110,7 +110,7 @@ TEST_CASE("a wrong score is detected, and a correct one is accepted") {
     const QueryRun run = query_all(database, query, settings, 100'000);
     CHECK(run.verified_cells == 2 * 27 * 37);  // all of them
     const auto cell_of = [&](const Match& recognition) {
-      return Cell{recognition.query, recognition.target, recognition.train,
+      return Cell{recognition.query, recognition.sequence, recognition.train,
                   uint32_t(recognition.score + double(score_offset(4)))};
     };
     const Cell right = cell_of(run.result.recognitions[300]);

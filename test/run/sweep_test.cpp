@@ -145,7 +145,7 @@ TEST_CASE("intervals of constant counts are the counts") {
   result.settings = settings;
   result.query.frames = 12;
   result.query_windows = 10;
-  result.targets = {{{"ref", 30}, 28, true, {}, ThresholdScale::bits, 0, {}}};
+  result.sequences = {{{"ref", 30}, 28, true, {}, ThresholdScale::bits, 0, {}}};
   GroundTruth truth;
   truth.pairs.resize(12);
   for (uint32_t frame = 0; frame < 12; ++frame)
