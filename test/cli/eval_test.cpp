@@ -373,7 +373,7 @@ TEST_CASE("the table of a paper has a row for each method, with the best values 
   CHECK(has(table("markdown"), "| theirs | 0.4000 |"));
   const std::string csv = table("csv");
   CHECK(csv.starts_with(
-      "query,report,walk,ground_truths,metric,value,difference,low,high,verdict\n"));
+      "query,report,selection,ground_truths,metric,value,difference,low,high,verdict\n"));
   CHECK(has(csv, "queries,theirs,,same,recall_at_1,0.4,-0.4,"));
   CHECK(has(csv, "queries,theirs,,same,longest_gap_frames,6,"));
   CHECK(run_program("vpr-eval", {"compare", good, bad, "--name", "one"}).exit_code == 2);
