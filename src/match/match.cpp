@@ -41,8 +41,8 @@ void window_sums(const FrameDistances& distances, const RowKernels& kernels, siz
 }
 
 // OpenABLE: every cell costs window_length frame distances. Threads share a row.
-WindowStage openable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                           const MatchSettings& settings) {
+WindowStage openable_stage([[maybe_unused]] const FrameDistances& distances,
+                           std::span<const size_t> window_lengths, const MatchSettings& settings) {
   assert(!distances.is_in_order());
   return [lengths = std::vector(window_lengths.begin(), window_lengths.end()), settings](
              const FrameDistances& rows, const QueryFrame& frame, const StageConsumer& consume) {

@@ -177,8 +177,8 @@ FrameDistances past_zscores(FrameDistances distances, const ZScoreSettings& sett
   scores.row_total = nullptr;
   scores.of_query = nullptr;
   scores.start_row = [state](size_t query) { begin_row(*state, query); };
-  scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
-                        size_t) {
+  scores.tile = [state]([[maybe_unused]] std::span<const uint32_t> queries, size_t first,
+                        size_t last, uint16_t* out, size_t) {
     assert(queries.size() == 1 && queries.front() == state->frame);
     std::copy(state->scores.data() + first, state->scores.data() + last, out);
   };

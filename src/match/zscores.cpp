@@ -274,8 +274,8 @@ FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
   scores.scale = [state](size_t frame) { return scale_of(*state, frame); };
   scores.learned_scale = [state](size_t frame) { return learned_scale(*state, frame); };
   scores.start_row = [state](size_t query) { begin_frame(*state, query); };
-  scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
-                        size_t) {
+  scores.tile = [state]([[maybe_unused]] std::span<const uint32_t> queries, size_t first,
+                        size_t last, uint16_t* out, size_t) {
     assert(queries.size() == 1 && queries.front() == state->frame);
     score_frames(*state, first, last, out);
   };
