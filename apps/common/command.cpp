@@ -254,7 +254,7 @@ void Program::set_run(std::function<void(Session&)> run) {
 
 void Program::add_common_flags(const Command& command) {
   const auto group = [](Flag flag) { flag.group(kCommonGroup); };
-  group(command.add_option("-o,--output", common_.output, "output file or folder"));
+  command.add_option("-o,--output", common_.output, "output file or folder");
   group(add_setting(command, "--threads", common_.threads,
                     fmt::format("number of threads; 0: all cores (default: {})", common_.threads)));
   group(add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)"));

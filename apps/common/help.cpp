@@ -38,13 +38,13 @@ std::string for_each_line(const std::string& text, Work&& work) {
   return result;
 }
 
-std::string wrapped(const std::string& text, size_t indent) {
+std::string wrapped(const std::string& text, size_t width, size_t indent) {
   return for_each_line(
-      text, [&](const std::string& line) { return wrapped_line(line, kHelpWidth, indent, ""); });
+      text, [&](const std::string& line) { return wrapped_line(line, width, indent, ""); });
 }
 
 // A name and its help, on one line if the name is short.
-std::string entry(const std::string& name, const std::string& help) {
+std::string entry(const std::string& name, const std::string& help, size_t width = kHelpWidth) {
   std::string head = "  " + name;
   std::string text;
   if (head.size() + 2 > kHelpColumn) {
@@ -52,7 +52,12 @@ std::string entry(const std::string& name, const std::string& help) {
     head.clear();
   }
   head.resize(kHelpColumn, ' ');
-  return text + wrapped(head + help, kHelpColumn) + "\n";
+  return text + wrapped(head + help, width, kHelpColumn) + "\n";
+}
+
+std::string flag_title(const FlagEntry& flag) {
+  return fmt::format("{}{}{}", fmt::join(flag.names, ","), flag.value.empty() ? "" : " ",
+                     flag.value);
 }
 
 std::string flags_text(const CommandEntry& command) {
@@ -61,9 +66,7 @@ std::string flags_text(const CommandEntry& command) {
   for (const FlagEntry& flag : command.flags) {
     if (flag.group != group) text += fmt::format("\n{}:\n", flag.group);
     group = flag.group;
-    text += entry(fmt::format("{}{}{}", fmt::join(flag.names, ","), flag.value.empty() ? "" : " ",
-                              flag.value),
-                  flag.help + (flag.is_required ? " (required)" : ""));
+    text += entry(flag_title(flag), flag.help + (flag.is_required ? " (required)" : ""));
   }
   return text;
 }
@@ -82,7 +85,7 @@ std::string usage_text(const CommandEntry& command, const std::string& path) {
 }
 
 // A broken command of an example ends with a backslash. Other lines keep their columns.
-std::string section_text(const Section& section) {
+std::string section_text(const Section& section, size_t width = kHelpWidth) {
   const bool is_example = section.title == kExampleSection;
   return fmt::format("\n{}:\n", section.title) +
          for_each_line(section.text,
@@ -90,7 +93,7 @@ std::string section_text(const Section& section) {
                          const size_t column = line.find_first_not_of(' ', line.find("  ", 2));
                          const size_t indent =
                              is_example || column == std::string::npos ? 6 : column;
-                         return wrapped_line(line, kHelpWidth, indent, is_example ? " \\" : "");
+                         return wrapped_line(line, width, indent, is_example ? " \\" : "");
                        }) +
          "\n";
 }
@@ -231,7 +234,7 @@ std::string manual_page(const CommandEntry& program, const std::string& version)
 }  // namespace
 
 std::string help_text(const CommandEntry& command, const std::string& path) {
-  std::string text = wrapped(command.description, 0) + "\n" + usage_text(command, path);
+  std::string text = wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path);
   if (!command.arguments.empty()) text += "\nArguments:\n";
   for (const ArgumentEntry& argument : command.arguments)
     text += entry(argument.name, argument.help);
@@ -240,6 +243,26 @@ std::string help_text(const CommandEntry& command, const std::string& path) {
   text += flags_text(command);
   for (const Section& section : command.sections) text += section_text(section);
   return text;
+}
+
+std::string short_help_text(const CommandEntry& command, const std::string& path) {
+  const auto short_entry = [](const std::string& name, const std::string& help) {
+    return entry(name, help.substr(0, help.find(';')), kShortHelpWidth);
+  };
+  std::string text =
+      wrapped(command.description, kShortHelpWidth, 0) + "\n" + usage_text(command, path) + "\n";
+  for (const ArgumentEntry& argument : command.arguments)
+    text += short_entry(argument.name, argument.help);
+  for (const FlagEntry& flag : command.flags)
+    if (flag.group == kEssentialGroup) text += short_entry(flag_title(flag), flag.help);
+  if (!command.commands.empty()) text += "\nCommands:\n";
+  for (const CommandEntry& inner : command.commands)
+    text += short_entry(inner.name, inner.description.substr(0, inner.description.find('.')));
+  for (const Section& section : command.sections)
+    if (section.title == kExampleSection)
+      text += section_text({section.title, section.text.substr(0, section.text.find("\n  "))},
+                           kShortHelpWidth);
+  return text + fmt::format("\nAll options: {} --help\n", path);
 }
 
 std::string completion_text(const CommandEntry& program, const std::string& kind,

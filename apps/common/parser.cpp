@@ -40,7 +40,8 @@ FlagEntry describe_flag(const CLI::Option& option) {
   return flag;
 }
 
-// Sorts by group, in the order of their first flags; the common group is last.
+// Sorts by group, in the order of their first flags; the common group is last. Required flags are
+// first in their group, and the output is last.
 void sort_flags(std::vector<FlagEntry>& flags) {
   std::vector<std::string> groups;
   for (const FlagEntry& flag : flags)
@@ -48,7 +49,7 @@ void sort_flags(std::vector<FlagEntry>& flags) {
       groups.push_back(flag.group);
   const auto rank = [&](const FlagEntry& flag) {
     const auto group = std::find(groups.begin(), groups.end(), flag.group) - groups.begin();
-    return std::pair(group, !flag.is_required);
+    return std::tuple(group, !flag.is_required, flag.names.front() == "-o");
   };
   std::stable_sort(flags.begin(), flags.end(),
                    [&](const FlagEntry& a, const FlagEntry& b) { return rank(a) < rank(b); });
@@ -76,19 +77,22 @@ CommandEntry describe_commands(const CLI::App& app) {
 
 class HelpFormatter : public CLI::FormatterBase {
  public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
     const CLI::App* parent = app->get_parent();
-    return help_text(describe_commands(*app),
-                     parent == nullptr || name.starts_with(parent->get_name() + " ")
-                         ? name
-                         : parent->get_name() + " " + app->get_name());
+    if (parent != nullptr && !name.starts_with(parent->get_name() + " "))
+      name = parent->get_name() + " " + app->get_name();
+    const CommandEntry command = describe_commands(*app);
+    return mode == CLI::AppFormatMode::All ? help_text(command, name)
+                                           : short_help_text(command, name);
   }
 };
 
 void group_own_flags(CLI::App& app, const std::string& version) {
   app.set_version_flag("--version", version, "print the version and exit");
   app.get_version_ptr()->group(kCommonGroup);
-  app.get_help_ptr()->group(kCommonGroup)->description("print this help and exit");
+  app.set_help_flag("-h", "print the essential options and exit")->group(kCommonGroup);
+  app.set_help_all_flag("--help", "print all options and exit")->group(kCommonGroup);
 }
 
 void add_given(const CLI::App& app, std::vector<GivenFlag>& given) {
@@ -229,7 +233,7 @@ bool Parser::parse(int argc, char** argv) {
     app_->parse(argc, argv);
     return true;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app_->exit(error), false;  // --help, --version
+    if (error.get_exit_code() == 0) return app_->exit(error), false;  // -h, --help, --version
     if (const auto unknown = unknown_word(describe(), {argv + 1, argv + argc}))
       throw Error(ErrorKind::usage, *unknown);
     const std::vector<std::string> extra = app_->remaining(true);

@@ -18,6 +18,8 @@ class Option;
 
 namespace vpr {
 
+/// The group of flags without another group. -h lists only these; --help lists all flags.
+inline constexpr const char* kEssentialGroup = "Options";
 /// The last group of flags in the help, and the sections with a place of their own in manual pages.
 inline constexpr const char* kCommonGroup = "Common options";
 inline constexpr const char* kExampleSection = "Example";
@@ -126,12 +128,12 @@ class Parser {
 
   /// The program itself.
   Command root() const;
-  /// A command with --help and --version. Calls `chosen` if the command line names it.
+  /// A command with -h, --help and --version. Calls `chosen` if the command line names it.
   Command add_command(const std::string& name, const std::string& description,
                       std::function<void()> chosen);
   void require_command(bool required);
 
-  /// Returns false after --help or --version, whose text is printed. Throws Error(usage), and
+  /// Returns false after -h, --help or --version, whose text is printed. Throws Error(usage), and
   /// errors from reading values.
   bool parse(int argc, char** argv);
   /// Flags and arguments on the command line: those of the program, then those of its command.
@@ -167,6 +169,11 @@ inline constexpr size_t kHelpColumn = 30;
 /// The help of a command. `path`: the program and the command, as in "vpr-eval compare". Breaks
 /// long lines between words; an example continues after a backslash, so it can be copied.
 std::string help_text(const CommandEntry& command, const std::string& path);
+
+/// The help on one screen of kShortHelpWidth columns: commands, essential flags with their help up
+/// to the first semicolon, and the first example.
+std::string short_help_text(const CommandEntry& command, const std::string& path);
+inline constexpr size_t kShortHelpWidth = 80;
 
 /// A completion script for `kind` "bash", or a manual page in troff (section 1) for "man". Throws
 /// Error(usage) for another kind.

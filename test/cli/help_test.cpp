@@ -66,6 +66,28 @@ TEST_CASE("every command has a version, and help of 100 columns with common opti
   }
 }
 
+TEST_CASE("-h of every command fits 25 lines of 80 columns and ends with an example") {
+  for (const Words& words : kCommands) {
+    const auto run = ok(run_command(words, "-h"));
+    INFO(run.out);
+    const std::vector<std::string> lines = lines_of(run.out);
+    CHECK(lines.size() <= 25);
+    for (const std::string& line : lines) CHECK(line.size() <= kShortHelpWidth);
+    CHECK(has(run.out, "\nExample:\n  " + words.front()));
+    CHECK(lines.back().ends_with(" --help"));
+  }
+}
+
+TEST_CASE("no help string begins with a preposition") {
+  for (const Words& words : kCommands) {
+    const std::string help = run_command(words, "--help").out;
+    for (const std::string word : {"with", "for", "by", "of", "in", "on", "from", "to", "at"}) {
+      INFO(words.front() << " " << words.back() << ": " << word);
+      CHECK_FALSE(has(help, "  " + word + " "));
+    }
+  }
+}
+
 TEST_CASE("a mistyped flag or command is reported with the nearest one") {
   const auto said = [](const std::string& program, const Words& words) {
     const auto run = run_program(program, words);
