@@ -1,0 +1,126 @@
+#include "present/result_text.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.h"
+#include "match/match.h"
+
+namespace vpr {
+namespace {
+
+// "0.725", or "0.61 to 0.64 (automatic)" over the searched sequences.
+template <auto kMember>
+std::string limit_text(const Result& result, bool is_automatic) {
+  std::vector<double> limits;
+  for (const ComparedSequence& compared : result.sequences)
+    if (compared.searched && compared.*kMember) limits.push_back(*(compared.*kMember));
+  if (limits.empty()) return "none";
+  const auto [low, high] = std::ranges::minmax(limits);
+  std::string text = fmt::format("{:.3g}", low);
+  if (fmt::format("{:.3g}", high) != text) text += fmt::format(" to {:.3g}", high);
+  return is_automatic ? text + " (automatic)" : text;
+}
+
+std::string threshold_text(const Result& result, const SequenceQuerySettings& settings) {
+  const auto searched = std::ranges::find_if(
+      result.sequences, [](const ComparedSequence& one) { return one.searched && one.threshold; });
+  if (searched == result.sequences.end()) return "best matches only";
+  const std::string limit =
+      limit_text<&ComparedSequence::threshold>(result, !settings.distance_threshold);
+  return fmt::format("t_r {} {}", limit, enum_name(searched->scale));
+}
+
+std::string settings_text(const Result& result, const SequenceQuerySettings& settings) {
+  std::string text = settings.method;
+  if (!has_paths(settings.method)) {
+    text += fmt::format(", c_l {}, {}", settings.window_length, enum_name(settings.score));
+    if (!settings.rates.empty()) text += fmt::format(", rates {}", fmt::join(settings.rates, ","));
+  }
+  if (settings.fusion_weight) text += fmt::format(", fused with {:g}", *settings.fusion_weight);
+  const bool has_margin = settings.decision == Decision::margin;
+  return text + ", " +
+         (has_margin ? "margin " + limit_text<&ComparedSequence::margin>(result, !settings.margin)
+                     : threshold_text(result, settings));
+}
+
+std::string settings_text(const Result&, const FabmapQuerySettings& settings) {
+  return fmt::format("{}, t_p {:g}, c_w {}", settings.variant, settings.place_threshold,
+                     settings.window);
+}
+
+std::vector<RecognizedRange> cluster_ranges(const Result& result) {
+  std::vector<RecognizedRange> ranges;
+  const size_t length = result.window_length();
+  for (const Cluster& cluster : result.clusters->all) {
+    RecognizedRange& range = ranges.emplace_back();
+    range.query_first = anchor_of(cluster.query_first, length);
+    range.query_last = anchor_of(cluster.query_last, length);
+    range.train = fmt::format(
+        "{} {}", result.sequences[cluster.sequence].sequence.name,
+        frames_text(anchor_of(cluster.train_first, length), anchor_of(cluster.train_last, length)));
+    if (const auto rate = mean_rate(cluster)) range.score = fmt::format("{:.1f}x", *rate);
+    range.recognitions = cluster.recognitions;
+  }
+  return ranges;
+}
+
+std::vector<RecognizedRange> place_ranges(const Result& result) {
+  const ResultPlaces& places = *result.places;
+  const bool is_frame_a_place = places.names.size() == places.views;
+  std::vector<RecognizedRange> ranges;
+  for (const PlaceRun& run : is_frame_a_place ? place_runs(result.recognitions, 2, 2)
+                                              : place_runs(result.recognitions, 1, 0)) {
+    std::string train = places.names[run.first_place];
+    if (run.last_place != run.first_place) train += " to " + places.names[run.last_place];
+    ranges.push_back({run.first_frame, run.last_frame, std::move(train),
+                      fmt::format("p {:.3f}", run.probability), run.recognitions});
+  }
+  return ranges;
+}
+
+}  // namespace
+
+std::string settings_text(const Result& result) {
+  return std::visit([&](const auto& settings) { return settings_text(result, settings); },
+                    result.settings);
+}
+
+std::vector<RecognizedRange> recognized_ranges(const Result& result) {
+  std::vector<RecognizedRange> ranges =
+      result.places ? place_ranges(result) : cluster_ranges(result);
+  std::ranges::stable_sort(ranges, {}, &RecognizedRange::query_first);
+  return ranges;
+}
+
+std::string range_text(const Result& result, const RecognizedRange& range) {
+  std::string text = fmt::format("{} {} = {}", result.query.name,
+                                 frames_text(range.query_first, range.query_last), range.train);
+  return range.score.empty() ? text : text + ", " + range.score;
+}
+
+std::string ranges_text(const Result& result, size_t most) {
+  std::vector<RecognizedRange> ranges = recognized_ranges(result);
+  const size_t all = ranges.size();
+  const auto length = [](const RecognizedRange& range) {
+    return range.query_last - range.query_first;
+  };
+  if (all > most) {
+    std::ranges::stable_sort(ranges, std::ranges::greater{}, length);
+    ranges.resize(most);
+    std::ranges::stable_sort(ranges, {}, &RecognizedRange::query_first);
+  }
+  std::string text;
+  for (const RecognizedRange& range : ranges) text += "  " + range_text(result, range) + "\n";
+  if (all > most)
+    text += fmt::format("  and {} (-v lists all)\n", counted(all - most, "shorter range"));
+  return text;
+}
+
+std::string frames_text(size_t first, size_t last) {
+  return first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
+}
+
+}  // namespace vpr

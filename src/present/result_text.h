@@ -1,0 +1,37 @@
+// Lines about a result for a terminal: its settings, and the recognized ranges of its path.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "decide/result.h"
+
+namespace vpr {
+
+/// The settings in force on one line: "fastable, c_l 40, raw distances, t_r 0.725 (relative)". The
+/// thresholds and margins of automatic settings are those of the result.
+std::string settings_text(const Result& result);
+
+/// A stretch of the query that is recognized along one stretch of a training sequence.
+struct RecognizedRange {
+  size_t query_first = 0;  ///< frame; the anchor of the first recognized window
+  size_t query_last = 0;
+  std::string train;        ///< sequence and frames, "monday 66-139", or a place
+  std::string score;        ///< speed, "1.0x", or the probability of a place
+  size_t recognitions = 0;  ///< window pairs, or frames of places
+};
+
+/// The clusters of a result, or the runs of its places, by first query frame.
+std::vector<RecognizedRange> recognized_ranges(const Result& result);
+
+/// "tuesday 64-137 = monday 66-139, 1.0x".
+std::string range_text(const Result& result, const RecognizedRange& range);
+
+/// One indented line per range: the longest `most` in the order of the query, then the number of
+/// the others.
+std::string ranges_text(const Result& result, size_t most);
+
+/// "64-137", or "64" for a single frame.
+std::string frames_text(size_t first, size_t last);
+
+}  // namespace vpr
