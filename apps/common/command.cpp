@@ -226,7 +226,8 @@ Program::Program(const std::string& name, const std::string& description,
                  const std::string& example)
     : name_(name),
       parser_(name, description,
-              fmt::format("{} {} ({})", name, program_version(), program_commit())) {
+              fmt::format("{} {} ({})", name, program_version(), program_commit())),
+      chosen_(parser_.root()) {
   command().add_footer(last_sections(example));
   command()
       .add_option(
@@ -239,7 +240,10 @@ Program::Program(const std::string& name, const std::string& description,
 Command Program::add_command(const std::string& name, const std::string& description,
                              const std::string& example, std::function<void(Session&)> run) {
   const Command command =
-      parser_.add_command(name, description, [this, run = std::move(run)] { run_ = run; });
+      parser_.add_command(name, description, [this, run = std::move(run)](const Command& chosen) {
+        chosen_ = chosen;
+        run_ = run;
+      });
   command.add_footer(last_sections(example));
   add_common_flags(command);
   if (!run_) parser_.require_command(true);
@@ -313,7 +317,7 @@ void Program::run_session(int argc, char** argv) {
   use_simd_target(simd == nullptr ? "" : simd);
   Outputs outputs(common_.force ? Existing::replace : Existing::refuse);
   if (common_.force) Inputs{outputs}.add(parser_.given());  // without it, no file is replaced
-  Session session{common_, monitor, {}, select_kernels(), progress, outputs};
+  Session session{common_, chosen_, monitor, {}, select_kernels(), progress, outputs};
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();
@@ -341,7 +345,7 @@ int Program::main(int argc, char** argv) {
       return 0;
     }
     if (!parser_.parse(argc, argv)) return 0;
-    if (command().is_given("--completion"))
+    if (parser_.root().is_given("--completion"))
       throw Error(ErrorKind::usage,
                   fmt::format("--completion cannot be combined with other arguments; use {} "
                               "--completion bash",

@@ -88,6 +88,7 @@ void visit_fields(NoSettings&, Visitor&&) {}
 /// The environment of a command while it runs.
 struct Session {
   const CommonOptions& options;
+  Command command;  ///< the chosen one, for its flags on the command line
   const Monitor& monitor;
   RunInfo run;
   RowKernels kernels;
@@ -147,6 +148,7 @@ class Program {
   Parser parser_;
   std::string completion_;
   CommonOptions common_;
+  Command chosen_;
   std::function<void(Session&)> run_;
 };
 

@@ -62,20 +62,24 @@ size_t parse_bytes(const std::string& text) {
 }  // namespace
 
 void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
-                    const std::string& note) {
-  command.add_option("--fps", flags.fps,
-                     fmt::format("select frames of {} at this rate, in frames per second; a ground "
-                                 "truth still refers to all frames{}",
-                                 sequences, note));
-  command.add_option("--recorded-fps", flags.recorded_fps,
-                     "frame rate of the recording, unless times, a video or a data set state it");
+                    const std::string& note, const std::string& group) {
+  command
+      .add_option("--fps", flags.fps,
+                  fmt::format("select frames of {} at this rate, in frames per second; a ground "
+                              "truth still refers to all frames{}",
+                              sequences, note))
+      .group(group);
+  command
+      .add_option("--recorded-fps", flags.recorded_fps,
+                  "frame rate of the recording, unless times, a video or a data set state it")
+      .group(group);
 }
 
 Flag add_speed_flag(const Command& command, std::string& speed, const std::string& help) {
   std::vector<std::string> names = names_of(speed_rules());
   names.emplace_back("NUMBER");
   command.add_footer("Speeds:\n" + speed_summaries());
-  return command.add_option("--speed", speed, help).choices("WARP", names);
+  return command.add_option("--speed", speed, help).choices("SPEED", names);
 }
 
 void check_rates(const SelectionFlags& flags) {
@@ -204,20 +208,14 @@ void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& fl
     truth.options.query_times.clear();
 }
 
-void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& help,
-                     const std::string& group) {
-  command.add_option("--scores", flags.path, help).group(group).type_name("FILE");
+void add_score_flags(const Command& command, ScoreFlags& flags) {
   const Flag distance =
-      command.add_flag("--distance", flags.is_distance, "small scores are better").group(group);
+      command.add_flag("--distance", flags.is_distance, "small scores are better");
   command.add_flag("--similarity", flags.is_similarity, "large scores are better")
-      .group(group)
       .excludes(distance);
-  command
-      .add_flag("--train-first", flags.train_first,
-                "rows of the matrix are references, columns are queries")
-      .group(group);
-  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN")
-      .group(group);
+  command.add_flag("--train-first", flags.train_first,
+                   "rows of the matrix are training frames, columns are queries");
+  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN");
 }
 
 void require_order(const ScoreFlags& flags) {
@@ -245,16 +243,20 @@ void add_score_settings(const Command& command, SequenceQuerySettings& settings,
                           "zscore-offline (normalized over the whole query) (default: {})",
                           enum_name(settings.score)))
       .group(group);
+  add_setting(command, "--exclusion-frames", settings.exclusion_frames,
+              "exclusion zone: frames before and after the best match (default: the frames after "
+              "which training sequences show another place)")
+      .group(group);
+}
+
+void add_rate_settings(const Command& command, SequenceQuerySettings& settings,
+                       const std::string& group) {
   command
       .add_list("--rates", settings.rates,
                 "rates of windows in training frames per query frame, as in 1/2,2/3,1,3/2,2; the "
                 "best one counts (default: 1)")
       .comma_separated()
       .type_name("P/Q")
-      .group(group);
-  add_setting(command, "--exclusion-frames", settings.exclusion_frames,
-              "exclusion zone: frames before and after the best match (default: the frames after "
-              "which training sequences show another place)")
       .group(group);
   command
       .add_list("--same-place", settings.same_place,
@@ -264,7 +266,7 @@ void add_score_settings(const Command& command, SequenceQuerySettings& settings,
 }
 
 void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
-                           std::string& fabmap, const std::string& group) {
+                           const std::string& group) {
   add_setting(command, "--decide", settings.decision,
               "threshold accepts every window pair closer than --t-r, margin the best match if it "
               "is --margin better than the runner-up (default: threshold)")
@@ -273,6 +275,10 @@ void add_decision_settings(const Command& command, SequenceQuerySettings& settin
               "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for z-scores "
               "(default: relative or mean-z)")
       .group(group);
+}
+
+void add_fusion_settings(const Command& command, SequenceQuerySettings& settings,
+                         std::string& fabmap, const std::string& group) {
   command
       .add_option("--fuse", fabmap,
                   "FAB-MAP database of the same training sequences, to fuse with z-scores")
@@ -282,9 +288,10 @@ void add_decision_settings(const Command& command, SequenceQuerySettings& settin
       .group(group);
 }
 
-void add_unreadable_flag(const Command& command, bool& skip_unreadable) {
-  command.add_flag("--skip-unreadable", skip_unreadable,
-                   "ignore frames that cannot be decoded; they keep their index and never match");
+Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
+  return command.add_flag(
+      "--skip-unreadable", skip_unreadable,
+      "ignore frames that cannot be decoded; they keep their index and never match");
 }
 
 Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help) {

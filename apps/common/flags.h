@@ -29,7 +29,7 @@ struct SelectionFlags {
 /// --fps and --recorded-fps. `sequences`: a noun for the help; `note`: the end of the help of
 /// --fps.
 void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
-                    const std::string& note = "");
+                    const std::string& note = "", const std::string& group = kEssentialGroup);
 
 /// --speed, and a section of the help with its values.
 Flag add_speed_flag(const Command& command, std::string& speed,
@@ -99,9 +99,8 @@ struct ScoreFlags {
   ScoreFormat format() const { return {is_similarity, train_first, missing}; }
 };
 
-/// `help`: the help of --scores.
-void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& help,
-                     const std::string& group);
+/// The order and layout of a matrix of scores.
+void add_score_flags(const Command& command, ScoreFlags& flags);
 
 /// Throws Error(usage) without --distance and --similarity.
 void require_order(const ScoreFlags& flags);
@@ -112,15 +111,23 @@ void refuse(bool is_given, const std::string& flag, const std::string& why);
 /// As refuse, for the first given flag except --scores.
 void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why);
 
-/// --score, --rates, --exclusion-frames, --same-place.
+/// --score, --exclusion-frames.
 void add_score_settings(const Command& command, SequenceQuerySettings& settings,
-                        const std::string& group = "Options");
+                        const std::string& group);
 
-/// --decide, --t-r-scale, --fuse (with the path `fabmap`), --fusion-weight.
+/// --rates, --same-place.
+void add_rate_settings(const Command& command, SequenceQuerySettings& settings,
+                       const std::string& group);
+
+/// --decide, --t-r-scale.
 void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
-                           std::string& fabmap, const std::string& group = "Options");
+                           const std::string& group);
 
-void add_unreadable_flag(const Command& command, bool& skip_unreadable);
+/// --fuse (with the path `fabmap`), --fusion-weight.
+void add_fusion_settings(const Command& command, SequenceQuerySettings& settings,
+                         std::string& fabmap, const std::string& group);
+
+Flag add_unreadable_flag(const Command& command, bool& skip_unreadable);
 
 /// --max-memory in bytes, or as "512M" or "2G", powers of 1024. The help shows the value of `bytes`
 /// as the default.

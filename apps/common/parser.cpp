@@ -198,7 +198,10 @@ void Command::add_footer(const std::string& text) const {
   app_->footer(text + "\n" + app_->get_footer());
 }
 
-bool Command::is_given(const std::string& flag) const { return app_->count(flag) > 0; }
+bool Command::is_given(const std::string& flag) const {
+  const CLI::Option* option = app_->get_option_no_throw(flag);
+  return option != nullptr && option->count() > 0;
+}
 
 std::vector<std::string> Command::given_flags(const std::string& heading) const {
   std::vector<std::string> names;
@@ -218,11 +221,11 @@ Parser::~Parser() = default;
 Command Parser::root() const { return Command(*app_); }
 
 Command Parser::add_command(const std::string& name, const std::string& description,
-                            std::function<void()> chosen) {
+                            std::function<void(const Command&)> chosen) {
   CLI::App& app = *app_->add_subcommand(name, description);
   app.footer("");  // do not inherit the program's
   group_own_flags(app, version_);
-  app.callback(std::move(chosen));
+  app.callback([&app, chosen = std::move(chosen)] { chosen(Command(app)); });
   return Command(app);
 }
 

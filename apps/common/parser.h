@@ -130,7 +130,7 @@ class Parser {
   Command root() const;
   /// A command with -h, --help and --version. Calls `chosen` if the command line names it.
   Command add_command(const std::string& name, const std::string& description,
-                      std::function<void()> chosen);
+                      std::function<void(const Command&)> chosen);
   void require_command(bool required);
 
   /// Returns false after -h, --help or --version, whose text is printed. Throws Error(usage), and

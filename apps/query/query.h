@@ -1,4 +1,4 @@
-// The command line of vpr-query, and its jobs.
+// The command line of vpr-query, and its commands.
 #pragma once
 
 #include <optional>
@@ -12,21 +12,20 @@
 namespace vpr {
 
 struct QueryOptions {
-  std::string database;  ///< empty: none, with --scores or --loop
+  std::string database;  ///< empty: none, for a matrix or loops
   std::optional<std::string> query;
   std::string query_npy;  ///< descriptors instead of frames
   std::string query_bow;  ///< OpenFABMAP's BOW matrix instead of frames
   std::string dataset;
   SelectionFlags selection;
-  bool follow = false;
+  std::string query_times;  ///< times of the frames, for --fps
   ScoreFlags scores;
-  std::vector<std::string> train_sequences;  ///< of the score matrix: NAME=FIRST:LAST
+  std::string matrix_name;                   ///< name of the query of a matrix
+  std::vector<std::string> train_sequences;  ///< of a matrix: NAME=FIRST:LAST
   std::string loop_times;
   std::string loop_list;  ///< output
-  std::string ground_truth;
-  GroundTruthFlags ground_truth_flags;
-  std::string matrix;  ///< output
-  std::string fuse;    ///< FAB-MAP database of the same training sequences
+  std::string matrix;     ///< output
+  std::string fuse;       ///< FAB-MAP database of the same training sequences
   size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;
   std::string posteriors;  ///< output
@@ -34,29 +33,33 @@ struct QueryOptions {
   std::vector<std::string> train_images;  ///< [GROUP=]SEQUENCE
 };
 
-inline constexpr const char* kSequenceGroup = "FastABLE and OpenABLE";
-inline constexpr const char* kScoreGroup = "Score matrix";
-inline constexpr const char* kFabmapGroup = "FAB-MAP";
-
-/// The database and the query.
-void add_inputs(const Command& app, QueryOptions& options);
-void add_sequence_flags(const Command& app, QueryOptions& options, SequenceQuerySettings& settings);
-void add_loop_flags(const Command& app, QueryOptions& options, SequenceQuerySettings& sequence,
-                    FabmapQuerySettings& fabmap);
-void add_fabmap_flags(const Command& app, QueryOptions& options, FabmapQuerySettings& settings);
-
-struct QuerySource {
-  NamedSequence sequence;
-  std::optional<GroundTruthArgument> ground_truth;
+/// The settings of both families of methods; the family of the database uses its own.
+struct AllSettings {
+  SequenceQuerySettings sequence;
+  FabmapQuerySettings fabmap;
+  std::string method;  ///< empty: the default
 };
 
-/// The query of --query, --query-npy or --dataset, with its rate and selection. A folder or camera
-/// with --follow is not selected, because its frames are unknown. Throws Error(usage) without a
-/// query; also throws as with_rate.
-QuerySource find_query(const QueryOptions& options, const Session& session);
+template <class Visitor>
+void visit_fields(AllSettings& settings, Visitor&& visit) {
+  visit_fields(settings.sequence, visit);
+  visit_fields(settings.fabmap, visit);
+  visit("method", settings.method);
+}
 
-/// Whether a ground truth flag is given, except --query-times if it is for --fps.
-bool has_ground_truth(const QueryOptions& options);
+inline constexpr const char* kWindowGroup = "Windows (FastABLE and OpenABLE) and the filter";
+inline constexpr const char* kFabmapGroup = "FAB-MAP";
+
+/// The flags of each command, without common options.
+void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings);
+void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);
+void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings);
+void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings& settings);
+void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings);
+
+/// The query of --query, --query-npy or --dataset, with its rate and selection. An endless source
+/// is not selected. Throws Error(usage) without a query; also throws as with_rate.
+NamedSequence find_query(const QueryOptions& options, bool is_endless, const Session& session);
 
 QueryResources resources_of(const QueryOptions& options, const Session& session);
 
@@ -72,18 +75,15 @@ Json save_result(const Session& session, const Result& result, const ResultConte
 /// Writes the list of --save-loops, if any.
 void save_loops(const QueryOptions& options, const Result& result, const Session& session);
 
-/// The name of the query and its selection.
-std::string query_title(const Result& result);
+/// What a query recognizes, on a few lines: a headline, the ranges, the settings in force.
+std::string summary_text(const Result& result, const Session& session);
 
-/// Rows of the printed table.
-inline constexpr size_t kTableRows = 20;
-
-/// Matches sequences with a database, with themselves (--loop) or by a score matrix.
+/// Matches sequences with a database, with themselves or by a score matrix.
 void query_sequences(Session& session, const QueryOptions& options,
                      const ResolvedSettings& settings);
 
 /// Matches each frame as it arrives, and prints one line per frame.
-void follow_query(Session& session, const QueryOptions& options, const ResolvedSettings& settings);
+void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings);
 
 /// Matches frames with the places of a FAB-MAP database.
 void query_places(Session& session, const QueryOptions& options,

@@ -42,7 +42,7 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
     query.words = selected(std::move(rows), selection);
     return query;
   }
-  const NamedSequence source = find_query(options, session).sequence;
+  const NamedSequence source = find_query(options, false, session);
   query.name = source.name;
   query.path = source.sequence.path.string();
   query.images = {source.sequence.path, source.sequence.range};
@@ -110,7 +110,8 @@ void draw_explanation(const Explanation& explanation, const SequenceArgument& qu
       .write(png_of(draw_word_pairs(pairs)));
 }
 
-// Explains a frame in the context of the result and in the plot of --explain; returns the text.
+// Explains a frame in the context of the result and in the plot of vpr-query explain; returns the
+// text.
 std::string explain(size_t frame, std::span<const double> posterior, const QueryOptions& options,
                     const FabmapDatabase& database, const WordQuery& query,
                     const FabmapQuerySettings& settings, ResultContext& context,
@@ -148,36 +149,6 @@ std::string advice(const Result& result) {
       best->query);
 }
 
-std::string summary(const Result& result) {
-  const ResultPlaces& places = *result.places;
-  std::set<uint32_t> recognized;
-  for (const Match& recognition : result.recognitions) recognized.insert(recognition.train);
-  Table table;
-  table.title = fmt::format("{}: {}, {} of {} of {}", query_title(result),
-                            counted(result.query.frames, "frame"),
-                            counted(result.recognitions.size(), "recognition"), recognized.size(),
-                            counted(places.names.size(), "place"));
-  if (places.featureless > 0)
-    table.title += fmt::format("; {} without features", counted(places.featureless, "frame"));
-  table.columns = {"query frames", "places", "recognitions", "probability"};
-  const auto range = [](const std::string& first, const std::string& last) {
-    return first == last ? first : fmt::format("{} to {}", first, last);
-  };
-  const bool is_frame_a_place = places.names.size() == places.views;
-  const std::vector<PlaceRun> runs = is_frame_a_place ? place_runs(result.recognitions, 2, 2)
-                                                      : place_runs(result.recognitions, 1, 0);
-  for (const PlaceRun& run : runs) {
-    if (table.rows.size() == kTableRows) break;
-    table.rows.push_back({range(std::to_string(run.first_frame), std::to_string(run.last_frame)),
-                          range(places.names[run.first_place], places.names[run.last_place]),
-                          std::to_string(run.recognitions),
-                          fmt::format("{:.4f}", run.probability)});
-  }
-  std::string text = render_table(table, TableFormat::text);
-  if (runs.size() > kTableRows) text += fmt::format("... and {} more\n", runs.size() - kTableRows);
-  return text;
-}
-
 }  // namespace
 
 void query_places(Session& session, const QueryOptions& options,
@@ -191,8 +162,8 @@ void query_places(Session& session, const QueryOptions& options,
   images_by_group(options, database);  // report a wrong name before the query
   const auto explained = options.explained_frame;
   if (explained && *explained >= frames)
-    throw Error(ErrorKind::usage, fmt::format("--explain {}: the query's frames are 0 to {}",
-                                              *explained, frames - 1));
+    throw Error(ErrorKind::usage,
+                fmt::format("--frame {}: the query's frames are 0 to {}", *explained, frames - 1));
   std::optional<PosteriorFile> posteriors;
   if (!options.posteriors.empty())
     posteriors.emplace(session.outputs.file(options.posteriors), frames,
@@ -211,7 +182,7 @@ void query_places(Session& session, const QueryOptions& options,
   context.seconds["total"] = watch.elapsed_s();
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = words_fingerprint(query.words);
-  std::string text = summary(run.result) + advice(run.result);
+  std::string text = summary_text(run.result, session) + advice(run.result);
   if (explained)
     text += explain(*explained, explained_posterior, options, database, query, settings, context,
                     session);

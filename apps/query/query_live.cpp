@@ -1,4 +1,4 @@
-// vpr-query --follow: matches each frame as it arrives.
+// vpr-query live: matches each frame as it arrives.
 #include <algorithm>
 #include <cstdio>
 
@@ -48,7 +48,7 @@ NamedSource open_source(const QueryOptions& options, Unreadable unreadable,
   if (options.dataset.empty() && options.query == "-")
     return {"standard input", options.selection.fps,
             resampled_source(open_live_pipe(STDIN_FILENO), options)};
-  const NamedSequence query = find_query(options, session).sequence;
+  const NamedSequence query = find_query(options, true, session);
   auto source = open_live_source(query.sequence, unreadable);
   if (std::filesystem::is_regular_file(query.sequence.path))
     return {query.name, query.sequence.sequence.fps, std::move(source)};
@@ -103,7 +103,9 @@ struct Follower {
 
 }  // namespace
 
-void follow_query(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
+void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
+  refuse(!session.options.output.empty(), "--output",
+         "has no effect on live queries; redirect standard output instead");
   const QueryResources resources = resources_of(options, session);
   const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
   const SequenceDatabase database =

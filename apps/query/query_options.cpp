@@ -1,9 +1,14 @@
+// The flags of the commands of vpr-query, and what they name.
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/named_table.h"
+#include "base/text.h"
 #include "evaluate/loops.h"
 #include "fabmap/model.h"
+#include "match/lsh.h"
+#include "match/match.h"
+#include "present/result_text.h"
 #include "query.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
@@ -12,10 +17,12 @@
 namespace vpr {
 namespace {
 
+constexpr const char* kQueryGroup = "Query";
+
 // Both families have a gap in frames, sequences also a gap in seconds.
 void set_loop_gap(const std::string& text, SequenceQuerySettings& sequence,
                   FabmapQuerySettings& fabmap) {
-  constexpr const char* kFlag = "--loop-gap";
+  constexpr const char* kFlag = "--gap";
   sequence.loop_gap = 0;
   sequence.loop_gap_s = 0;
   if (text.ends_with('s')) {
@@ -29,6 +36,8 @@ void set_loop_gap(const std::string& text, SequenceQuerySettings& sequence,
 
 // The query of --query or --query-npy.
 NamedSequence query_of_flags(const QueryOptions& options) {
+  refuse(!options.query_npy.empty() && options.query, "--query-npy",
+         "cannot be combined with --query");
   if (options.query_npy.empty() && !options.query)
     throw Error(ErrorKind::usage, "the query is missing, as in --query FOLDER");
   const SequenceArgument argument =
@@ -37,148 +46,244 @@ NamedSequence query_of_flags(const QueryOptions& options) {
   return {sequence_names({argument}).front(), argument};
 }
 
-}  // namespace
-
-void add_inputs(const Command& app, QueryOptions& options) {
-  app.add_option("DB", options.database,
-                 "database of vpr-train; omit it with --scores, or with --loop for sequences");
-  app.add_option("--query", options.query,
-                 "query sequence: folder, list or video, with an optional range "
-                 "PATH@FIRST:LAST[:STEP]; with --dataset, the name of one of its queries");
-  app.add_option("--query-npy", options.query_npy,
-                 "descriptors instead of --query, for a database of vpr-train descriptors: n x d "
-                 "values, or a folder with one .npy file per frame, with an optional range");
-  app.add_option("--dataset", options.dataset, "data set description with the query");
-  add_speed_flag(app, options.selection.speed);
-  add_rate_flags(app, options.selection, "the query");
-  add_score_flags(app, options.scores,
-                  "score matrix of any program (.npy, query frames x training frames), instead of "
-                  "DB and --query, which only names the query",
-                  kScoreGroup);
-  app.add_list("--train-sequence", options.train_sequences,
-               "NAME=FIRST:LAST: training frames of the matrix that form a sequence (from 0, "
-               "without LAST), which windows do not cross; repeatable (default: one sequence)")
-      .group(kScoreGroup);
+// The query of every command with frames.
+void add_query_flags(const Command& command, QueryOptions& options) {
+  command.add_option("--query", options.query,
+                     "query sequence: folder, list or video, PATH[@FIRST:LAST[:STEP]]; with "
+                     "--dataset, the name of one of its queries");
+  command.add_option("--dataset", options.dataset, "data set description with the query")
+      .group(kQueryGroup);
 }
 
-void add_sequence_flags(const Command& app, QueryOptions& options,
-                        SequenceQuerySettings& settings) {
-  const auto group = [](Flag flag) { return flag.group(kSequenceGroup); };
-  group(add_setting(app, "--c-l", settings.window_length,
-                    "window length c_l in frames (default: 40)"));
-  group(add_setting(app, "--t-r", settings.distance_threshold,
-                    "threshold t_r: a number, or auto, the smallest distance between two or more "
-                    "training sequences (default: auto)"));
-  add_score_settings(app, settings, kSequenceGroup);
-  add_decision_settings(app, settings, options.fuse, kSequenceGroup);
-  group(add_setting(app, "--safety-factor", settings.safety_factor,
-                    "factor of the automatic t_r (default: the database's)"));
-  group(add_setting(app, "--margin", settings.margin,
-                    "with --decide margin, least difference of best match and runner-up in score "
-                    "per frame: a number, or auto, from margins of training sequences that show "
-                    "different places (default: auto)"));
-  group(app.add_list("--only-sequence", settings.only_sequences,
-                     "training sequence to search; repeatable (default: all)"));
-  group(app.add_option("--save-matrix", options.matrix,
-                       "write the score matrix: .npy (int32, never whole in memory) or .png (dark: "
-                       "close)"));
-  group(app.add_option(
-      "--ground-truth", options.ground_truth,
-      fmt::format("ground truth for --save-matrix FILE.png: {}", ground_truth_help())));
-  group(app.add_flag("--follow", options.follow,
-                     "print one line of JSON for each frame as it arrives, from a growing folder, "
-                     "a camera (--query /dev/video0), a video, a list, or image paths on standard "
-                     "input (--query -)"));
-  group(add_setting(app, "--verify", options.verify_cells,
-                    "number of random cells to recompute with the reference implementation "
-                    "(windows of one rate, raw or zscore); exit code 5 if any differs"));
-  group(add_memory_flag(app, options.memory_limit,
-                        "memory for rings and recognitions in bytes, as in 512M; beyond it, "
-                        "values are computed twice"));
+void add_arrays_flag(const Command& command, QueryOptions& options) {
+  command
+      .add_option("--query-npy", options.query_npy,
+                  "descriptors instead of --query: n x d values, or a folder with one .npy file "
+                  "per frame, with an optional range")
+      .group(kQueryGroup);
 }
 
-void add_loop_flags(const Command& app, QueryOptions& options, SequenceQuerySettings& sequence,
-                    FabmapQuerySettings& fabmap) {
-  const auto group = [](Flag flag) { return flag.group("Loop closures"); };
-  group(app.add_flag("--loop", fabmap.loop,
-                     "match the query with its own earlier frames: without DB, or for FAB-MAP as "
-                     "places after those of the database"));
-  group(app.add_option(
-            "--loop-gap", [&](const std::string& text) { set_loop_gap(text, sequence, fabmap); },
-            "least separation of two matched frames, in frames (300) or seconds (30s); for "
-            "FAB-MAP, the frames in between (default: 10)"))
-      .type_name("TIME");
-  group(app.add_option("--frame-times", options.loop_times,
-                       "times of the frames for a gap in seconds: a list with one per line "
-                       "(default: from names of images, or from the video)"))
-      .type_name("FILE");
-  group(add_setting(app, "--descriptor", sequence.descriptor,
-                    "descriptor of frames, as in vpr-train fastable (default: ldb; vectors with "
-                    "--query-npy)"));
-  group(app.add_option("--save-loops", options.loop_list,
-                       "write one line query,match,score per best match, for vpr-eval --loops; "
-                       "only recognitions with --t-r or --margin"))
-      .type_name("FILE");
+void add_selection_flags(const Command& command, QueryOptions& options) {
+  add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
+  command
+      .add_option("--query-times", options.query_times,
+                  "times of the query frames, for --fps: a list, a folder of images with times as "
+                  "names, or a video")
+      .type_name("FILE")
+      .group(kQueryGroup);
 }
 
-void add_fabmap_flags(const Command& app, QueryOptions& options, FabmapQuerySettings& settings) {
+void add_method_flag(const Command& command, AllSettings& settings, const std::string& help) {
+  std::vector<std::string> names;
+  std::string text = "Methods:\n";
+  for (const SequenceMethod& method : sequence_methods()) {
+    names.emplace_back(method.name);
+    text += fmt::format("  {:<17}{}\n", method.name, method.summary);
+  }
+  names.emplace_back(kLshMethod);
+  names.emplace_back(enum_name(DatabaseFamily::fabmap));
+  add_setting(command, "--method", settings.method, help).choices("METHOD", names);
+  command.add_footer(text + fmt::format("  {:<17}{}\n", kLshMethod, kLshSummary));
+}
+
+// Windows of every command: the essential flags, then the others.
+void add_window_flags(const Command& command, QueryOptions& options,
+                      SequenceQuerySettings& settings) {
+  add_setting(command, "--c-l", settings.window_length,
+              "window length c_l in frames (default: 40)");
+  add_setting(command, "--t-r", settings.distance_threshold,
+              "threshold t_r of windows; a number, or auto, the smallest distance between two or "
+              "more training sequences");
+  add_score_settings(command, settings, kWindowGroup);
+  add_decision_settings(command, settings, kWindowGroup);
+  add_setting(command, "--margin", settings.margin,
+              "minimum difference of best match and runner-up in score per frame: a number, or "
+              "auto, from margins of training sequences that show different places (default: "
+              "auto; filter: 3)")
+      .group(kWindowGroup);
+  add_memory_flag(command, options.memory_limit,
+                  "memory for rings and recognitions in bytes, as in 512M; beyond it, values are "
+                  "computed twice")
+      .group(kWindowGroup);
+}
+
+void add_matrix_output(const Command& command, QueryOptions& options) {
+  command
+      .add_option("--save-matrix", options.matrix,
+                  "write the score matrix: .npy (int32, never whole in memory) or .png (dark: "
+                  "close)")
+      .type_name("FILE")
+      .group(kWindowGroup);
+}
+
+void add_sequence_choice(const Command& command, SequenceQuerySettings& settings) {
+  command
+      .add_list("--only-sequence", settings.only_sequences,
+                "training sequence to search; repeatable (default: all)")
+      .group(kWindowGroup);
+}
+
+void add_fabmap_flags(const Command& command, QueryOptions& options,
+                      FabmapQuerySettings& settings) {
   const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
-  group(add_setting(app, "--t-p", settings.place_threshold,
+  group(add_setting(command, "--t-p", settings.place_threshold,
                     "probability threshold t_p of a recognition (default: 0.99)"));
-  group(add_setting(app, "--c-w", settings.window,
+  group(add_setting(command, "--c-w", settings.window,
                     "consecutive frames c_w that must exceed t_p (default: 1)"));
-  group(add_setting(app, "--variant", settings.variant,
+  group(add_setting(command, "--variant", settings.variant,
                     "computation of likelihoods (default: fabmap2)"))
       .choices("VARIANT", names_of(fabmap_variants()));
-  group(add_setting(app, "--word-model", settings.word_model,
+  group(add_setting(command, "--word-model", settings.word_model,
                     "dependencies of words (default: tree)"));
-  group(add_setting(app, "--new-place", settings.new_place,
+  group(add_setting(command, "--new-place", settings.new_place,
                     "likelihood of a new place: average over the pretraining frames, or mean field "
                     "(default: pretrain)"));
-  group(add_setting(app, "--new-place-samples", settings.new_place_samples,
+  group(add_setting(command, "--new-place-samples", settings.new_place_samples,
                     "random pretraining frames for it; 0: all (default: 0)"));
-  group(app.add_flag("--motion-model", settings.posterior.motion_model,
-                     "raise the prior of places next to the previous place"));
-  group(app.add_option("--explain", options.explained_frame,
-                       "list the words for and against the best places of this frame, and draw "
-                       "them in RESULT.explain.png"));
-  group(app.add_list("--train", options.train_images,
-                     "[GROUP=]SEQUENCE: images of a training sequence for the plot of --explain; "
-                     "repeatable"));
-  group(
-      app.add_option("--query-bow", options.query_bow,
-                     "OpenFABMAP's BOW matrix (.npy) instead of --query, with an optional range"));
-  group(app.add_option("--save-posteriors", options.posteriors,
-                       "write frames x (1 + views) probabilities, new place first (.npy)"));
+  group(command.add_flag("--motion-model", settings.posterior.motion_model,
+                         "raise the prior of places next to the previous place"));
+  group(command.add_option(
+      "--query-bow", options.query_bow,
+      "OpenFABMAP's BOW matrix (.npy) instead of --query, with an optional range"));
+  group(command.add_option("--save-posteriors", options.posteriors,
+                           "write frames x (1 + views) probabilities, new place first (.npy)"));
+  std::string text = "Variants of FAB-MAP:\n";
+  for (const FabmapVariant& variant : fabmap_variants())
+    text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
+  command.add_footer(text);
 }
 
-QuerySource find_query(const QueryOptions& options, const Session& session) {
-  QuerySource source;
-  if (!options.ground_truth.empty())
-    source.ground_truth = ground_truth_argument(options.ground_truth, options.ground_truth_flags);
+}  // namespace
+
+void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
+  command.add_option("DB", options.database, "database of vpr-train");
+  add_query_flags(command, options);
+  add_method_flag(command, settings,
+                  "matching method (default: filter, which recognizes places at any speed; "
+                  "fastable if a flag of windows is set; fabmap for its databases)");
+  add_window_flags(command, options, settings.sequence);
+  add_arrays_flag(command, options);
+  add_selection_flags(command, options);
+  add_speed_flag(command, options.selection.speed).group(kQueryGroup);
+  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
+  add_rate_settings(command, settings.sequence, kWindowGroup);
+  add_sequence_choice(command, settings.sequence);
+  add_setting(command, "--safety-factor", settings.sequence.safety_factor,
+              "factor of the automatic t_r (default: the database's)")
+      .group(kWindowGroup);
+  add_fusion_settings(command, settings.sequence, options.fuse, kWindowGroup);
+  add_matrix_output(command, options);
+  add_setting(command, "--verify", options.verify_cells,
+              "number of random cells to recompute with the reference implementation (windows of "
+              "one rate, raw or zscore); exit code 5 if any differs")
+      .group(kWindowGroup);
+  add_fabmap_flags(command, options, settings.fabmap);
+}
+
+void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
+  command.add_option("DB", options.database, "database of vpr-train").required();
+  command.add_option("--query", options.query,
+                     "growing folder, camera (/dev/video0), video, list, or - for image paths on "
+                     "standard input; with --dataset, the name of one of its queries");
+  command.add_option("--dataset", options.dataset, "data set description with the query")
+      .group(kQueryGroup);
+  add_method_flag(command, settings,
+                  "matching method (default: filter; fastable if a flag of windows is set)");
+  add_window_flags(command, options, settings.sequence);
+  add_selection_flags(command, options);
+  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
+  add_rate_settings(command, settings.sequence, kWindowGroup);
+  add_sequence_choice(command, settings.sequence);
+  add_fusion_settings(command, settings.sequence, options.fuse, kWindowGroup);
+}
+
+void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
+  command.add_option("DB", options.database,
+                     "FAB-MAP database, whose places come before those of the query; omit it for "
+                     "windows");
+  add_query_flags(command, options);
+  add_arrays_flag(command, options);
+  command
+      .add_option(
+          "--gap",
+          [&](const std::string& text) { set_loop_gap(text, settings.sequence, settings.fabmap); },
+          "minimum time between a frame and its match, in frames (300) or seconds (30s); for "
+          "FAB-MAP, the frames in between (default: 10)")
+      .type_name("TIME");
+  command
+      .add_option("--save-loops", options.loop_list,
+                  "write one line query,match,score per best match, for vpr-eval loops; only "
+                  "recognitions with --t-r or --margin")
+      .type_name("FILE");
+  add_window_flags(command, options, settings.sequence);
+  command
+      .add_option("--frame-times", options.loop_times,
+                  "times of the frames for a gap in seconds: a list with one per line (default: "
+                  "from names of images, or from the video)")
+      .type_name("FILE")
+      .group(kQueryGroup);
+  add_setting(command, "--descriptor", settings.sequence.descriptor,
+              "descriptor of frames, as in vpr-train fastable (default: ldb; vectors with "
+              "--query-npy)")
+      .group(kQueryGroup);
+  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
+  add_matrix_output(command, options);
+  add_fabmap_flags(command, options, settings.fabmap);
+}
+
+void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
+  command
+      .add_option("SCORES", options.scores.path,
+                  "score matrix (.npy): query frames x training frames")
+      .required();
+  add_score_flags(command, options.scores);
+  add_window_flags(command, options, settings.sequence);
+  command
+      .add_option("--name", options.matrix_name,
+                  "name of the query (default: the name of the file)")
+      .group(kQueryGroup);
+  command
+      .add_list("--train-sequence", options.train_sequences,
+                "NAME=FIRST:LAST: training frames of the matrix that form a sequence (from 0, "
+                "without LAST), which windows do not cross; repeatable (default: one sequence)")
+      .group(kQueryGroup);
+  add_speed_flag(command, options.selection.speed).group(kQueryGroup);
+  add_rate_settings(command, settings.sequence, kWindowGroup);
+  add_sequence_choice(command, settings.sequence);
+  add_matrix_output(command, options);
+}
+
+void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
+  command.add_option("DB", options.database, "FAB-MAP database").required();
+  add_query_flags(command, options);
+  command.add_option("--frame", options.explained_frame, "query frame to explain").required();
+  command.add_list("--train", options.train_images,
+                   "[GROUP=]SEQUENCE: images of a training sequence for the plot "
+                   "RESULT.explain.png; repeatable");
+  add_selection_flags(command, options);
+  add_speed_flag(command, options.selection.speed).group(kQueryGroup);
+  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
+  add_fabmap_flags(command, options, settings.fabmap);
+}
+
+NamedSequence find_query(const QueryOptions& options, bool is_endless, const Session& session) {
+  NamedSequence named;
   std::optional<Dataset> dataset;
-  if (!options.dataset.empty()) {
+  std::filesystem::path times = options.query_times;
+  if (options.dataset.empty()) {
+    named = query_of_flags(options);
+  } else {
+    refuse(!options.query_npy.empty(), "--query-npy", "cannot be combined with --dataset");
     dataset = read_dataset(options.dataset);
     const DatasetQuery& query = select_query(*dataset, options.query);
-    source.sequence = query.sequence;
-    if (!source.ground_truth)
-      source.ground_truth =
-          ground_truth_of(query, DatabaseFamily::sequences, options.ground_truth_flags);
-  } else {
-    source.sequence = query_of_flags(options);
+    named = query.sequence;
+    if (times.empty() && query.sequence_ground_truth)
+      times = query.sequence_ground_truth->options.query_times;
   }
-  SequenceArgument& sequence = source.sequence.sequence;
-  if (!options.follow || std::filesystem::is_regular_file(sequence.path))
-    sequence = selected(sequence, options.selection, options.ground_truth_flags.options.query_times,
-                        dataset ? &*dataset : nullptr, session);
-  if (source.ground_truth) remove_selection_times(*source.ground_truth, options.selection);
-  return source;
-}
-
-bool has_ground_truth(const QueryOptions& options) {
-  GroundTruthFlags flags = options.ground_truth_flags;
-  if (options.selection.fps) flags.options.query_times.clear();
-  return !options.ground_truth.empty() || has_ground_truth_flags(flags);
+  if (!is_endless || std::filesystem::is_regular_file(named.sequence.path))
+    named.sequence =
+        selected(named.sequence, options.selection, times, dataset ? &*dataset : nullptr, session);
+  return named;
 }
 
 QueryResources resources_of(const QueryOptions& options, const Session& session) {
@@ -221,9 +326,21 @@ void save_loops(const QueryOptions& options, const Result& result, const Session
     session.outputs.file(options.loop_list).write(loops_csv(loops_of(result)));
 }
 
-std::string query_title(const Result& result) {
+std::string summary_text(const Result& result, const Session& session) {
+  constexpr size_t kRanges = 6;
   const std::string selection = selection_text(result.query.selection);
-  return result.query.name + (selection.empty() ? "" : ", " + selection);
+  const std::string query =
+      fmt::format("{} of {}{}", counted(result.query.frames, "frame"), result.query.name,
+                  selection.empty() ? "" : ", " + selection);
+  const size_t recognized = recognized_windows(result);
+  std::string text = !has_rule(result) ? "Matched " + query
+                     : recognized == 0 ? "Recognized none of " + query
+                                       : fmt::format("Recognized {} of {}", recognized, query);
+  if (result.places && result.places->featureless > 0)
+    text += fmt::format("; {} without features", counted(result.places->featureless, "frame"));
+  return text + (recognized == 0 ? ".\n" : ":\n") +
+         ranges_text(result, session.options.verbose ? SIZE_MAX : kRanges) +
+         fmt::format("Settings: {}\n", settings_text(result));
 }
 
 }  // namespace vpr

@@ -28,11 +28,11 @@ constexpr size_t kMatrixPixels = 2000;  // per side
 
 /// A query and the data that it is matched with.
 struct QueryData {
-  QuerySource source;
+  NamedSequence source;
   SequenceDatabase database;
   DescriptorSet query;
-  std::optional<PrecomputedDistances> scores;  ///< of --scores; database and query refer to it
-  std::vector<int64_t> times_ns;               ///< of the query, for --loop with a gap in seconds
+  std::optional<PrecomputedDistances> scores;  ///< of a matrix; database and query refer to it
+  std::vector<int64_t> times_ns;               ///< of the query, for loops with a gap in seconds
 };
 
 std::string text_of(const SequenceArgument& argument) {
@@ -45,11 +45,10 @@ std::string fingerprint_of(const DescriptorSet& query) {
 
 void read_database(QueryData& data, ResultContext& context, const QueryOptions& options,
                    const ResolvedSettings& settings, const Session& session) {
-  data.source = find_query(options, session);
+  data.source = find_query(options, false, session);
   data.database = open_database(options.database, settings, options.fuse, session.monitor);
-  data.query =
-      describe_query(data.source.sequence.sequence, data.database, settings, session.monitor);
-  context.run.paths["query"] = text_of(data.source.sequence.sequence);
+  data.query = describe_query(data.source.sequence, data.database, settings, session.monitor);
+  context.run.paths["query"] = text_of(data.source.sequence);
   context.database_fingerprint = data.database.fingerprint;
   context.query_fingerprint = fingerprint_of(data.query);
   if (const FusedViews* fused = fused_views(data.database))
@@ -59,11 +58,8 @@ void read_database(QueryData& data, ResultContext& context, const QueryOptions& 
 void read_scores(QueryData& data, ResultContext& context, const QueryOptions& options,
                  const Session& session) {
   const ScoreFlags& flags = options.scores;
-  data.source.sequence.name =
-      options.query.value_or(std::filesystem::path(flags.path).stem().string());
-  if (!options.ground_truth.empty())
-    data.source.ground_truth =
-        ground_truth_argument(options.ground_truth, options.ground_truth_flags);
+  data.source.name = options.matrix_name.empty() ? std::filesystem::path(flags.path).stem().string()
+                                                 : options.matrix_name;
   require_order(flags);
   const PrecomputedDistances& scores =
       data.scores.emplace(flags.path, flags.format(), session.monitor);
@@ -105,17 +101,19 @@ std::vector<int64_t> times_of_names(const std::string& query, const Monitor& mon
     throw Error(
         ErrorKind::usage,
         fmt::format("{}; a gap in seconds needs times. Use --frame-times FILE with one per line, "
-                    "or a gap in frames, as in --loop-gap 300.",
+                    "or a gap in frames, as in --gap 300.",
                     error.what()));
   }
 }
 
 void read_loop(QueryData& data, ResultContext& context, const QueryOptions& options,
                const SequenceQuerySettings& settings, const Session& session) {
-  data.source = find_query(options, session);
-  const SequenceArgument& argument = data.source.sequence.sequence;
+  data.source = find_query(options, false, session);
+  const SequenceArgument& argument = data.source.sequence;
   const std::string query = text_of(argument);
   const bool needs_times = settings.loop_gap_s != 0;
+  refuse(!needs_times && !options.loop_times.empty(), "--frame-times",
+         "needs a gap in seconds, as in --gap 30s");
   if (needs_times)
     data.times_ns = options.loop_times.empty()
                         ? times_of_names(query, session.monitor)
@@ -128,7 +126,7 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
         fmt::format("{}: has {}, and {} has {}",
                     options.loop_times.empty() ? query : options.loop_times,
                     counted(data.times_ns.size(), "time"), query, counted(frames, "frame")));
-  data.database = own_database(data.query, data.source.sequence.name);
+  data.database = own_database(data.query, data.source.name);
   context.run.paths["query"] = query;
   context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);
 }
@@ -137,18 +135,7 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
 struct SavedMatrix {
   std::optional<MatrixFile> file;
   std::optional<RowPixels> pixels;
-  std::optional<GroundTruth> truth;  ///< for the image
 };
-
-std::optional<GroundTruth> read_truth(const QueryData& data, const Result& shape,
-                                      const Monitor& monitor) {
-  if (!data.source.ground_truth) return std::nullopt;
-  GroundTruthScope scope = scope_of(shape);
-  scope.query_names = [&] { return data.query.sequence.frame_names; };
-  for (size_t s = 0; s < scope.sequences.size(); ++s)
-    scope.sequences[s].names = [&, s] { return data.database.sequences[s].sequence.frame_names; };
-  return read_ground_truth(*data.source.ground_truth, scope, monitor);
-}
 
 // Whether any cell of the matrix has no score.
 bool has_gaps(const QueryPlan& plan) {
@@ -159,14 +146,12 @@ bool has_gaps(const QueryPlan& plan) {
 
 // The consumer of the rows; none without --save-matrix.
 std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& path,
-                                      const QueryData& data, const QueryPlan& plan,
-                                      const Session& session) {
+                                      const QueryPlan& plan, const Session& session) {
   if (path.empty()) return {};
   const Result shape = make_result(plan);  // without matches
   if (path.ends_with(".npy"))
     return {std::ref(
         saved.file.emplace(session.outputs.file(path), shape, has_gaps(plan), session.monitor))};
-  saved.truth = read_truth(data, shape, session.monitor);
   return {std::ref(saved.pixels.emplace(layout_of(shape), kMatrixPixels))};
 }
 
@@ -178,47 +163,13 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
     context.checksums[path] = context.files["matrix"]["checksum"];
   }
   if (saved.pixels)
-    session.outputs.file(path).write(chart_png({result_matrix_chart(
-        result, *saved.pixels, saved.truth ? &*saved.truth : nullptr, session.monitor)}));
+    session.outputs.file(path).write(
+        chart_png({result_matrix_chart(result, *saved.pixels, nullptr, session.monitor)}));
 }
 
-// The anchors of windows `first` to `last`.
-std::string anchors_text(size_t first, size_t last, size_t length) {
-  const std::string text = std::to_string(anchor_of(first, length));
-  return first == last ? text : fmt::format("{} to {}", text, anchor_of(last, length));
-}
-
-Table places_table(const Result& result) {
-  Table table;
-  table.title = fmt::format("{}: {} in {}, {} of {} recognized", query_title(result),
-                            counted(result.recognitions.size(), "recognition"),
-                            counted(result.clusters->all.size(), "place"),
-                            recognized_windows(result), counted(result.query_windows, "window"));
-  const ScoreKind& kind = result.score();
-  const size_t length = result.window_length();
-  table.columns = {"sequence", "query frames", "train frames", "recognitions",
-                   result.path ? "rate" : std::string(kind.frame_unit)};
-  for (const Cluster& cluster : result.clusters->all) {
-    if (table.rows.size() == kTableRows) break;
-    std::string value =
-        fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits);
-    if (result.path) {
-      const auto rate = mean_rate(cluster);
-      value = rate ? fmt::format("{:.2f}", *rate) : "-";
-    }
-    table.rows.push_back({result.sequences[cluster.sequence].sequence.name,
-                          anchors_text(cluster.query_first, cluster.query_last, length),
-                          anchors_text(cluster.train_first, cluster.train_last, length),
-                          std::to_string(cluster.recognitions), value});
-  }
-  return table;
-}
-
-std::string summary(const QueryRun& run) {
+std::string summary(const QueryRun& run, const Session& session) {
   const Result& result = run.result;
-  std::string text = render_table(places_table(result), TableFormat::text);
-  const size_t clusters = result.clusters->all.size();
-  if (clusters > kTableRows) text += fmt::format("... and {} more\n", clusters - kTableRows);
+  std::string text = summary_text(result, session);
   if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
     text += fmt::format("Compared with an exact search: the best match of {} of {}, and {} of {}\n",
@@ -228,15 +179,14 @@ std::string summary(const QueryRun& run) {
   return text;
 }
 
-// Advice if there is no recognition. The filter needs training sequences and their statistics,
-// which a score matrix and a loop query do not have.
+// Advice for few recognitions. The filter needs training sequences and their statistics, which a
+// score matrix and a loop query do not have.
 std::string advice_text(QueryData& data, const Result& result, const QueryResources& resources,
                         const Session& session) {
   if (const auto sentence = excess_advice(result)) warn(session.monitor, *sentence);
-  if (!result.recognitions.empty()) return "";
+  if (!needs_advice(result)) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (data.scores || settings.loop || has_paths(settings.method))
-    return no_recognition_advice(result) + "\n";
+  if (data.scores || settings.loop) return no_recognition_advice(result) + "\n";
   ensure_statistics(data.database, session.monitor);
   return filter_advice(data.database, data.query, settings, resources, session.monitor) + "\n";
 }
@@ -259,14 +209,14 @@ void query_sequences(Session& session, const QueryOptions& options,
   else
     read_database(data, context, options, settings, session);
   const double describe_s = watch.elapsed_s();
-  const std::string& name = data.source.sequence.name;
+  const std::string& name = data.source.name;
   SavedMatrix matrix;
   const auto search = [&] {
     QueryPlan plan =
         settings->loop ? plan_loop(data.database, data.query, name, settings, data.times_ns,
                                    resources, monitor)
                        : plan_query(data.database, data.query, name, settings, resources, monitor);
-    const Sinks sinks{start_matrix(matrix, options.matrix, data, plan, session)};
+    const Sinks sinks{start_matrix(matrix, options.matrix, plan, session)};
     return run_query(std::move(plan), resources, sinks, monitor);
   };
   QueryRun run = search();
@@ -277,7 +227,8 @@ void query_sequences(Session& session, const QueryOptions& options,
   finish_matrix(matrix, options.matrix, run.result, context, session);
   const Json json = save_result(session, run.result, context);
   save_loops(options, run.result, session);
-  session.print_result(summary(run) + advice_text(data, run.result, resources, session), json);
+  session.print_result(summary(run, session) + advice_text(data, run.result, resources, session),
+                       json);
 }
 
 }  // namespace vpr

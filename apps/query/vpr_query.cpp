@@ -4,57 +4,47 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "fabmap/model.h"
 #include "match/lsh.h"
 #include "match/match.h"
 #include "query.h"
-#include "sequence/sequence.h"
 #include "store/archive.h"
 
 namespace vpr {
 namespace {
 
-/// The settings of both families of methods; the family of the database uses its own.
-struct AllSettings {
-  SequenceQuerySettings sequence;
-  FabmapQuerySettings fabmap;
-  std::string method;  ///< empty: the database's
+/// A command of vpr-query; the program itself has no name.
+struct QueryCommand {
+  const char* name;
+  std::string_view choice;  ///< in the table of choices
+  const char* description;
+  void (*add_flags)(const Command& command, QueryOptions& options, AllSettings& settings);
+  const char* example;
 };
 
-template <class Visitor>
-void visit_fields(AllSettings& settings, Visitor&& visit) {
-  visit_fields(settings.sequence, visit);
-  visit_fields(settings.fabmap, visit);
-  visit("method", settings.method);
-}
-
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const SequenceMethod& method : sequence_methods()) names.emplace_back(method.name);
-  names.emplace_back(kLshMethod);
-  names.emplace_back(enum_name(DatabaseFamily::fabmap));
-  return names;
-}
-
-std::string method_help() {
-  std::string text = "Methods:\n";
-  for (const SequenceMethod& method : sequence_methods())
-    text += fmt::format("  {:<17}{}\n", method.name, method.summary);
-  text += fmt::format("  {:<17}{}\n", kLshMethod, kLshSummary);
-  text += "\nVariants of FAB-MAP:\n";
-  for (const FabmapVariant& variant : fabmap_variants())
-    text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
-  return text +
-         "\nFusion:\n"
-         "  --fuse FABMAP.vprdb adds to the z-score of each training frame --fusion-weight "
-         "standard\n"
-         "  deviations per nat by which FAB-MAP's log-likelihood is below the highest one. The\n"
-         "  weight is adapted online to the reliability of FAB-MAP. Train both databases with the\n"
-         "  same sequences.\n";
-}
+constexpr std::array<QueryCommand, 5> kCommands = {
+    {{"", "", "Recognize the places of a query sequence in a database.", add_match_flags,
+      "  vpr-query corridor.vprdb --query tuesday -o result.json\n"
+      "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
+      "  vpr-query corridor.vprdb --query wednesday --config result.json"},
+     {"live", kLiveChoice, "Match each frame as it arrives, and print one line of JSON per frame.",
+      add_live_flags,
+      "  vpr-query live corridor.vprdb --query /dev/video0@30::4\n"
+      "  vpr-query live corridor.vprdb --query growing_folder --c-l 20 --score zscore --decide "
+      "margin\n"
+      "  find images | vpr-query live corridor.vprdb --query -"},
+     {"loops", "vpr-query loops", "Match a sequence with its own earlier frames.", add_loop_flags,
+      "  vpr-query loops --query walk --gap 30s --c-l 20 --save-loops loops.csv\n"
+      "  vpr-query loops --query-npy walk.npy --gap 300 --score zscore -o loops.json\n"
+      "  vpr-query loops fabmap.vprdb --query walk --gap 50 --t-p 0.9"},
+     {"matrix", kMatrixChoice, "Match the windows of a score matrix of any program.",
+      add_matrix_flags,
+      "  vpr-query matrix S.npy --similarity --c-l 10 --score zscore -o result.json\n"
+      "  vpr-query matrix D.npy --distance --c-l 20 --t-r 0.6 --save-matrix windows.npy"},
+     {"explain", "vpr-query explain",
+      "List the words for and against the best places of one frame, by FAB-MAP.", add_explain_flags,
+      "  vpr-query explain fabmap.vprdb --query walk --frame 17 --train corridor -o result.json"}}};
 
 /// Flags of sequences and their counterparts for FAB-MAP.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kCounterparts = {
@@ -74,62 +64,69 @@ std::vector<std::string> keys_of(S settings) {
   return keys;
 }
 
+std::string flag_of(std::string key) {
+  std::ranges::replace(key, '_', '-');
+  return "--" + key;
+}
+
 // Refuses flags and configuration keys of the other family, which would have no effect.
-void refuse_foreign(const Command& app, const CommonOptions& common, DatabaseFamily family) {
+void refuse_foreign(const Session& session, DatabaseFamily family) {
   const bool is_fabmap = family == DatabaseFamily::fabmap;
-  const std::vector<const char*> foreign_groups =
-      is_fabmap ? std::vector{kSequenceGroup, kGroundTruthGroup, kScoreGroup}
-                : std::vector{kFabmapGroup};
-  for (const char* group : foreign_groups)
-    for (const std::string& flag : app.given_flags(group))
-      throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}{}", flag,
-                                                enum_name(family), counterpart_text(flag)));
+  const auto refuse_flag = [&](const std::string& flag) {
+    throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}{}", flag,
+                                              enum_name(family), counterpart_text(flag)));
+  };
+  for (const std::string& flag :
+       session.command.given_flags(is_fabmap ? kWindowGroup : kFabmapGroup))
+    refuse_flag(flag);
   auto own_keys = keys_of(SequenceQuerySettings{});
   auto foreign_keys = keys_of(FabmapQuerySettings{});
   if (is_fabmap) std::swap(own_keys, foreign_keys);
-  for (const std::string& key : common.config_keys)
-    if (std::ranges::count(foreign_keys, key) > 0 && std::ranges::count(own_keys, key) == 0)
+  for (const std::string& key : foreign_keys) {
+    if (std::ranges::count(own_keys, key) > 0) continue;
+    if (session.command.is_given(flag_of(key))) refuse_flag(flag_of(key));
+    if (std::ranges::count(session.options.config_keys, key) > 0)
       throw Error(ErrorKind::usage, fmt::format("{}: {} has no effect with a database for {}",
-                                                common.config, key, enum_name(family)));
+                                                session.options.config, key, enum_name(family)));
+  }
+}
+
+// Keys of settings on the command line and in the configuration file.
+std::vector<std::string> given_settings(const Session& session) {
+  std::vector<std::string> keys = session.options.config_keys;
+  for (const std::string& key : keys_of(SequenceQuerySettings{}))
+    if (session.command.is_given(flag_of(key))) keys.push_back(key);
+  return keys;
 }
 
 // The choices of a run that are not settings. Also settings that the method or --fuse would
 // replace, if they are given with another value.
-RunChoices choices_of(const Command& app, const CommonOptions& common, const QueryOptions& options,
-                      const SequenceQuerySettings& settings, DatabaseFamily family) {
+RunChoices choices_of(const Session& session, const QueryOptions& options,
+                      const SequenceQuerySettings& settings, DatabaseFamily family,
+                      std::string_view command) {
   RunChoices run;
-  for (const Choice& choice : choices())
-    if (choice.flag.starts_with("--") && !choice.is_implied &&
-        app.is_given(std::string(choice.flag)))
-      run.push_back(choice.flag);
-  std::erase_if(run, [&](std::string_view flag) {
-    return (flag == "--c-l" && settings.window_length == 1) ||
-           (flag == "--verify" && options.verify_cells == 0);
-  });
-  if (family == DatabaseFamily::fabmap) run.push_back(kFabmapChoice);
-  if (family == DatabaseFamily::sequences && !options.database.empty())
+  if (!command.empty()) run.push_back(command);
+  if (family == DatabaseFamily::fabmap)
+    run.push_back(kFabmapChoice);
+  else if (!options.database.empty())
     run.push_back(kDatabaseChoice);
   if (!options.fuse.empty()) run.emplace_back("--fuse");
-  if (has_ground_truth(options)) run.emplace_back("--ground-truth");
-  if (options.matrix.ends_with(".png")) run.emplace_back("--save-matrix FILE.png");
-  const auto is_given = [&](const char* flag, const char* key) {
-    return app.is_given(flag) || std::ranges::count(common.config_keys, key) > 0;
-  };
-  if (is_given("--c-l", "c_l") && settings.window_length != 1) run.emplace_back("--c-l");
-  if (is_given("--score", "score") && settings.score == Score::raw) run.emplace_back("--score raw");
-  if (is_given("--decide", "decide") && settings.decision == Decision::threshold)
+  if (!options.matrix.empty()) run.emplace_back("--save-matrix");
+  if (options.verify_cells > 0) run.emplace_back("--verify");
+  const std::vector<std::string> given = given_settings(session);
+  const auto is_given = [&](const char* key) { return std::ranges::count(given, key) > 0; };
+  if (is_given("c_l") && settings.window_length != 1) run.emplace_back("--c-l");
+  if (is_given("score") && settings.score == Score::raw) run.emplace_back("--score raw");
+  if (is_given("decide") && settings.decision == Decision::threshold)
     run.emplace_back("--decide threshold");
   return run;
 }
 
 // The family of the database; sequences without a database.
-DatabaseFamily family_of(const QueryOptions& options, bool is_loop) {
-  if (!options.scores.path.empty()) return DatabaseFamily::sequences;
+DatabaseFamily family_of(const QueryOptions& options, bool needs_database) {
   if (!options.database.empty()) return database_family(options.database);
-  if (is_loop) return DatabaseFamily::sequences;
-  throw Error(ErrorKind::usage,
-              "the database is missing, as in vpr-query DB --query FOLDER, or a score matrix, as "
-              "in --scores S.npy --similarity");
+  if (!needs_database) return DatabaseFamily::sequences;
+  throw Error(ErrorKind::usage, "the database is missing, as in vpr-query DB --query FOLDER");
 }
 
 // Throws Error(usage) for an unknown method.
@@ -139,25 +136,38 @@ DatabaseFamily family_of(const std::string& method) {
   return DatabaseFamily::sequences;
 }
 
-void run(Session& session, const QueryOptions& options, AllSettings settings, const Command& app) {
+void run(Session& session, const QueryOptions& options, AllSettings settings,
+         std::string_view command) {
   if (!options.selection.speed.empty()) check_speed(options.selection.speed);
-  const DatabaseFamily family = family_of(options, settings.fabmap.loop);
-  if (settings.method.empty()) settings.method = enum_name(family);
+  const bool is_loop = command == "vpr-query loops";
+  if (settings.fabmap.loop && !is_loop)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has the settings of vpr-query loops", session.options.config));
+  settings.sequence.loop = settings.fabmap.loop = is_loop;
+  const bool has_own_frames = is_loop || command == kMatrixChoice;
+  const DatabaseFamily family = family_of(options, !has_own_frames);
+  if (settings.method.empty())
+    settings.method = family == DatabaseFamily::fabmap ? enum_name(family)
+                      : has_own_frames                 ? "fastable"
+                                                       : default_method(given_settings(session));
+  const bool needs_words = command == "vpr-query explain";
+  if (needs_words != (family == DatabaseFamily::fabmap) && (needs_words || command == kLiveChoice))
+    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} cannot use",
+                                             options.database, enum_name(family), command));
   if (family_of(settings.method) != family)
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} cannot use",
                                              options.database, enum_name(family), settings.method));
-  refuse_foreign(app, session.options, family);
+  refuse_foreign(session, family);
   settings.sequence.method = settings.fabmap.method = settings.method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
-  settings.sequence.loop = settings.fabmap.loop;
-  const RunChoices choices = choices_of(app, session.options, options, settings.sequence, family);
+  const RunChoices choices = choices_of(session, options, settings.sequence, family, command);
   if (family == DatabaseFamily::fabmap) {
     check_choices(settings.sequence, choices);
     return query_places(session, options, settings.fabmap);
   }
   const ResolvedSettings resolved(settings.sequence, choices);
-  options.follow ? follow_query(session, options, resolved)
-                 : query_sequences(session, options, resolved);
+  command == kLiveChoice ? query_live(session, options, resolved)
+                         : query_sequences(session, options, resolved);
 }
 
 }  // namespace
@@ -165,34 +175,21 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, co
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  Program program("vpr-query", "Recognize the places of a query sequence in a database.",
-                  "  vpr-query corridor.vprdb --query tuesday\n"
-                  "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
-                  "  vpr-query corridor.vprdb --query tuesday --score zscore --decide margin "
-                  "-o result.json\n"
-                  "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
-                  "  vpr-query corridor.vprdb --query /dev/video0@30::4 --method filter --follow\n"
-                  "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
-                  "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
-                  "  vpr-query --scores S.npy --similarity --c-l 10 --score zscore -o r.json\n"
-                  "  vpr-query --loop --loop-gap 30s --query walk --c-l 20 --save-loops loops.csv\n"
-                  "  vpr-query corridor.vprdb --query tuesday --speed varying --seed 2 -o r.json\n"
-                  "  vpr-query corridor.vprdb --query tuesday.mp4 --fps 5 -o r.json\n"
-                  "  vpr-query corridor.vprdb --query tuesday --fuse fabmap.vprdb --c-l 5\n"
-                  "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
+  const QueryCommand& match = kCommands.front();
+  Program program("vpr-query", match.description, match.example);
   QueryOptions options;
   AllSettings settings;
-  const Command app = program.command();
-  add_inputs(app, options);
-  program.add_config(app, settings);
-  add_setting(app, "--method", settings.method, "matching method (default: the database's)")
-      .choices("METHOD", method_names());
-  app.add_footer(method_help());
-  add_unreadable_flag(app, settings.sequence.skip_unreadable);
-  add_sequence_flags(app, options, settings.sequence);
-  add_ground_truth_flags(app, options.ground_truth_flags);
-  add_fabmap_flags(app, options, settings.fabmap);
-  add_loop_flags(app, options, settings.sequence, settings.fabmap);
-  program.set_run([&](Session& session) { run(session, options, settings, app); });
+  for (const QueryCommand& command : kCommands) {
+    const auto run_command = [&](Session& session) {
+      run(session, options, settings, command.choice);
+    };
+    const bool is_program = &command == &match;
+    const Command flags = is_program ? program.command()
+                                     : program.add_command(command.name, command.description,
+                                                           command.example, run_command);
+    command.add_flags(flags, options, settings);
+    program.add_config(flags, settings);
+    if (is_program) program.set_run(run_command);
+  }
   return program.main(argc, argv);
 }

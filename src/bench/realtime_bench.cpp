@@ -26,7 +26,7 @@ ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   live.window_length = settings.window_length;
   live.score = settings.score;
   live.decision = Decision::margin;
-  return {live, {kDatabaseChoice, kFollowChoice}};
+  return {live, {kDatabaseChoice, kLiveChoice}};
 }
 
 BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,

@@ -35,23 +35,15 @@ enum Facet : uint32_t {
   kTrainingDistances = 1 << 10,
   kSequences = 1 << 11,
   kFrames = 1 << 12,
-  kSelection = 1 << 13,
-  kSpeed = 1 << 14,
-  kQueryPath = 1 << 15,
-  kArrays = 1 << 16,
-  kResultFile = 1 << 17,
-  kPicture = 1 << 18,
-  kTimesFile = 1 << 19,
-  kPast = 1 << 20,
-  kSeconds = 1 << 21,
-  kDescriptor = 1 << 22,
-  kScores = 1 << 23,
-  kFabmap = 1 << 24,
-  kDefinition = 1 << 25,
+  kPast = 1 << 13,
+  kSeconds = 1 << 14,
+  kDescriptor = 1 << 15,
+  kFabmap = 1 << 16,
+  kDefinition = 1 << 17,
 };
 
 /// By bit number.
-constexpr std::array<std::string_view, 26> kFacetNames = {
+constexpr std::array<std::string_view, 18> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
@@ -65,17 +57,9 @@ constexpr std::array<std::string_view, 26> kFacetNames = {
     "distances between training frames",
     "training sequences",
     "frames to describe",
-    "selection of frames",
-    "simulated speed",
-    "query folder",
-    "descriptor files",
-    "result file",
-    "picture",
-    "file of times",
     "past frames",
     "gap in seconds",
     "choice of descriptors",
-    "matrix of scores",
     "FAB-MAP database",
     "windows that it can recompute",
 };
@@ -110,35 +94,29 @@ bool has_relative_threshold(const Settings& settings, const RunChoices&) {
 // Without a threshold, loops and matrices of scores have best matches only.
 bool has_automatic_threshold(const Settings& settings, const RunChoices& run) {
   return settings.decision == Decision::threshold && !settings.distance_threshold &&
-         !settings.loop && !has(run, "--scores") && !has(run, kSweepChoice);
+         !settings.loop && !has(run, kMatrixChoice) && !has(run, kSweepChoice);
 }
 
 constexpr std::array kChoices = {
-    Choice{.flag = "--loop",
+    Choice{.flag = "vpr-query loops",
            .needs = kFrames,
-           .excludes =
-               kTrainingDistances | kSequences | kRates | kLaterFrames | kSelection | kDefinition,
+           .excludes = kTrainingDistances | kSequences | kRates | kLaterFrames | kDefinition,
            .instead = "Omit one of them.",
            .is_implied = is_set<&Settings::loop>},
-    Choice{.flag = "a query without --loop",
+    Choice{.flag = "a query without its own past",
            .excludes = kPast,
            .is_implied = is<&Settings::loop, false>},
     Choice{.flag = kFabmapChoice, .excludes = kSeconds | kDescriptor},
-    Choice{.flag = "a --loop-gap in frames",
+    Choice{.flag = "a --gap in frames",
            .excludes = kSeconds,
            .is_implied = [](const Settings& s,
                             const RunChoices&) { return s.loop && s.loop_gap_s == 0; }},
-    Choice{.flag = "--scores", .excludes = kTrainingDistances | kFrames | kDefinition},
-    Choice{
-        .flag = "a query without --scores",
-        .excludes = kScores,
-        .is_implied = [](const Settings&, const RunChoices& run) { return !has(run, "--scores"); }},
+    Choice{.flag = kMatrixChoice, .excludes = kTrainingDistances | kFrames | kDefinition},
     Choice{.flag = kDatabaseChoice, .needs = kSequences | kFrames, .instead = "Omit the database."},
-    Choice{
-        .flag = kFollowChoice,
-        .needs = kSingleFrames | kSequences | kFrames,
-        .excludes = kRates | kMatrix | kLaterFrames | kSpeed | kArrays | kResultFile | kTimesFile,
-        .instead = "Omit --follow, or use --method filter."},
+    Choice{.flag = kLiveChoice,
+           .needs = kSingleFrames | kSequences | kFrames,
+           .excludes = kRates | kMatrix | kLaterFrames,
+           .instead = "Use --method filter, or vpr-query without live."},
     Choice{.flag = kSweepChoice,
            .needs = kWindows | kSequences | kEveryScore,
            .instead = "Use vpr-query, or --method fastable."},
@@ -187,7 +165,7 @@ constexpr std::array kChoices = {
     Choice{.flag = "--rates",
            .needs = kRates,
            .excludes = kDefinition,
-           .instead = "Omit it, or use --method fastable without --follow and --loop.",
+           .instead = "Omit it, or use --method fastable with vpr-query DB.",
            .is_implied = is_set<&Settings::rates>},
     Choice{.flag = "--c-l", .needs = kWindows, .instead = "Omit it, or use --method fastable."},
 
@@ -264,49 +242,23 @@ constexpr std::array kChoices = {
            .instead = "Omit it: frames without a score never match.",
            .is_implied = is_set<&Settings::skip_unreadable>},
 
-    Choice{.flag = "--query", .needs = kQueryPath, .instead = "Omit one of them."},
-    Choice{.flag = "--dataset", .needs = kQueryPath | kFrames, .instead = "Omit one of them."},
-    Choice{.flag = "--query-npy",
-           .needs = kFrames | kArrays,
-           .excludes = kQueryPath,
-           .instead = "Use --query."},
-    Choice{.flag = "--query-bow", .excludes = kQueryPath},
-    Choice{.flag = "--fps", .needs = kFrames | kSelection, .instead = "Omit it."},
-    Choice{.flag = "--recorded-fps", .needs = kFrames, .instead = "Omit it."},
-    Choice{.flag = "--speed", .needs = kSelection | kSpeed, .instead = "Omit it."},
-    Choice{.flag = "--query-times",
-           .needs = kTimesFile,
-           .instead = "Omit it: times are those of the names of images."},
-    Choice{.flag = "--ground-truth",
-           .needs = kPicture | kResultFile,
-           .instead = "Use it with --save-matrix FILE.png; counts come from vpr-eval."},
-    Choice{.flag = "a query without --save-matrix FILE.png",
-           .excludes = kPicture,
-           .is_implied = [](const Settings&,
-                            const RunChoices& run) { return !has(run, "--save-matrix FILE.png"); }},
-    Choice{.flag = "--output", .needs = kResultFile, .instead = "Redirect standard output."},
     Choice{.flag = "--save-matrix", .needs = kMatrix, .instead = "Omit it."},
     Choice{.flag = "--verify",
            .needs = kDefinition | kMatrix,
            .instead = "Omit it, or use --method fastable."},
-    Choice{.flag = "--save-loops", .needs = kPast, .instead = "Use it with --loop."},
-    Choice{.flag = "--frame-times",
-           .needs = kPast | kSeconds,
-           .instead = "Use it with --loop and a gap in seconds, as in --loop-gap 30s."},
-    Choice{.flag = "a --loop-gap in seconds",
+    Choice{.flag = "a --gap in seconds",
            .needs = kSeconds,
-           .instead = "Use a gap in frames, as in --loop-gap 30.",
+           .instead = "Use a gap in frames, as in --gap 30.",
            .is_implied = is_set<&Settings::loop_gap_s>},
     Choice{.flag = "--descriptor",
            .needs = kPast | kDescriptor,
-           .instead = "Use it with --loop and without a database.",
+           .instead = "Use it with vpr-query loops and without a database.",
            .is_implied = is_set<&Settings::descriptor>},
-    Choice{.flag = "--distance", .needs = kScores, .instead = "Use it with --scores."},
-    Choice{.flag = "--similarity", .needs = kScores, .instead = "Use it with --scores."},
-    Choice{.flag = "--train-first", .needs = kScores, .instead = "Use it with --scores."},
-    Choice{.flag = "--missing", .needs = kScores, .instead = "Use it with --scores."},
-    Choice{.flag = "--train-sequence", .needs = kScores, .instead = "Use it with --scores."},
 };
+
+/// Settings that windows have and the filter lacks.
+constexpr std::array<std::string_view, 8> kWindowSettings = {
+    "c_l", "t_r", "t_r_scale", "safety_factor", "score", "rates", "decide", "exclusion_frames"};
 
 constexpr double kMostGapSeconds = 1e9;
 
@@ -355,8 +307,8 @@ void check_zscore_window(const Settings& settings) {
 void check_gap(const Settings& settings) {
   const bool has_seconds = settings.loop_gap_s != 0;
   require(settings.loop_gap != 0 || has_seconds,
-          "--loop needs --loop-gap, the minimum time between a frame and its match: in frames "
-          "(--loop-gap 300) or in seconds (--loop-gap 30s)");
+          "the minimum time between a frame and its match is missing: in frames (--gap 300) or in "
+          "seconds (--gap 30s)");
   require(settings.loop_gap == 0 || !has_seconds,
           "the gap of a loop is in frames or in seconds. Set loop_gap or loop_gap_s, not both.");
   require(!has_seconds || (settings.loop_gap_s > 0 && settings.loop_gap_s <= kMostGapSeconds),
@@ -405,6 +357,13 @@ void check_choices(const SequenceQuerySettings& settings, const RunChoices& run)
         throw Error(ErrorKind::usage,
                     fmt::format("{} does not go with {}, which has no {}. {}", a->flag, b->flag,
                                 kFacetNames[std::countr_zero(missing)], a->instead));
+}
+
+std::string_view default_method(std::span<const std::string> given) {
+  const bool has_windows = std::ranges::any_of(given, [](const std::string& key) {
+    return std::ranges::find(kWindowSettings, key) != kWindowSettings.end();
+  });
+  return has_windows ? "fastable" : "filter";
 }
 
 ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, RunChoices run)

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,11 +12,13 @@
 
 namespace vpr {
 
-/// Choices of a run that are not settings, by their flags: "--follow", "vpr-tune calibrate", ...
+/// Choices of a run that are not settings, by their flags or commands: "--fuse", "vpr-query live".
 using RunChoices = std::vector<std::string_view>;
 
 /// Frames that are matched as they arrive.
-inline constexpr std::string_view kFollowChoice = "--follow";
+inline constexpr std::string_view kLiveChoice = "vpr-query live";
+/// A query given as a matrix of scores.
+inline constexpr std::string_view kMatrixChoice = "vpr-query matrix";
 
 /// A query against a database of sequences.
 inline constexpr std::string_view kDatabaseChoice = "DB";
@@ -42,6 +45,10 @@ std::span<const Choice> choices();
 /// Throws Error(usage) for two choices that cannot be combined: both flags, the missing facet, and
 /// what to do instead.
 void check_choices(const SequenceQuerySettings& settings, const RunChoices& run);
+
+/// The method of a query against a database of sequences if its settings do not name one: fastable
+/// if a setting of windows is given, such as c_l, otherwise the filter. `given`: keys of settings.
+std::string_view default_method(std::span<const std::string> given);
 
 /// Settings of a sequence method whose combination and ranges were checked and whose implied values
 /// are filled in. The filter has windows of one frame, z-scores, and a decision by margin with a

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "match/lsh.h"
 #include "match/match.h"
 #include "match/score_kernels.h"
 
@@ -100,7 +101,7 @@ constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kScoreKinds = {
 
 constexpr std::array<std::string_view, 3> kThresholdSettings = {"t_r", "t_r_scale",
                                                                 "safety_factor"};
-constexpr std::array<std::string_view, 2> kMarginSettings = {"decide", "margin"};
+constexpr std::array<std::string_view, 1> kMarginSettings = {"margin"};
 
 constexpr DecisionKind kThreshold = {.recognitions = "window pairs with a {} below the threshold",
                                      .symbol = "t_r",
@@ -125,14 +126,12 @@ Json in_force(SequenceQuerySettings settings) {
   for (size_t d = 0; d < kDecisionKinds.size(); ++d)
     for (const std::string_view key : kDecisionKinds[d].settings)
       erase_unless(d == static_cast<size_t>(settings.decision), key);
-  for (const char* key : {"score", "zscore"})
-    erase_unless(score_kind(settings.score).needs_statistics, key);
-  erase_unless(settings.exclusion_frames.has_value(), "exclusion_frames");
-  erase_unless(!settings.same_place.empty(), "same_place");
-  erase_unless(has_paths(settings.method), "filter");
-  erase_unless(!settings.rates.empty(), "rates");
+  const bool is_filter = has_paths(settings.method);
+  erase_unless(is_filter, "filter");
+  for (const char* key : {"rates", "exclusion_frames"}) erase_unless(!is_filter, key);
+  erase_unless(settings.method == kLshMethod, "lsh");
+  erase_unless(score_kind(settings.score).needs_statistics, "zscore");
   erase_unless(settings.fusion_weight.has_value(), "fusion_weight");
-  erase_unless(settings.loop, "loop");
   erase_unless(settings.loop && settings.loop_gap != 0, "loop_gap");
   erase_unless(settings.loop && settings.loop_gap == 0, "loop_gap_s");
   erase_unless(settings.loop, "descriptor");

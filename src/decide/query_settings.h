@@ -235,8 +235,8 @@ void check_safety_factor(double factor);
 /// scores by default, which needs no other window.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);
 
-/// The settings as in files: with the default scale, without the settings of other scores and
-/// decisions, and without unset optional settings of the method.
+/// The settings as in files, defaults included: with the default scale, without the settings of
+/// other methods, scores and decisions.
 Json settings_in_force(const QuerySettings& settings);
 
 /// The name of the method: an entry of sequence_methods(), or "fabmap".

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cstring>
+#include <utility>
 #include <mutex>
 #include <tuple>
 
@@ -131,8 +132,13 @@ void DescriptorStore::append(const DescriptorRows& more) {
   owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
 }
 
-DescriptorSet selected(DescriptorSet set, const Selection& selection) {
-  if (selection.is_all()) return set;
+DescriptorSet selected(DescriptorSet&& set, const Selection& selection) {
+  if (selection.is_all()) return std::move(set);
+  return selected(std::as_const(set), selection);
+}
+
+DescriptorSet selected(const DescriptorSet& set, const Selection& selection) {
+  assert(!selection.is_all());
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
   result.descriptors.unit = set.descriptors.unit;
@@ -140,8 +146,8 @@ DescriptorSet selected(DescriptorSet set, const Selection& selection) {
   const DescriptorRows rows = set.rows();
   for (const uint32_t source : selection.sources)
     result.descriptors.append(rows.subspan(source, 1));
-  if (!set.words.empty()) result.words = selected(std::move(set.words), selection);
-  result.sequence = selected(std::move(set.sequence), selection);
+  if (!set.words.empty()) result.words = selected(set.words, selection);
+  result.sequence = selected(set.sequence, selection);
   return result;
 }
 

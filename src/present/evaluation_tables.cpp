@@ -38,8 +38,9 @@ std::string percent(std::optional<double> rate) {
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
   const Json settings = report.settings_json();
-  return settings.contains("score") ? report.method + ", " + text(settings["score"])
-                                    : report.method;
+  return settings.contains("score") && settings["score"] != "raw"
+             ? report.method + ", " + text(settings["score"])
+             : report.method;
 }
 
 std::string setting_text(const Json& settings, std::string_view symbol) {

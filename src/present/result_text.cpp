@@ -24,6 +24,10 @@ std::string limit_text(const Result& result, bool is_automatic) {
   return is_automatic ? text + " (automatic)" : text;
 }
 
+bool has_threshold(const ComparedSequence& compared) {
+  return compared.searched && compared.threshold;
+}
+
 std::string threshold_text(const Result& result, const SequenceQuerySettings& settings) {
   const auto searched = std::ranges::find_if(
       result.sequences, [](const ComparedSequence& one) { return one.searched && one.threshold; });
@@ -86,6 +90,12 @@ std::vector<RecognizedRange> place_ranges(const Result& result) {
 std::string settings_text(const Result& result) {
   return std::visit([&](const auto& settings) { return settings_text(result, settings); },
                     result.settings);
+}
+
+bool has_rule(const Result& result) {
+  const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
+  return settings == nullptr || settings->decision == Decision::margin ||
+         std::ranges::any_of(result.sequences, has_threshold);
 }
 
 std::vector<RecognizedRange> recognized_ranges(const Result& result) {

@@ -12,6 +12,9 @@ namespace vpr {
 /// thresholds and margins of automatic settings are those of the result.
 std::string settings_text(const Result& result);
 
+/// Whether the result can have recognitions: false for best matches without a threshold or margin.
+bool has_rule(const Result& result);
+
 /// A stretch of the query that is recognized along one stretch of a training sequence.
 struct RecognizedRange {
   size_t query_first = 0;  ///< frame; the anchor of the first recognized window

@@ -13,6 +13,8 @@ namespace vpr {
 
 namespace {
 
+constexpr size_t kFewest = 4;  // one recognized frame in four is enough
+
 // The median speed of the recognized frames; nullopt if no speed is known.
 std::optional<double> recognized_rate(const Result& result) {
   std::vector<double> rates;
@@ -23,6 +25,21 @@ std::optional<double> recognized_rate(const Result& result) {
   const auto middle = rates.begin() + static_cast<ptrdiff_t>(rates.size() / 2);
   std::nth_element(rates.begin(), middle, rates.end());
   return *middle;
+}
+
+// The result of the filter with default settings and the same training sequences.
+Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
+                const SequenceQuerySettings& settings, const QueryResources& resources,
+                const Monitor& monitor) {
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  filter.only_sequences = settings.only_sequences;
+  filter.same_place = settings.same_place;
+  const Monitor silent = {{}, {}, monitor.stop};
+  const QueryResources unverified = {resources.kernels, resources.memory_limit, 0, resources.seed};
+  return run_query(plan_query(database, query, "", filter, unverified, silent), unverified, {},
+                   silent)
+      .result;
 }
 
 }  // namespace
@@ -43,13 +60,12 @@ std::optional<std::string> excess_advice(const Result& result) {
 
 std::string no_recognition_advice(const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (result.path)
-    return "Nothing is recognized: the query may show another place or the opposite direction.";
   if (settings.decision == Decision::threshold) {
     const bool has_threshold = std::ranges::any_of(
         result.sequences, [](const ComparedSequence& t) { return t.threshold.has_value(); });
     return has_threshold ? "Nothing is recognized: no score is below t_r."
-                         : "Without a threshold there are no recognitions, only best matches.";
+                         : "Best matches only: a recognition needs --t-r, or --decide margin with "
+                           "--margin.";
   }
   const bool has_margin =
       std::ranges::any_of(result.margins, [](const auto& margin) { return margin.has_value(); });
@@ -61,35 +77,46 @@ std::string no_recognition_advice(const Result& result) {
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor) {
-  constexpr size_t kFewest = 4;       // one frame in four is enough to suggest the filter
   constexpr double kSameSpeed = 1.2;  // and its inverse
-  SequenceQuerySettings filter;
-  filter.method = "filter";
-  filter.only_sequences = settings.only_sequences;
-  filter.same_place = settings.same_place;
-  const Monitor silent = {{}, {}, monitor.stop};
-  const QueryResources unverified = {resources.kernels, resources.memory_limit, 0, resources.seed};
-  const Result result =
-      run_query(plan_query(database, query, "", filter, unverified, silent), unverified, {}, silent)
-          .result;
-  if (result.recognitions.empty())
+  const auto enough = [](const Result& result) {
+    return kFewest * recognized_windows(result) >= result.query.frames;
+  };
+  const auto found = [](const Result& result) {
+    return fmt::format("{} of {}", recognized_windows(result),
+                       counted(result.query.frames, "frame"));
+  };
+  const Result forward = filtered(database, query, settings, resources, monitor);
+  if (!enough(forward)) {
+    const Result reversed =
+        filtered(database, selected(query, at_speed("reversed", query.rows().size(), 1)), settings,
+                 resources, monitor);
+    if (enough(reversed))
+      return fmt::format(
+          "In reverse order, {} are recognized: the query passes the places backwards "
+          "(--speed reversed).",
+          found(reversed));
+  }
+  if (forward.recognitions.empty())
     return "Nothing is recognized at any speed: the query may show another place or the opposite "
            "direction.";
-  const size_t recognized = recognized_windows(result);
-  const std::string found =
-      fmt::format("{} of {}", recognized, counted(result.query.frames, "frame"));
-  if (kFewest * recognized < result.query.frames)
+  if (!enough(forward))
     return fmt::format(
         "Only {} are recognized at any speed (--method filter): most of the query may show another "
         "place or the opposite direction.",
-        found);
-  const auto rate = recognized_rate(result);
+        found(forward));
+  const auto rate = recognized_rate(forward);
   if (rate && (*rate > kSameSpeed || *rate < 1 / kSameSpeed))
     return fmt::format(
         "At another speed (about {:.1f} training frames per query frame) {} are recognized: use "
-        "--method filter.",
-        *rate, found);
-  return fmt::format("The filter recognizes {}: use --method filter.", found);
+        "--method filter without flags of windows.",
+        *rate, found(forward));
+  return fmt::format("The filter recognizes {}: use --method filter without flags of windows.",
+                     found(forward));
+}
+
+bool needs_advice(const Result& result) {
+  return result.path ? kFewest * recognized_windows(result) < result.query.frames
+                     : result.recognitions.empty();
 }
 
 }  // namespace vpr

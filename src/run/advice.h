@@ -11,12 +11,16 @@ namespace vpr {
 /// A sentence if more than a fifth of all window pairs of a result are recognitions.
 std::optional<std::string> excess_advice(const Result& result);
 
-/// A sentence about a result without recognitions, from its settings alone.
+/// Whether a result deserves advice: windows without a recognition, or a filter that recognizes
+/// less than a quarter of the frames.
+bool needs_advice(const Result& result);
+
+/// A sentence about windows without recognitions, from their settings alone.
 std::string no_recognition_advice(const Result& result);
 
-/// A sentence about a query whose windows recognize nothing: the number of its frames that the
-/// method filter recognizes with default settings and the same training sequences, and their median
-/// speed. The database has statistics (ensure_statistics).
+/// A sentence about a query that needs advice: the number of its frames that the filter recognizes
+/// with default settings and the same training sequences, forward or in reverse order, and their
+/// median speed. The database has statistics (ensure_statistics).
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor);

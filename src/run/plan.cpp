@@ -342,7 +342,7 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* statistics,
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
                                const std::string& fabmap, const Monitor& monitor) {
   SequenceDatabase database = read_sequence_database(path);
-  if (settings.has(kFollowChoice) && database.descriptors.kind->is_imported)
+  if (settings.has(kLiveChoice) && database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 fmt::format("{}: holds imported descriptors, which cannot be computed for frames "
                             "that arrive",
