@@ -34,8 +34,7 @@ for line in "${queries[@]}"; do
   map=()
   grep -q '"plan"' "$dataset" && map=(--map "$file.map")
   echo; echo "== query $query, and evaluate"
-  "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" \
-    --score zscore --decide margin --verify 1000 --save-matrix "$file.png" -o "$file.json" --force
+  "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" -o "$file.json" --force
   if [[ $has_truth == yes ]]; then
     "$bin/vpr-eval" "$file.json" --dataset "$dataset" --html "$file.html" "${map[@]}" -o "$file.report.json" --force
   else

@@ -66,8 +66,8 @@ std::pair<Command, Bench<Settings>&> add_bench(
   };
   const Command command = program.add_command(name, description, example, run_bench);
   program.add_config(command, bench->settings);
-  add_format_flag(command, bench->format);
-  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)");
+  add_format_flag(command, bench->format).group("Reports");
+  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)").group("Reports");
   return {command, *bench};
 }
 
@@ -108,7 +108,7 @@ void add_matching(Program& program) {
   add_setting(command, "--value-bits", settings.precision,
               "bits per value of these vectors: 16 or 8 (default: 16)");
   add_setting(command, "--seconds", settings.seconds,
-              "shortest time of a measurement in seconds (default: 0.3)");
+              "minimum time of a measurement in seconds (default: 0.3)");
   command.add_option("--train", bench.train,
                      "training frames (default: generated LDB codes); needs --query");
   command.add_option("--query", bench.query, "query frames for --train");
@@ -170,7 +170,7 @@ BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Sessio
 void add_realtime(Program& program) {
   auto [command, bench] = add_bench<RealtimeBenchSettings>(
       program, "realtime",
-      "Replay a recording at its frame rate, as vpr-query --follow processes it: latency and "
+      "Replay a recording at its frame rate, as vpr-query live processes it: latency and "
       "missed deadlines.",
       "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10\n"
       "  vpr-bench realtime corridor.vprdb --query walk --rate 30 --method filter",

@@ -208,14 +208,18 @@ void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& fl
     truth.options.query_times.clear();
 }
 
-void add_score_flags(const Command& command, ScoreFlags& flags) {
+void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& group) {
   const Flag distance =
-      command.add_flag("--distance", flags.is_distance, "small scores are better");
+      command.add_flag("--distance", flags.is_distance, "small scores are better").group(group);
   command.add_flag("--similarity", flags.is_similarity, "large scores are better")
+      .group(group)
       .excludes(distance);
-  command.add_flag("--train-first", flags.train_first,
-                   "rows of the matrix are training frames, columns are queries");
-  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN");
+  command
+      .add_flag("--train-first", flags.train_first,
+                "rows of the matrix are training frames, columns are queries")
+      .group(group);
+  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN")
+      .group(group);
 }
 
 void require_order(const ScoreFlags& flags) {

@@ -100,7 +100,8 @@ struct ScoreFlags {
 };
 
 /// The order and layout of a matrix of scores.
-void add_score_flags(const Command& command, ScoreFlags& flags);
+void add_score_flags(const Command& command, ScoreFlags& flags,
+                     const std::string& group = kEssentialGroup);
 
 /// Throws Error(usage) without --distance and --similarity.
 void require_order(const ScoreFlags& flags);
@@ -113,19 +114,19 @@ void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why);
 
 /// --score, --exclusion-frames.
 void add_score_settings(const Command& command, SequenceQuerySettings& settings,
-                        const std::string& group);
+                        const std::string& group = "Windows");
 
 /// --rates, --same-place.
 void add_rate_settings(const Command& command, SequenceQuerySettings& settings,
-                       const std::string& group);
+                       const std::string& group = "Windows");
 
 /// --decide, --t-r-scale.
 void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
-                           const std::string& group);
+                           const std::string& group = "Windows");
 
 /// --fuse (with the path `fabmap`), --fusion-weight.
 void add_fusion_settings(const Command& command, SequenceQuerySettings& settings,
-                         std::string& fabmap, const std::string& group);
+                         std::string& fabmap, const std::string& group = "Windows");
 
 Flag add_unreadable_flag(const Command& command, bool& skip_unreadable);
 

@@ -45,10 +45,12 @@ std::string metrics_help() {
 
 void add_score_options(const Command& app, ScoreInputs& inputs) {
   const std::string group = "Scores";
-  add_score_flags(app, inputs.matrix,
-                  "query x reference matrix of any program (.npy); with RESULT, the matrix that "
-                  "was saved with it",
-                  group);
+  app.add_option("--scores", inputs.matrix.path,
+                 "query x reference matrix of any program (.npy); with RESULT, the matrix that "
+                 "was saved with it")
+      .group(group)
+      .type_name("FILE");
+  add_score_flags(app, inputs.matrix, group);
   app.add_option("--query-npy", inputs.query_npy,
                  "descriptors of the query (n x d array, .npy) instead of scores: 1 - cos in "
                  "float64 to --train-npy; for uint8 and bool, the Hamming distance")

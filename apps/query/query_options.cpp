@@ -159,8 +159,8 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   command.add_option("DB", options.database, "database of vpr-train");
   add_query_flags(command, options);
   add_method_flag(command, settings,
-                  "matching method (default: filter, which recognizes places at any speed; "
-                  "fastable if a flag of windows is set; fabmap for its databases)");
+                  "matching method, filter by default, which recognizes places at any speed; "
+                  "default: fastable if a flag of windows is set, fabmap for its databases");
   add_window_flags(command, options, settings.sequence);
   add_arrays_flag(command, options);
   add_selection_flags(command, options);
@@ -188,9 +188,9 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
   command.add_option("--dataset", options.dataset, "data set description with the query")
       .group(kQueryGroup);
   add_method_flag(command, settings,
-                  "matching method (default: filter; fastable if a flag of windows is set)");
+                  "matching method, filter by default; fastable if a flag of windows is set");
   add_window_flags(command, options, settings.sequence);
-  add_selection_flags(command, options);
+  add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
   add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
   add_rate_settings(command, settings.sequence, kWindowGroup);
   add_sequence_choice(command, settings.sequence);

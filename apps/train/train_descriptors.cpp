@@ -175,16 +175,16 @@ void add_descriptors(Program& program) {
                    "float64, or with --bits uint8 or bool; or a folder with one .npy file per "
                    "frame; with an optional range db.npy@FIRST:LAST[:STEP]; repeatable");
   command.add_list("--sequence", options->ranges,
-                   "NAME=FIRST:LAST: rows of a single --npy that form a training sequence (from 0, "
-                   "without LAST); repeatable (default: all rows)");
+                   "NAME=FIRST:LAST: rows of a single --npy that form a training sequence; from 0, "
+                   "without LAST; repeatable (default: all rows)");
   command.add_option("--names", options->names,
                      "text file with the names of the frames, one line per row of --npy");
   command.add_flag("--bits", options->as_bits,
-                   "compare bits by Hamming distance: 8 bits per uint8, or one per bool");
+                   "compare bits by Hamming distance; 8 bits per uint8, or one per bool");
   add_setting(command, "--metric", options->metric,
-              "cosine (only directions count), l2 (Euclidean, lengths also count) or chord (l2 of "
-              "the vectors at length 1: the order of cosine with a finer resolution of small "
-              "distances) (default: cosine)");
+              "distance of vectors (default: cosine); cosine: directions only; l2: Euclidean, "
+              "lengths also count; chord: l2 of the vectors at length 1, with a finer resolution "
+              "of small distances than cosine");
   add_setting(command, "--value-bits", options->precision,
               "bits per value of a vector: 16, or 8 for half the memory (default: 16)");
   add_setting(command, "--c-l", settings.window_length,

@@ -38,7 +38,7 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
       for (const SequenceArgument& view : place.views) groups.push_back({place.name, view, true});
     if (!groups.empty()) train.dataset.clear();
   }
-  // A database without views is for queries with --loop.
+  // A database without views is for vpr-query loops.
   if (has_sequences(train) || !train.places.empty())
     for (const GroupArgument& group : group_arguments(train)) groups.push_back(group);
   if (pretrain.empty())
@@ -112,22 +112,26 @@ void add_fabmap(Program& program) {
                      "data set description instead of sequences");
   add_setting(command, "--features", settings.features.kind, "local features (default: surf)");
   add_setting(command, "--words", settings.words, "words of the vocabulary (default: 1000)");
-  add_setting(command, "--clustering", settings.clustering,
-              "clustering of descriptors; radius: OpenFABMAP's sequential clustering (default: "
-              "kmeans)");
-  add_setting(command, "--cluster-radius", settings.radius,
-              "radius of radius clustering, in the unit of the features (bits for binary ones)");
   command.add_flag("--skip-unreadable", settings.skip_unreadable,
                    "ignore frames that cannot be decoded; they keep their index and have no words");
-  command.add_flag("--from-openfabmap", options->from_openfabmap,
-                   "import the .npy files of scripts/convert/openfabmap.py");
-  command.add_option("--vocabulary", options->vocabulary, "OpenFABMAP's vocabulary (.npy)");
-  command.add_option("--tree", options->tree, "OpenFABMAP's Chow-Liu tree (.npy)");
-  command.add_option(
+  const auto openfabmap = [](Flag flag) { flag.group("OpenFABMAP"); };
+  openfabmap(add_setting(command, "--clustering", settings.clustering,
+                         "clustering of descriptors; radius: OpenFABMAP's sequential clustering "
+                         "(default: kmeans)"));
+  openfabmap(add_setting(command, "--cluster-radius", settings.radius,
+                         "radius of radius clustering, in the unit of the features (bits for "
+                         "binary ones)"));
+  openfabmap(command.add_flag("--from-openfabmap", options->from_openfabmap,
+                              "import the .npy files of scripts/convert/openfabmap.py"));
+  openfabmap(
+      command.add_option("--vocabulary", options->vocabulary, "OpenFABMAP's vocabulary (.npy)"));
+  openfabmap(command.add_option("--tree", options->tree, "OpenFABMAP's Chow-Liu tree (.npy)"));
+  openfabmap(command.add_option(
       "--pretrain-bow", options->pretrain_bow,
-      "OpenFABMAP's BOW matrix of the pretraining frames (.npy), with an optional range");
-  command.add_option("--train-bow", options->train_bow,
-                     "OpenFABMAP's BOW matrix of the places (.npy), with an optional range");
+      "OpenFABMAP's BOW matrix of the pretraining frames (.npy), with an optional range"));
+  openfabmap(
+      command.add_option("--train-bow", options->train_bow,
+                         "OpenFABMAP's BOW matrix of the places (.npy), with an optional range"));
 }
 
 }  // namespace vpr

@@ -320,7 +320,9 @@ void add_fastable(Program& program) {
   add_options(command, tune->options);
   add_sequence_grid(command, tune->options.grid);
   add_score_settings(command, tune->settings);
-  add_decision_settings(command, tune->settings, tune->options.fuse);
+  add_rate_settings(command, tune->settings);
+  add_decision_settings(command, tune->settings);
+  add_fusion_settings(command, tune->settings, tune->options.fuse);
   add_unreadable_flag(command, tune->settings.skip_unreadable);
   add_memory_flag(command, tune->options.memory_limit,
                   "memory for rings and recognitions of all c_l in bytes, as in 512M");

@@ -88,6 +88,7 @@ void add_calibrate(Program& program) {
   add_setting(command, "--method", tune->settings.method,
               "exact matching method of vpr-query, such as fastable or filter (default: fastable)");
   add_score_settings(command, tune->settings);
+  add_rate_settings(command, tune->settings);
   add_unreadable_flag(command, tune->settings.skip_unreadable);
   add_memory_flag(command, options.memory_limit,
                   "memory for rings and recognitions in bytes, as in 512M");

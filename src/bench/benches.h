@@ -155,7 +155,7 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
 /// The settings of the timed query: matches are accepted by margin.
 ResolvedSettings live_settings(const RealtimeBenchSettings& settings);
 
-/// Times the steps of vpr-query --follow: decode and describe a frame, LiveQuery::take. Each frame
+/// Times the steps of vpr-query live: decode and describe a frame, LiveQuery::take. Each frame
 /// is due at a fixed time and starts no earlier. Its latency is counted from that time to the
 /// result, so a late frame delays the next ones. Sleeps in between. The row has latency percentiles
 /// (50, 95, 99, 100), missed deadlines (latency above one period) and the share of a core. Throws

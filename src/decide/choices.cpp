@@ -100,7 +100,7 @@ bool has_automatic_threshold(const Settings& settings, const RunChoices& run) {
 constexpr std::array kChoices = {
     Choice{.flag = "vpr-query loops",
            .needs = kFrames,
-           .excludes = kTrainingDistances | kSequences | kRates | kLaterFrames | kDefinition,
+           .excludes = kTrainingDistances | kSequences | kRates | kLaterFrames,
            .instead = "Omit one of them.",
            .is_implied = is_set<&Settings::loop>},
     Choice{.flag = "a query without its own past",
@@ -111,7 +111,7 @@ constexpr std::array kChoices = {
            .excludes = kSeconds,
            .is_implied = [](const Settings& s,
                             const RunChoices&) { return s.loop && s.loop_gap_s == 0; }},
-    Choice{.flag = kMatrixChoice, .excludes = kTrainingDistances | kFrames | kDefinition},
+    Choice{.flag = kMatrixChoice, .excludes = kTrainingDistances | kFrames},
     Choice{.flag = kDatabaseChoice, .needs = kSequences | kFrames, .instead = "Omit the database."},
     Choice{.flag = kLiveChoice,
            .needs = kSingleFrames | kSequences | kFrames,

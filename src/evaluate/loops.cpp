@@ -330,7 +330,7 @@ std::vector<ListedLoop> loops_of(const Result& result) {
 LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory) {
   if (!std::visit([](const auto& settings) { return settings.loop; }, result.settings))
     throw Error(ErrorKind::data,
-                fmt::format("{}: the result has no loops. Create one with vpr-query --loop --query "
+                fmt::format("{}: the result has no loops. Create one with vpr-query loops --query "
                             "FOLDER",
                             name));
   if (result.query.frames != trajectory.poses.size())

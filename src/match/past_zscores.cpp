@@ -165,7 +165,7 @@ void check_past_settings(const ZScoreSettings& settings) {
   if (settings.components != 0 && settings.components != ZScoreSettings{}.components)
     throw Error(ErrorKind::usage,
                 "zscore.components are components of a whole training sequence, which a sequence "
-                "against itself (--loop) does not have yet; remove them");
+                "against itself (vpr-query loops) does not have yet; remove them");
 }
 
 FrameDistances past_zscores(FrameDistances distances, const ZScoreSettings& settings) {

@@ -118,7 +118,7 @@ class MatrixFile {
 };
 
 /// FAB-MAP's posteriors (.npy, float64): a row per query frame, a column for the new place and one
-/// per view. Views that do not exist yet (with --loop) have 0, unreadable frames NaN.
+/// per view. Views that do not exist yet (in loops) have 0, unreadable frames NaN.
 class PosteriorFile {
  public:
   PosteriorFile(Output& file, size_t frames, size_t views);

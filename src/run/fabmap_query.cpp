@@ -69,7 +69,7 @@ std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   std::vector<uint32_t> place_of = searched.places();
   if (place_of.empty())
     throw Error(ErrorKind::usage,
-                "the database has no places. Train some, or use --loop to recognize places of the "
+                "the database has no places. Train some, or use vpr-query loops to recognize places of the "
                 "query.");
   return place_of;
 }
@@ -171,10 +171,9 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
   check_query_settings(settings);
   if (settings.loop && !query.sequence.selection.is_all())
-    throw Error(
-        ErrorKind::usage,
-        "--loop needs all frames of a query: do not use --speed or --fps. For fewer frames, "
-        "use a range with a step, as in PATH@::6.");
+    throw Error(ErrorKind::usage,
+                "vpr-query loops needs all frames of a query. For fewer frames, use a range with a "
+                "step, as in PATH@::6.");
   std::optional<FabmapDatabase> extended;
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;

@@ -431,7 +431,7 @@ QueryPlan plan_loop(const SequenceDatabase& database, const DescriptorSet& query
   finish_plan(plan, database, monitor);
   if (plan.past.back() < plan.match.window_length)
     warn(monitor, fmt::format("{}: no two windows of {} frames are that far apart. Use a smaller "
-                              "--loop-gap.",
+                              "--gap.",
                               query_name, plan.match.window_length));
   return plan;
 }

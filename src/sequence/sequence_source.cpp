@@ -257,7 +257,7 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
         ErrorKind::input,
         fmt::format(
             "{}: is neither a folder nor a regular file{}", path.string(),
-            fs::is_character_file(status) ? ". To follow a camera, use vpr-query --follow" : ""));
+            fs::is_character_file(status) ? ". To follow a camera, use vpr-query live" : ""));
   } else if (fs::is_empty(path, error)) {  // a file in /proc, which would never end, has size 0
     throw Error(ErrorKind::input, fmt::format("{}: is an empty file", path.string()));
   } else {

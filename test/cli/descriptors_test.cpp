@@ -153,7 +153,7 @@ TEST_CASE("images and descriptors of another kind are refused with the reason") 
   check_failure("vpr-query", {arrays().database(), "--query-npy", images}, 2, "is not a .npy file");
   check_failure("vpr-query",
                 {arrays().database(), "--query-npy", arrays().path("q.npy"), "--query", images}, 2,
-                "--query does not go with --query-npy");
+                "--query-npy cannot be combined with --query");
   const auto train = [&](Words words) {
     return run_program("vpr-train", joined({"descriptors", "-o", out / "x.vprdb"}, words));
   };

@@ -102,7 +102,8 @@ TEST_CASE("a database imported from vocabulary, tree and words has the same post
   CHECK(read_text(out / "r.npy") == read_text(out / "i.npy"));
 }
 
-TEST_CASE("with --loop, a recording recognizes its own earlier frames, none within the gap") {
+TEST_CASE(
+    "in vpr-query loops, a recording recognizes its own earlier frames, none within the gap") {
   const TemporaryFolder out;
   fs::create_directory(out / "lap");
   const Words names = images_of(world().walk("one"));
@@ -111,9 +112,10 @@ TEST_CASE("with --loop, a recording recognizes its own earlier frames, none with
       fs::copy(fs::path(world().walk("one")) / names[i],
                out / "lap" / (std::to_string(lap * names.size() + i) + ".png"));
   ok(run_train({"-o", out / "v.vprdb"}));
-  check_failure("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--json"}, 2, "--loop");
-  run_ok("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--loop", "--loop-gap", "20",
-                       "--t-p", "0.2", "--save-posteriors", out / "p.npy", "-o", out / "r.json"});
+  check_failure("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--json"}, 2,
+                "vpr-query loops");
+  run_ok("vpr-query", {"loops", out / "v.vprdb", "--query", out / "lap", "--gap", "20", "--t-p",
+                       "0.2", "--save-posteriors", out / "p.npy", "-o", out / "r.json"});
   const auto rows = read_array<int32_t>(out / "r.best.npy");
   const auto lap = static_cast<int32_t>(names.size());
   size_t right = 0;
@@ -135,8 +137,12 @@ TEST_CASE("with --loop, a recording recognizes its own earlier frames, none with
 
 TEST_CASE("an explanation lists words and draws them") {
   const TemporaryFolder out;
-  const auto outcome =
-      ok(run_query({"--explain", "20", "--train", world().walk("one"), "-o", out / "r.json"}));
+  const auto explain = [](const Words& more) {
+    return run_program(
+        "vpr-query",
+        joined({"explain", world().fabmap(), "--query", world().walk("back"), "--frame"}, more));
+  };
+  const auto outcome = ok(explain({"20", "--train", world().walk("one"), "-o", out / "r.json"}));
   CHECK(has(outcome.out, "Frame 20:"));
   CHECK(read_text(out / "r.explain.png").substr(1, 3) == "PNG");
   const Json explanation = file_json(out / "r.json")["explanation"];
@@ -145,9 +151,10 @@ TEST_CASE("an explanation lists words and draws them") {
     CHECK(place["for"][0]["log_odds"].get<double>() >= place["for"][1]["log_odds"].get<double>());
     CHECK(place["against"][0]["log_odds"].get<double>() < 0);
   }
-  check_failure(run_query({"--explain", "999", "--json"}), 2, "--explain 999");
-  check_failure(run_query({"--explain", "2", "--train", "none=x", "-o", out / "s.json"}), 2,
-                "none");
+  check_failure(explain({"999", "--json"}), 2, "--frame 999");
+  check_failure(explain({"2", "--train", "none=x", "-o", out / "s.json"}), 2, "none");
+  check_failure("vpr-query", {"explain", world().database(), "--query", "q", "--frame", "2"}, 4,
+                "vpr-query explain");
   CHECK(!fs::exists(out / "s.json"));
 }
 
@@ -216,7 +223,7 @@ TEST_CASE("an undecodable frame never matches, as a view or in a loop") {
   // A gray frame after the broken one, which resembles no other frame.
   fs::copy(out / "gray/1.pgm", out / "one/zz.pgm");
   ok(run_train({"-o", out / "v.vprdb"}));
-  run_ok("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop", "--skip-unreadable",
+  run_ok("vpr-query", {"loops", out / "v.vprdb", "--query", out / "one", "--skip-unreadable",
                        "--t-p", "0.5", "-o", out / "l.json"});
   const NpyArray recognitions(out / "l.recognitions.npy");
   for (size_t i = 0; i < recognitions.shape()[0]; ++i)
@@ -259,7 +266,6 @@ TEST_CASE("FAB-MAP settings out of range are refused") {
                                                {"--c-w", "-1", "\"--c-w\""},
                                                {"--variant", "fabmap3", "did you mean fabmap2?"},
                                                {"--word-model", "x", "\"--word-model\""},
-                                               {"--loop-gap", "-1", "\"--loop-gap\""},
                                                {"--new-place", "never", "\"--new-place\""}})
     check_failure("vpr-query",
                   {world().fabmap(), "--query", world().walk("back"), flag, value, "--json"}, 2,

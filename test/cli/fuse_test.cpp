@@ -71,14 +71,14 @@ TEST_CASE("live frames have the results of the whole fused query") {
   for (const std::string& name : images_of(world().walk("again")))
     list += world().walk("again") + "/" + name + "\n";
   write_text(folder / "list.txt", list);
-  const auto asked = [&](Words words) {
-    return run_program("vpr-query", joined({database(), "--query", folder / "list.txt", "--fuse",
-                                            world().fabmap(), "--c-l", "10", "--decide", "margin"},
-                                           words));
+  const auto asked = [&](const Words& command, const Words& more) {
+    const Words words = {database(), "--query", folder / "list.txt", "--fuse", world().fabmap(),
+                         "--c-l",    "10",      "--decide",          "margin"};
+    return run_program("vpr-query", joined(command, joined(words, more)));
   };
-  ok(asked({"-o", folder / "r.json"}));
+  ok(asked({}, {"-o", folder / "r.json"}));
   const Result whole = read_result(folder / "r.json").result;
-  const auto followed = ok(asked({"--follow", "--quiet"}));
+  const auto followed = ok(asked({"live"}, {"--quiet"}));
   const Words lines = lines_of(followed.out);
   REQUIRE(lines.size() == whole.query.frames);
   for (size_t window = 0; window < whole.best.size(); ++window) {

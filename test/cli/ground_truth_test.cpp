@@ -154,18 +154,9 @@ TEST_CASE("one command counts a result under every protocol") {
                 2, "--protocol");
 }
 
-TEST_CASE("vpr-query and vpr-tune accept every format, and data sets name it") {
+TEST_CASE("vpr-eval and vpr-tune accept every format, and data sets name it") {
   const TemporaryFolder out;
   convert(walk().path("g.csv"), "matrix", out / "g.npz");
-  const auto picture = [&](const std::string& ground_truth) {
-    const std::string name = out / "d.png";
-    run_ok("vpr-query",
-           {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
-            "--save-matrix", name, "--ground-truth", ground_truth, "--json", "--force"});
-    return read_text(name);
-  };
-  CHECK(picture(walk().path("g.csv")) == picture(out / "g.npz"));
-  CHECK(picture("aligned") != picture(out / "g.npz"));
   const auto tune = [&](Words more) {
     Words words =
         joined({"fastable", walk().database(), "--c-l", "2", "--t-r", "0.9", "--json"}, more);
@@ -210,14 +201,6 @@ TEST_CASE("several results form one table, with a row and a name for each") {
   check_failure("vpr-eval", joined(words, {"--html", out / "x.html"}), 2, "one result");
   const std::string text = run_program("vpr-eval", words).out;
   CHECK(has(text, "By keyframe"));
-}
-
-TEST_CASE("options of a ground truth need one") {
-  for (const std::string flag : {"--tolerance", "--radius"})
-    check_failure("vpr-query",
-                  {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
-                   "--json", flag, "3"},
-                  2, "--save-matrix");
 }
 
 TEST_CASE("poses by time and anchors are accepted as flags and in data sets") {

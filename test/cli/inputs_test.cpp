@@ -94,7 +94,7 @@ const Matrix& matrix() {
 
 RunOutcome query_matrix(const std::string& file, const Words& words,
                         const Words& how = {"--distance"}) {
-  return run_program("vpr-query", joined({"--scores", matrix().path(file)},
+  return run_program("vpr-query", joined({"matrix", matrix().path(file)},
                                          joined(how, joined(matrix().sequences(), words))));
 }
 
@@ -320,9 +320,11 @@ TEST_CASE("incompatible flags of lists are refused") {
 
 TEST_CASE("windows of a matrix of frame distances equal those of the database") {
   const TemporaryFolder out;
+  write_text(out / "openable.json", R"({"method": "openable"})");
+  write_text(out / "online.json", R"({"method": "fastable-online"})");
   for (const Words& words :
-       {Words{"--t-r", "0.65"}, Words{"--t-r", "0.7", "--method", "openable"},
-        Words{"--t-r", "150", "--t-r-scale", "bits", "--method", "fastable-online"},
+       {Words{"--t-r", "0.65"}, Words{"--t-r", "0.7", "--config", out / "openable.json"},
+        Words{"--t-r", "150", "--t-r-scale", "bits", "--config", out / "online.json"},
         Words{"--t-r", "0.8"}, Words{"--t-r", "0.65", "--only-sequence", "two"},
         Words{"--t-r", "0.65", "--rates", "1/2,1,2"},
         Words{"--decide", "margin", "--margin", "20"}}) {
@@ -375,24 +377,21 @@ TEST_CASE("similarities have the best matches of distances, and are evaluated li
 }
 
 TEST_CASE("a matrix alone reports the missing inputs") {
+  const TemporaryFolder folder;
   const auto check = [](const Words& words, int code, const std::string& word) {
-    check_failure("vpr-query", joined({"--scores", matrix().path("s.npy")}, words), code, word);
+    check_failure("vpr-query", joined({"matrix", matrix().path("s.npy")}, words), code, word);
   };
   check({}, 2, "the order of the scores is missing");
   check({"--distance", "--decide", "margin"}, 2, "--exclusion-frames");
-  check({"--distance", "--method", "filter"}, 2, "--method filter does not go with --scores");
-  check({"--distance", "--method", "lsh"}, 2, "--method lsh does not go with --scores");
-  check({"--distance", "--follow"}, 2, "--follow");
-  check({"--distance", "--query-npy", "x.npy"}, 2, "--query-npy");
-  check({"--distance", "--score", "zscore", "--verify", "5"}, 2, "--verify");
+  for (const char* method : {"filter", "lsh"}) {
+    write_text(folder / "c.json", fmt::format(R"({{"method": "{}"}})", method));
+    check({"--distance", "--config", folder / "c.json"}, 2, "does not go with vpr-query matrix");
+  }
+  check({"--distance", "--query", "x"}, 2, "--query");
   check({"--distance", "--train-sequence", "a=0:100000"}, 2, "the matrix has");
   check({"--distance", "--train-sequence", "0:5"}, 2, "NAME=FIRST:LAST");
   check({"--distance", "--train-sequence", "a=0:5", "--train-sequence", "a=5:9"}, 2,
         "duplicate name of training sequences: a");
   check({"--distance", "--c-l", "100000"}, 2, "c_l");
-  check_failure("vpr-query", {world().database(), "--scores", matrix().path("s.npy"), "--distance"},
-                2, "DB does not go with --scores");
   check_failure("vpr-query", {"--query", world().walk("back")}, 2, "the database is missing");
-  check_failure("vpr-query", {world().database(), "--query", world().walk("back"), "--similarity"},
-                2, "Use it with --scores");
 }

@@ -1,4 +1,4 @@
-// vpr-query --follow, and the filter over places and rates.
+// vpr-query live, and the filter over places and rates.
 #include <csignal>
 #include <fstream>
 
@@ -20,6 +20,10 @@ Words words_of(const std::string& query, Words more) {
   return joined({world().database(), "--query", query}, more);
 }
 
+Words live_words(const std::string& query, const Words& more) {
+  return joined({"live"}, words_of(query, more));
+}
+
 // The frames of a sequence as a list, which has an end.
 std::string list_of(const fs::path& walk, const fs::path& list, const std::string& more = "") {
   std::string text;
@@ -28,7 +32,7 @@ std::string list_of(const fs::path& walk, const fs::path& list, const std::strin
   return list.string();
 }
 
-// The results of the whole query in the format of --follow.
+// The results of the whole query in the format of vpr-query live.
 Words offline_lines(const std::string& query, Words words, const Words& names) {
   const TemporaryFolder folder;
   run_ok("vpr-query", words_of(query, joined(words, {"-o", folder / "r.json", "--quiet"})));
@@ -71,7 +75,7 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
     INFO(words.back());
     const Words all = joined(words, {"--skip-unreadable"});
     const auto expected = offline_lines(list, all, names);
-    const auto live = run_ok("vpr-query", words_of(list, joined(all, {"--follow"})));
+    const auto live = run_ok("vpr-query", live_words(list, all));
     CHECK(lines_of(live.out) == expected);
     CHECK(has(live.out, "\"recognized\":true"));
     CHECK(has(live.err, "from frame to line"));
@@ -85,7 +89,7 @@ TEST_CASE("a growing folder is followed until Ctrl-C") {
   names.resize(20);
   const auto expected = offline_lines(walk.string() + "@0:20", {"--method", "filter"}, names);
   fs::create_directory(folder / "frames");
-  Running live("vpr-query", words_of(folder / "frames", {"--method", "filter", "--follow"}));
+  Running live("vpr-query", live_words(folder / "frames", {"--method", "filter"}));
   for (size_t frame = 0; frame < names.size(); ++frame) {
     const std::string picture = read_text(walk / names[frame]);
     if (frame % 2 == 0) {  // in two halves; or at once under another name
@@ -107,8 +111,7 @@ TEST_CASE("a growing folder is followed until Ctrl-C") {
 
 TEST_CASE("image paths on standard input are followed to their end") {
   const fs::path walk = world().walk("back");
-  Running live("vpr-query",
-               words_of("-", {"--c-l", "2", "--follow", "--t-r", "300", "--t-r-scale", "bits"}));
+  Running live("vpr-query", live_words("-", {"--c-l", "2", "--t-r", "300", "--t-r-scale", "bits"}));
   for (const std::string name : {"00000.png", "00001.png"}) {
     // Some editors write a byte order mark at the beginning.
     live.write((name == "00000.png" ? "\xef\xbb\xbf" : "# a note\n\n") + (walk / name).string() +
@@ -137,7 +140,7 @@ TEST_CASE("a video is followed to its end") {
   }
   const Words words = {"--c-l", "3", "--score", "zscore", "--decide", "margin"};
   const auto expected = offline_lines(path + "@2:12", words, names);
-  const auto live = run_ok("vpr-query", words_of(path + "@2:12", joined(words, {"--follow"})));
+  const auto live = run_ok("vpr-query", live_words(path + "@2:12", words));
   CHECK(lines_of(live.out) == expected);
 }
 
@@ -153,18 +156,18 @@ TEST_CASE("inputs that cannot be followed are refused with a sentence") {
            {{"--verify", "3"}, "--verify"},
            {{"-o", "r.json"}, "--output"},
            {{"--save-matrix", "m.npy"}, "--save-matrix"}}) {
-    check_failure("vpr-query", words_of(back, joined(words, {"--follow"})), 2, named);
+    check_failure("vpr-query", live_words(back, words), 2, named);
   }
-  check_failure("vpr-query", words_of(back + "@0:5", {"--follow"}), 2, "range");
-  check_failure("vpr-query", {world().fabmap(), "--query", back, "--follow"}, 2, "--follow");
-  check_failure("vpr-query", {world().database(), "--query-npy", "q.npy", "--follow"}, 2,
+  check_failure("vpr-query", live_words(back + "@0:5", {}), 2, "range");
+  check_failure("vpr-query", {"live", world().fabmap(), "--query", back}, 4, "vpr-query live");
+  check_failure("vpr-query", {"live", world().database(), "--query-npy", "q.npy"}, 2,
                 "--query-npy");
-  check_failure("vpr-query", words_of("/dev/null", {"--follow"}), 3, "camera");
-  check_failure("vpr-query", words_of("/dev/null", {}), 3, "--follow");
-  check_failure("vpr-query", words_of("/dev/video99", {"--follow"}), 3, "no such");
+  check_failure("vpr-query", live_words("/dev/null", {}), 3, "camera");
+  check_failure("vpr-query", words_of("/dev/null", {}), 3, "vpr-query live");
+  check_failure("vpr-query", live_words("/dev/video99", {}), 3, "no such");
   const TemporaryFolder folder;
   const std::string list = list_of(back, folder / "list.txt", "off_map.png\n");
-  const auto unreadable = run_program("vpr-query", words_of(list, {"--follow", "--quiet"}));
+  const auto unreadable = run_program("vpr-query", live_words(list, {"--quiet"}));
   CHECK(unreadable.exit_code == 3);
   CHECK(lines_of(unreadable.out).size() + 1 == lines_of(read_text(list)).size());
 }

@@ -147,7 +147,7 @@ struct RenderedLaps {
 
   RunOutcome query(Words more) const {
     return run_program("vpr-query",
-                       joined({"--loop", "--query", frames, "--c-l", "4", "--force"}, more));
+                       joined({"loops", "--query", frames, "--c-l", "4", "--force"}, more));
   }
   Json judge(const std::string& list, Words more) const {
     return printed_json("vpr-eval", joined({"--loops", list, "--poses", poses, "--radius", "0.5",
@@ -163,7 +163,7 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
   const std::string list = laps.folder / "loops.csv";
   for (const char* score : {"raw", "zscore"}) {
     INFO(score);
-    ok(laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result, "--save-loops", list}));
+    ok(laps.query({"--gap", "15", "--score", score, "-o", laps.result, "--save-loops", list}));
     const Json by_result = laps.judge(laps.result, {});
     const Json by_list = laps.judge(list, {"--distance"});
     CHECK(by_list["loops"] == by_result["loops"]);
@@ -177,13 +177,13 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
     CHECK(by_result["loops"]["too_near"] == 0);
   }
   // The identical frames of the second lap have distance 0.
-  CHECK(printed_json(laps.query({"--loop-gap", "15", "--t-r", "1", "--save-loops", list, "-o",
+  CHECK(printed_json(laps.query({"--gap", "15", "--t-r", "1", "--save-loops", list, "-o",
                                  laps.result, "--json"}))["totals"]["recognitions"] == 17);
   const Json right = laps.judge(list, {"--distance"});
   CHECK(right["loops"]["listed"] == 17);
   CHECK(right["loops"]["incorrect"] == 0);
   // The settings of a result repeat the query.
-  const auto again = run_ok("vpr-query", {"--query", laps.frames, "--config", laps.result,
+  const auto again = run_ok("vpr-query", {"loops", "--query", laps.frames, "--config", laps.result,
                                           "--save-loops", laps.folder / "again.csv"});
   CHECK(read_text(laps.folder / "again.csv") == read_text(list));
 }
@@ -197,32 +197,30 @@ TEST_CASE("a gap in seconds uses the names of frames, or times") {
   std::string text;
   for (int f = 0; f < 50; ++f) text += fmt::format("{}\n", 7 + 0.5 * f);
   write_text(times, text);
-  ok(laps.query({"--loop-gap", "15", "--save-loops", frames}));
-  ok(laps.query({"--loop-gap", "7.5s", "--save-loops", seconds}));
-  ok(laps.query({"--loop-gap", "7.5s", "--frame-times", times, "--save-loops", listed}));
+  ok(laps.query({"--gap", "15", "--save-loops", frames}));
+  ok(laps.query({"--gap", "7.5s", "--save-loops", seconds}));
+  ok(laps.query({"--gap", "7.5s", "--frame-times", times, "--save-loops", listed}));
   CHECK(read_text(seconds) == read_text(frames));
   CHECK(read_text(listed) == read_text(frames));
   write_text(times, "1\n2\n3\n");
-  check_failure(laps.query({"--loop-gap", "7.5s", "--frame-times", times}), 4, "3 times");
+  check_failure(laps.query({"--gap", "7.5s", "--frame-times", times}), 4, "3 times");
   // Names that may be frame numbers are used as times, with a message.
-  const auto counted = run_ok(
-      "vpr-query", {"--loop", "--loop-gap", "15s", "--c-l", "4", "--query", world().walk("one")});
+  const auto counted =
+      run_ok("vpr-query", {"loops", "--gap", "15s", "--c-l", "4", "--query", world().walk("one")});
   CHECK(has(counted.err, "if they count frames"));
 }
 
-TEST_CASE("--loop without a database refuses incompatible flags") {
+TEST_CASE("loops without a database refuse incompatible flags") {
   const RenderedLaps laps;
   const auto refused = [&](Words words, const char* word) {
     INFO(word);
-    check_failure(laps.query(joined({"--loop-gap", "15"}, words)), 2, word);
+    check_failure(laps.query(joined({"--gap", "15"}, words)), 2, word);
   };
-  check_failure(laps.query({}), 2, "--loop-gap 300");
-  check_failure(laps.query({"--loop-gap", "soon"}), 2, "--loop-gap");
-  refused({world().database()}, "DB does not go with --loop");
-  refused({"--follow"}, "--follow");
+  check_failure(laps.query({}), 2, "--gap 300");
+  check_failure(laps.query({"--gap", "soon"}), 2, "--gap");
+  refused({world().database()}, "DB does not go with vpr-query loops");
   refused({"--speed", "2"}, "--speed");
-  refused({"--method", "lsh"}, "lsh");
-  refused({"--method", "filter"}, "filter");
+  refused({"--method", "filter"}, "--method");
   refused({"--rates", "1,2"}, "--rates");
   refused({"--score", "zscore-offline"}, "later frames");
   refused({"--t-r", "0.5", "--t-r-scale", "relative"}, "relative");
@@ -235,21 +233,24 @@ TEST_CASE("--loop without a database refuses incompatible flags") {
     check_failure("vpr-query", joined({world().database(), "--query", laps.frames}, words), 2,
                   word);
   };
-  other({"--save-loops", laps.folder / "l.csv"}, "--loop");
-  other({"--descriptor", "hog"}, "--loop");
+  write_text(laps.folder / "hog.json", R"({"descriptor": "hog"})");
+  other({"--config", laps.folder / "hog.json"}, "vpr-query loops");
+  ok(laps.query({"--gap", "15", "-o", laps.result}));
+  other({"--config", laps.result}, "has the settings of vpr-query loops");
   const auto fabmap = [&](Words words, const char* word) {
     INFO(word);
-    check_failure("vpr-query", joined({world().fabmap(), "--query", laps.frames, "--loop"}, words),
+    check_failure("vpr-query", joined({"loops", world().fabmap(), "--query", laps.frames}, words),
                   2, word);
   };
-  fabmap({"--loop-gap", "30s"}, "frames");
-  fabmap({"--descriptor", "hog"}, "FAB-MAP");
+  fabmap({"--gap", "30s"}, "frames");
+  fabmap({"--gap", "-1"}, "\"--gap\"");
+  fabmap({"--descriptor", "hog"}, "no effect with a database for fabmap");
 }
 
 TEST_CASE("FAB-MAP's own frames are loops as well") {
   const RenderedLaps laps;
   const std::string list = laps.folder / "loops.csv";
-  run_ok("vpr-query", {world().fabmap(), "--query", laps.frames, "--loop", "--loop-gap", "14",
+  run_ok("vpr-query", {"loops", world().fabmap(), "--query", laps.frames, "--gap", "14",
                        "--save-loops", list, "-o", laps.result});
   const Json by_result = laps.judge(laps.result, {});
   CHECK(laps.judge(list, {"--similarity"})["loops"] == by_result["loops"]);
@@ -259,13 +260,13 @@ TEST_CASE("FAB-MAP's own frames are loops as well") {
 TEST_CASE("an image and a matrix of a sequence against its past show the compared frames") {
   const RenderedLaps laps;
   const std::string matrix = laps.folder / "m.npy";
-  ok(laps.query({"--loop-gap", "15", "--save-matrix", matrix}));
+  ok(laps.query({"--gap", "15", "--save-matrix", matrix}));
   const NpyArray cells(matrix);
   REQUIRE(cells.shape() == std::vector<size_t>{47, 47});
   const auto values = cells.values<int32_t>(2);
   for (size_t j = 0; j < 47; ++j)
     for (size_t i = 0; i < 47; ++i) CHECK((values[j * 47 + i] == -1) == (i + 15 > j));
-  ok(laps.query({"--loop-gap", "15", "--save-matrix", laps.folder / "m.png"}));
+  ok(laps.query({"--gap", "15", "--save-matrix", laps.folder / "m.png"}));
 }
 
 TEST_CASE("loops of a sequence are the same for any threads and any SIMD target") {
@@ -275,8 +276,8 @@ TEST_CASE("loops of a sequence are the same for any threads and any SIMD target"
     for (const std::string& target : simd_targets()) {
       const std::string list = laps.folder / "loops.csv";
       run_ok("vpr-query",
-             {"--loop", "--query", laps.frames, "--c-l", "4", "--loop-gap", "15", "--score",
-              "zscore", "--threads", threads, "--save-loops", list, "--force"},
+             {"loops", "--query", laps.frames, "--c-l", "4", "--gap", "15", "--score", "zscore",
+              "--threads", threads, "--save-loops", list, "--force"},
              {"VPR_SIMD=" + target});
       if (expected.empty()) expected = read_text(list);
       CHECK(read_text(list) == expected);

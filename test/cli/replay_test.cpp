@@ -92,15 +92,15 @@ TEST_CASE("names, lists and constant rates select the same frames, live or not")
     list += (out / "named/").string() + name + "\n";
   write_text(out / "list.txt", list);
   CHECK(run("list2", {"--query", out / "list.txt"}) == even);
-  const Words live = {world().database(), "--c-l", "2", "--t-r",   "200",    "--t-r-scale", "bits",
-                      "--follow",         "--fps", "4", "--quiet", "--query"};
+  const Words live = {"live",    world().database(), "--c-l", "2",     "--t-r",
+                      "200",     "--t-r-scale",      "bits",  "--fps", "4",
+                      "--quiet", "--query"};
   const auto followed = run_ok("vpr-query", joined(live, {out / "list.txt"}));
   CHECK(static_cast<size_t>(std::count(followed.out.begin(), followed.out.end(), '\n')) ==
         NpyArray(out / "even.source_frames.npy").shape()[0]);
   CHECK(has(followed.out, "\"1305031102.200.png\""));
   CHECK_FALSE(has(followed.out, "\"1305031102.100.png\""));
-  check_failure("vpr-query", joined(live, {walk, "--query-times", "t.csv"}), 2,
-                "--query-times does not go with --follow");
+  check_failure("vpr-query", joined(live, {walk, "--query-times", "t.csv"}), 2, "--query-times");
 }
 
 TEST_CASE("resampled training frames keep the ground truth of the recordings") {
@@ -218,7 +218,7 @@ TEST_CASE("a speed has the same bytes for any number of threads, and others for 
   CHECK(bytes("b", {"--threads", "3"}) == one);
   CHECK(bytes("c", {"--seed", "2"}) != one);
   const auto at_speed = single(out / "d.json", {"--speed", "varying", "--seed", "7"});
-  CHECK(has(at_speed.out, "back, at speed varying, seed 7: "));
+  CHECK(has(at_speed.out, "back, at speed varying, seed 7"));
 }
 
 TEST_CASE("FAB-MAP also resamples a query") {
@@ -229,8 +229,8 @@ TEST_CASE("FAB-MAP also resamples a query") {
                                            more));
   };
   ok(run("plain.json", {}));
-  const auto slowed = ok(run("slow.json", {"--speed", "0.5", "--explain", "5"}));
-  CHECK(has(slowed.out, "back, at speed 0.5: "));
+  const auto slowed = ok(run("slow.json", {"--speed", "0.5"}));
+  CHECK(has(slowed.out, "back, at speed 0.5"));
   const auto best_of = [&](const char* name) {
     const auto values = read_array<int32_t>(out / name);
     std::vector<int32_t> places;
@@ -241,7 +241,6 @@ TEST_CASE("FAB-MAP also resamples a query") {
   const std::vector<int32_t> slow = best_of("slow.best.npy");
   REQUIRE(slow.size() == 2 * plain.size());
   for (size_t k = 0; k < slow.size(); ++k) CHECK(slow[k] == plain[k / 2]);
-  check_failure(run("loop.json", {"--speed", "2", "--loop"}), 2, "--loop");
 }
 
 TEST_CASE(
@@ -337,7 +336,7 @@ TEST_CASE("windows of several rates equal the definition, and store the rate of 
   ok(run("one.json", {"--rates", "1"}));
   ok(run("plain.json", {}));
   CHECK(read_text(out / "one.best.npy") == read_text(out / "plain.best.npy"));
-  CHECK_FALSE(has(read_text(out / "plain.json"), "rates"));
+  CHECK(file_json(out / "plain.json")["settings"]["rates"].empty());
   check_failure(run("x.json", joined(rates, {"--method", "openable"})), 2, "--rates");
   check_failure(run("x.json", {"--rates", "0/1"}), 2, "3/2");
   check_failure(run("x.json", {"--rates", "1,2/2"}), 2, "twice");

@@ -6,7 +6,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 "$bin/vpr-synth" "$source/configs/worlds/small.json" -o "$out/building" --quiet
 "$bin/vpr-train" fastable --dataset "$out/building/dataset.json" -o "$out/w.vprdb" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --verify 10 \
+"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 40 --verify 10 \
   --save-matrix "$out/d.npy" -o "$out/r.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --t-r 0.3 --only-sequence corridor \
   -o "$out/r2.json" --quiet
@@ -43,8 +43,8 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
 "$bin/vpr-train" fabmap --pretrain "$out/building/corridor" --train "$out/building/hall@0:20" --words 20 \
   -o "$out/f.vprdb" --json >"$out/fi.json"
 "$bin/vpr-query" "$out/f.vprdb" --query "$out/building/hall@0:20" --t-p 0.5 -o "$out/fr.json" --quiet
-"$bin/vpr-query" "$out/f.vprdb" --query "$out/building/hall@0:20" --loop --loop-gap 2 --explain 9 \
-  -o "$out/fl.json" --quiet
+"$bin/vpr-query" loops "$out/f.vprdb" --query "$out/building/hall@0:20" --gap 2 -o "$out/fg.json" --quiet
+"$bin/vpr-query" explain "$out/f.vprdb" --query "$out/building/hall@0:20" --frame 9 -o "$out/fl.json" --quiet
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   -o "$out/s.json" --quiet
@@ -67,10 +67,10 @@ mkdir "$out/all"
 cp "$out/e.json" "$out/ew.json" "$out/all"
 "$bin/vpr-eval" report "$out/all" -o "$out/grid.json" --quiet
 ls "$out"/building/query/[0-9]* >"$out/query.txt"
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/query.txt" --follow --method filter --quiet >"$out/live"
+"$bin/vpr-query" live "$out/w.vprdb" --query "$out/query.txt" --quiet >"$out/live"
 head -n 1 "$out/live" >"$out/l1.json"
 tail -n 1 "$out/live" >"$out/l2.json"
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/query.txt" --follow --c-l 5 --quiet | tail -n 1 >"$out/l3.json"
+"$bin/vpr-query" live "$out/w.vprdb" --query "$out/query.txt" --c-l 5 --quiet | tail -n 1 >"$out/l3.json"
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
   --score zscore --t-r=-2,-3 -o "$out/s2.json" --quiet

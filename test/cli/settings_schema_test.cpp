@@ -140,9 +140,6 @@ Json stored(const Json& old) {
       properties[key] = {{"required", keys<T>()}};
     } else if constexpr (detail::kIsOptional<T>) {
       if (std::is_enum_v<typename T::value_type>) properties[key] = {{"not", {{"const", "auto"}}}};
-    } else if constexpr (std::is_same_v<S, SequenceQuerySettings> &&
-                         std::is_same_v<T, Score>) {  // omitted instead
-      properties[key] = {{"not", {{"const", enum_name(Score{})}}}};
     }
   });
   Json schema = {{"$ref", part(old, "$ref")}};

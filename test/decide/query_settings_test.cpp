@@ -57,14 +57,19 @@ TEST_CASE("files hold the settings of their own score") {
     for (const auto& item : json.items()) found.push_back(item.key());
     return found;
   };
-  const std::vector<std::string> raw = {"method",          "c_l",           "t_r",
-                                        "t_r_scale",       "safety_factor", "only_sequence",
-                                        "skip_unreadable", "clustering",    "lsh"};
-  std::vector<std::string> all = raw;
-  all.insert(all.end(), {"score", "zscore"});
-  CHECK(keys(Score::raw) == raw);
+  std::vector<std::string> all = {
+      "method",           "c_l",        "t_r",   "t_r_scale", "safety_factor", "only_sequence",
+      "skip_unreadable",  "clustering", "score", "zscore",    "rates",         "decide",
+      "exclusion_frames", "same_place", "loop"};
   CHECK(keys(Score::zscore) == all);
   CHECK(keys(Score::zscore_offline) == all);
+  std::erase(all, "zscore");
+  CHECK(keys(Score::raw) == all);
+  settings.method = "lsh";
+  CHECK(settings_in_force(settings).contains("lsh"));
+  settings.method = "filter";
+  CHECK(settings_in_force(settings).contains("filter"));
+  CHECK_FALSE(settings_in_force(settings).contains("rates"));
 }
 
 TEST_CASE("a number is on the scale of its score by default") {
@@ -166,8 +171,8 @@ TEST_CASE("each decision has an entry with the keys of its setting") {
 
 TEST_CASE("files hold the settings of the active decision") {
   const Json threshold = settings_in_force(SequenceQuerySettings{});
-  for (const char* key : {"decide", "margin", "exclusion_frames", "same_place"})
-    CHECK_FALSE(threshold.contains(key));
+  CHECK(threshold["decide"] == "threshold");
+  CHECK_FALSE(threshold.contains("margin"));
   SequenceQuerySettings settings = by_margin(12.5);
   settings.exclusion_frames = 3;
   settings.same_place = {"a=b"};

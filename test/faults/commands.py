@@ -119,8 +119,8 @@ WRITERS = [
     Writer("query, zscore", "vpr-query in/s.vprdb --query {query} --c-l 3 --score "
            "zscore --t-r=-1 -o out/r.json --save-matrix out/m.png", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT + ("m.png",), f"vpr-eval out/r.json {PAIRS}"),)),
-    Writer("query fabmap", "vpr-query {database} --query in/walks/back --t-p 0.3 -o out/f.json "
-           "--save-posteriors out/p.npy --explain 3 --train {train}", "f.json",
+    Writer("query fabmap", "vpr-query explain {database} --query in/walks/back --t-p 0.3 -o out/f.json "
+           "--save-posteriors out/p.npy --frame 3 --train {train}", "f.json",
            {"database": ("in/f2.vprdb", "in/f.vprdb"), "train": ("in/walks/two", "in/walks/one")},
            (Reader(FABMAP_RESULT, f"vpr-eval out/f.json {ALIGNED}"),)),
     Writer("tune fastable", "vpr-tune fastable in/s.vprdb --dataset in/walks/dataset.json "

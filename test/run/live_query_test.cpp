@@ -164,7 +164,7 @@ TEST_CASE("settings that need later frames are refused") {
   const Walks walks;
   const auto refused = [&](const SequenceQuerySettings& settings) {
     return test::error_kind([&] {
-      const ResolvedSettings followed(settings, {kDatabaseChoice, "--follow"});
+      const ResolvedSettings followed(settings, {kDatabaseChoice, kLiveChoice});
       LiveQuery(walks.database, "q", followed, resources(), {});
     });
   };
