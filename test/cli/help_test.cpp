@@ -88,7 +88,7 @@ TEST_CASE("the short help of every command fits 25 lines of 80 columns and ends 
 }
 
 TEST_CASE("no help string begins with a preposition") {
-  for (const std::string program : kPrograms) {
+  for (const std::string& program : kPrograms) {
     const Words lines = lines_of(run_ok(program, {"--completion", "man"}).out);
     for (size_t i = 1; i < lines.size(); ++i) {
       if (!lines[i - 1].starts_with("\\fB\\-")) continue;
@@ -165,7 +165,7 @@ TEST_CASE("the help of a command has its own examples, without those of its prog
 }
 
 TEST_CASE("completions and manual pages of every program contain all its flags") {
-  for (const std::string program : kPrograms) {
+  for (const std::string& program : kPrograms) {
     const std::string help = run_program(program, {"--help"}).out;
     for (const std::string kind : {"bash", "man"}) {
       const auto run = run_ok(program, {"--completion", kind});
