@@ -75,7 +75,7 @@ Json save_result(const Session& session, const Result& result, const ResultConte
 /// Writes the list of --save-loops, if any.
 void save_loops(const QueryOptions& options, const Result& result, const Session& session);
 
-/// What a query recognizes, on a few lines: a headline, the ranges, the settings in force.
+/// A few lines about the recognitions of a query: a headline, ranges, the settings in force.
 std::string summary_text(const Result& result, const Session& session);
 
 /// Matches sequences with a database, with themselves or by a score matrix.

@@ -338,9 +338,19 @@ std::string summary_text(const Result& result, const Session& session) {
                                        : fmt::format("Recognized {} of {}", recognized, query);
   if (result.places && result.places->featureless > 0)
     text += fmt::format("; {} without features", counted(result.places->featureless, "frame"));
-  return text + (recognized == 0 ? ".\n" : ":\n") +
-         ranges_text(result, session.options.verbose ? SIZE_MAX : kRanges) +
-         fmt::format("Settings: {}\n", settings_text(result));
+  text += recognized == 0 ? ".\n" : ":\n";
+  text += ranges_text(result, session.options.verbose ? SIZE_MAX : kRanges);
+  text += fmt::format("Settings: {}\n", settings_text(result));
+  const std::string& output = session.options.output;
+  const bool is_loop =
+      std::visit([](const auto& settings) { return settings.loop; }, result.settings);
+  if (output.empty() || (recognized == 0 && has_rule(result))) return text;
+  return text + (is_loop ? fmt::format("Next: vpr-eval loops {} --poses FILE --radius METERS --gap "
+                                       "TIME\n",
+                                       output)
+                         : fmt::format("Next: vpr-eval {} --ground-truth FILE, or --html FILE "
+                                       "without one\n",
+                                       output));
 }
 
 }  // namespace vpr

@@ -78,40 +78,27 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor) {
   constexpr double kSameSpeed = 1.2;  // and its inverse
-  const auto enough = [](const Result& result) {
-    return kFewest * recognized_windows(result) >= result.query.frames;
-  };
   const auto found = [](const Result& result) {
     return fmt::format("{} of {}", recognized_windows(result),
                        counted(result.query.frames, "frame"));
   };
   const Result forward = filtered(database, query, settings, resources, monitor);
-  if (!enough(forward)) {
+  if (needs_advice(forward)) {
     const Result reversed =
         filtered(database, selected(query, at_speed("reversed", query.rows().size(), 1)), settings,
                  resources, monitor);
-    if (enough(reversed))
-      return fmt::format(
-          "In reverse order, {} are recognized: the query passes the places backwards "
-          "(--speed reversed).",
-          found(reversed));
+    if (!needs_advice(reversed))
+      return fmt::format("In reverse order (--speed reversed), {} are recognized.",
+                         found(reversed));
+    return fmt::format(
+        "At any speed, {} are recognized: {} may show another place, or\nthe opposite direction.",
+        found(forward), forward.recognitions.empty() ? "the query" : "the others");
   }
-  if (forward.recognitions.empty())
-    return "Nothing is recognized at any speed: the query may show another place or the opposite "
-           "direction.";
-  if (!enough(forward))
-    return fmt::format(
-        "Only {} are recognized at any speed (--method filter): most of the query may show another "
-        "place or the opposite direction.",
-        found(forward));
   const auto rate = recognized_rate(forward);
-  if (rate && (*rate > kSameSpeed || *rate < 1 / kSameSpeed))
-    return fmt::format(
-        "At another speed (about {:.1f} training frames per query frame) {} are recognized: use "
-        "--method filter without flags of windows.",
-        *rate, found(forward));
-  return fmt::format("The filter recognizes {}: use --method filter without flags of windows.",
-                     found(forward));
+  const bool is_same_speed = !rate || (*rate <= kSameSpeed && *rate >= 1 / kSameSpeed);
+  return fmt::format("The filter recognizes {}{}.\nUse --method filter without flags of windows.",
+                     found(forward),
+                     is_same_speed ? "" : fmt::format(", at about {:.1f} times the speed", *rate));
 }
 
 bool needs_advice(const Result& result) {

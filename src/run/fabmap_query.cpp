@@ -68,9 +68,10 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
 std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   std::vector<uint32_t> place_of = searched.places();
   if (place_of.empty())
-    throw Error(ErrorKind::usage,
-                "the database has no places. Train some, or use vpr-query loops to recognize places of the "
-                "query.");
+    throw Error(
+        ErrorKind::usage,
+        "the database has no places. Train some, or use vpr-query loops to recognize places of the "
+        "query.");
   return place_of;
 }
 

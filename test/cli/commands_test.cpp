@@ -212,6 +212,37 @@ TEST_CASE("a database and a query are sufficient") {
   check_failure("vpr-tune", {"threshold", out / "one.vprdb"}, 2, "two or more training sequences");
 }
 
+TEST_CASE("by default, places are recognized at any speed, and other places are not") {
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "-o", out / "one.vprdb"});
+  const auto query = [&](const std::string& walk, Words more = {}) {
+    return run_ok("vpr-query", joined({out / "one.vprdb", "--query", world().walk(walk), "-o",
+                                       out / "r.json", "--force"},
+                                      more))
+        .out;
+  };
+  const auto is_answer = [&](const std::string& text, const std::string& part) {
+    INFO(text);
+    CHECK(has(text, part));
+    CHECK(has(text, "\nSettings: filter, margin 3\n"));
+    CHECK(lines_of(text).size() <= 12);
+    for (const std::string& line : lines_of(text))
+      CHECK(line.size() <= 80 + out.path().string().size());
+  };
+  is_answer(query("one"), ", 1.0x\n");
+  is_answer(query("one"), "Next: vpr-eval ");
+  is_answer(query("one", {"--speed", "2"}), ", 2.0x\n");
+  is_answer(query("one", {"--speed", "reversed"}), "In reverse order (--speed reversed), ");
+  is_answer(query("other"), " may show another place, or\nthe opposite direction.");
+  // A result repeats its run.
+  query("one");
+  const Json settings = file_json(out / "r.json")["settings"];
+  CHECK(settings["method"] == "filter");
+  const Json again = printed_json("vpr-query", {out / "one.vprdb", "--query", world().walk("one"),
+                                                "--config", out / "r.json", "--json"});
+  CHECK(again["settings"] == settings);
+}
+
 TEST_CASE("if nothing or everything is recognized, no looser threshold is suggested") {
   for (const Words& strict : {Words{"--t-r", "0.01"},
                               {"--score", "zscore", "--t-r", "-20"},
@@ -219,14 +250,14 @@ TEST_CASE("if nothing or everything is recognized, no looser threshold is sugges
     const auto none = run_program("vpr-query", query_words(strict));
     INFO(none.out);
     CHECK(none.exit_code == 0);
-    CHECK(has(none.out, " frames: use --method filter without flags of windows.\n"));
+    CHECK(has(none.out, " frames.\nUse --method filter without flags of windows.\n"));
     CHECK_FALSE(has(none.out, "--t-r "));
     CHECK_FALSE(has(none.out, "--margin "));
   }
   const auto other = run_program("vpr-query", {world().database(), "--query", world().walk("other"),
                                                "--c-l", "10", "--t-r", "0.01"});
   INFO(other.out);
-  CHECK(has(other.out, "may show another place or the opposite direction"));
+  CHECK(has(other.out, "may show another place, or\nthe opposite direction"));
   CHECK_FALSE(has(other.out, "use --method filter"));
   const auto all = run_program("vpr-query", query_words({"--t-r", "1"}));
   CHECK(has(all.err, "% of all window pairs are recognitions: t_r is too large"));

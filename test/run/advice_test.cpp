@@ -77,16 +77,11 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   CHECK(has(finding(walk, 0, 1), "The filter recognizes "));
   const std::string twice = finding(walk, 0, 2);
   INFO(twice);
-  CHECK(has(twice, "At another speed (about 2.0 training frames per query frame) "));
-  CHECK(has(twice, " of 80 frames are recognized: use --method filter without "));
-  std::vector<LdbCode> back = walk.train[0];
-  std::ranges::reverse(back);
+  CHECK(has(twice, " of 80 frames, at about 2.0 times the speed.\nUse --method filter "));
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
-  CHECK(has(filter_advice(database, test::make_query(back), {}, resources(), {}),
-            "the query passes the places backwards"));
   const test::Example other = test::make_example({1}, 100, 4);
   CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
-        "Nothing is recognized at any speed: the query may show another place or the opposite "
-        "direction.");
+        "At any speed, 0 of 100 frames are recognized: the query may show another place, or\nthe "
+        "opposite direction.");
 }
