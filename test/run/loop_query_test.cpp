@@ -170,7 +170,7 @@ TEST_CASE("a gap longer than the sequence finds nothing and reports so") {
   monitor.warn = [&](const std::string& text) { said += text; };
   const Result result = find_loops(make_query(two_laps()), loop_settings(5, 70), {}, monitor);
   CHECK(loops_of(result).empty());
-  CHECK(said.find("smaller --loop-gap") != std::string::npos);
+  CHECK(said.find("smaller --gap") != std::string::npos);
   const std::vector<LdbCode> one = test::walk_codes(1, 4);
   CHECK(loops_of(find_loops(make_query(one), loop_settings(1, 1))).empty());
   CHECK_THROWS_AS(find_loops(make_query(one), loop_settings(2, 1)), Error);
