@@ -139,8 +139,7 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
         .group(kGroundTruthGroup);
   };
   add_setting(command, "--tolerance", flags.tolerance_frames,
-              "frames by which the same place may be off (default: the data set's, or 0)")
-      .group(kGroundTruthGroup);
+              "frames by which the same place may be off (default: the data set's, or 0)");
   command.add_option(format_flag, flags.format, "format of the ground truth (default: detected)")
       .choices("FORMAT", format_names())
       .group(kGroundTruthGroup);

@@ -12,24 +12,6 @@
 namespace vpr {
 namespace {
 
-// Breaks a line between words; `end` marks broken lines, `indent` is for the following ones.
-std::string wrapped_line(const std::string& line, size_t width, size_t indent,
-                         const std::string& end) {
-  std::string text;
-  std::string rest = line;
-  size_t words = rest.find_first_not_of(' ');  // do not break the indentation
-  while (rest.size() > width && words != std::string::npos) {
-    size_t cut = rest.rfind(' ', width - end.size());
-    if (cut == std::string::npos || cut < words) cut = rest.find(' ', words);
-    const size_t next = cut == std::string::npos ? cut : rest.find_first_not_of(' ', cut);
-    if (next == std::string::npos) break;
-    text += rest.substr(0, rest.find_last_not_of(' ', cut) + 1) + end + "\n";
-    rest = std::string(indent, ' ') + rest.substr(next);
-    words = indent;
-  }
-  return text + rest;
-}
-
 template <class Work>
 std::string for_each_line(const std::string& text, Work&& work) {
   std::string result;

@@ -292,6 +292,10 @@ Json read_config(const std::string& path) {
                 fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
                             "vpr-tune --save-config FILE and use that file.",
                             path));
+  if (schema == "vpr.tuning/3") {
+    if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
+    throw Error(ErrorKind::usage, fmt::format("{}: chooses no setting.", path));
+  }
   if (schema == "vpr.calibration/3") {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
     throw Error(ErrorKind::usage,

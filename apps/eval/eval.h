@@ -8,7 +8,6 @@
 #include "base/json.h"
 #include "common/command.h"
 #include "common/flags.h"
-#include "evaluate/loops.h"
 #include "evaluate/score_matrix.h"
 #include "present/evaluation_report.h"
 #include "present/result_file.h"
@@ -17,52 +16,52 @@
 
 namespace vpr {
 
-/// The flags of --scores, --query-npy and --predictions.
+/// --ground-truth and --dataset, with the flags that describe a ground truth.
+struct TruthSource {
+  std::string path;  ///< of --ground-truth; empty: the data set's
+  std::string dataset;
+  GroundTruthFlags flags;
+
+  bool is_given() const { return !path.empty() || !dataset.empty(); }
+};
+
+void add_truth_flags(const Command& command, TruthSource& truth);
+
+/// Scores of any program.
 struct ScoreInputs {
+  std::string path;  ///< a matrix (.npy) or a list of matches; empty: descriptors
   ScoreFlags matrix;
   std::string query_npy;
   std::string train_npy;
   DescriptorMetric metric = DescriptorMetric::cosine;
-  std::string predictions;
   std::vector<uint64_t> recall_at;
-  uint64_t stretch_frames = kDefaultStretch;
   std::optional<double> threshold;
   uint64_t window_length = 1;
   std::string speed;
   std::optional<uint64_t> query_frames;  ///< before --speed
-  std::string name;                      ///< in tables; empty: the name of the file
-  std::string poses;
 
-  /// The path of the scores, descriptors or predictions; empty without any.
-  const std::string& source() const {
-    if (!matrix.path.empty()) return matrix.path;
-    return query_npy.empty() ? predictions : query_npy;
-  }
+  bool is_list() const;
+  /// The path of the scores or of the descriptors; empty without any.
+  const std::string& source() const { return query_npy.empty() ? path : query_npy; }
 };
 
-struct LoopInputs {
-  std::string path;
-  std::string times;
-  std::string gap;
-  LoopFrames frames = LoopFrames::automatic;
-};
-
-/// Empty strings: not given.
+/// The inputs of an evaluation: results, or scores. Empty strings: not given.
 struct EvalInputs {
   std::vector<std::string> results;
   std::string result;    ///< the one to evaluate
+  std::string matrix;    ///< that was saved with the result
   std::string row_name;  ///< its name in tables
+  std::string name;      ///< in tables, set by the user
   std::vector<std::string> names;
-  std::string ground_truth;
-  std::string dataset;
-  GroundTruthFlags flags;
+  TruthSource truth;
   std::string protocols;
+  std::string poses;
   std::optional<Confidence> confidence;
+  uint64_t stretch_frames = kDefaultStretch;
   TableFormat format = TableFormat::text;
   std::optional<std::string> query;  ///< a sequence, or the name of a query in the data set
   std::vector<std::string> train;
   ScoreInputs scores;
-  LoopInputs loops;
   // Outputs
   std::string expected;
   bool update = false;
@@ -80,16 +79,14 @@ struct EvalInputs {
   bool has_plots() const { return !html.empty() || !plots.empty(); }
   bool has_csv() const { return !outcomes_csv.empty() || !recognitions_csv.empty(); }
   bool has_expectation() const { return update || !expected.empty() || !junit.empty(); }
-  bool has_loops() const {
-    return !loops.path.empty() || !loops.times.empty() || !loops.gap.empty() ||
-           loops.frames != LoopFrames::automatic;
-  }
 };
 
-void add_eval_flags(Program& program, EvalInputs& inputs);
+/// The flags of vpr-eval RESULT, and of vpr-eval matrix.
+void add_result_flags(Program& program, const Command& command, EvalInputs& inputs);
+void add_matrix_flags(Program& program, const Command& command, EvalInputs& inputs);
 
-/// Throws Error(usage) for flags of scores that cannot be combined, or that a result excludes.
-void check_scores(const ScoreInputs& inputs, bool has_result);
+/// Throws Error(usage) for flags that cannot be combined, and for values out of range.
+void check_inputs(const EvalInputs& inputs);
 
 /// Throws Error(usage) for outputs that cannot be combined or lack an input, and claims the others.
 void claim_outputs(const Session& session, const EvalInputs& inputs);
@@ -103,8 +100,8 @@ struct OpenedScores {
   std::optional<ScoreMatrix> matrix;  ///< scores, or the matrix that was saved with the result
 };
 
-/// Throws Error(usage) without a result or scores, and Error(data) if --scores is not the matrix
-/// that was saved with the result.
+/// Throws Error(usage) without a result or scores, and Error(data) if --matrix was not saved with
+/// the result.
 OpenedScores open_inputs(const Session& session, const EvalInputs& inputs);
 
 /// The names of query frames, and of training frames by sequence, from --query and --train or the
@@ -133,6 +130,10 @@ class CsvTables {
   std::string recognitions_;
 };
 
+/// `brief` as text, followed by `tables` with -v. Other formats are `tables`.
+std::string output_text(const Session& session, TableFormat format, const std::string& brief,
+                        const std::string& tables);
+
 /// Each function writes an output if its flag is given.
 void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                  const std::string& summary);
@@ -143,10 +144,8 @@ void write_trajectory(const Session& session, const EvalInputs& inputs, const Ev
 size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
                    const ScoreLayout& layout, const Result* result);
 
-/// vpr-eval --loops.
-void run_loops(Session& session, const EvalInputs& inputs);
-
-/// The subcommands.
+/// The subcommands, except matrix.
+void add_loops(Program& program);
 void add_check(Program& program);
 void add_convert(Program& program);
 void add_compare(Program& program);

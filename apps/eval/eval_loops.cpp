@@ -1,4 +1,5 @@
 #include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -13,46 +14,32 @@ namespace {
 
 constexpr double kMaxGap = 1e9;
 
-void check_inputs(const EvalInputs& inputs) {
-  if (inputs.loops.path.empty())
-    throw Error(ErrorKind::usage, "--gap, --pose-times and --frames-by need --loops LIST");
-  GroundTruthFlags flags = inputs.flags;
-  flags.options.radius_m.reset();
-  flags.options.max_difference_s.reset();
-  if (!inputs.results.empty() || !inputs.scores.source().empty() || !inputs.ground_truth.empty() ||
-      !inputs.dataset.empty() || !inputs.protocols.empty() || inputs.has_expectation() ||
-      !inputs.saved_trajectory.empty() || !inputs.map.empty() || inputs.has_csv() ||
-      !inputs.pairs.empty() || inputs.top_k || inputs.query || !inputs.train.empty() ||
-      inputs.confidence || has_ground_truth_flags(flags))
-    throw Error(
-        ErrorKind::usage,
-        "--loops needs --poses, --radius and --gap, and allows --pose-times, --max-difference, "
-        "--html, --plot, -o and --name; other flags cannot be combined with it");
-  ScoreInputs rest = inputs.scores;
-  rest.matrix.is_distance = rest.matrix.is_similarity = false;  // of the list
-  check_scores(rest, false);
-  if (inputs.scores.poses.empty())
-    throw Error(ErrorKind::usage,
-                "--loops needs the trajectory of its frames, as in --poses trajectory.txt");
-  if (!inputs.flags.options.radius_m)
-    throw Error(ErrorKind::usage,
-                "--loops needs the radius of a correct loop in meters, as in --radius 2");
-  if (inputs.loops.gap.empty())
-    throw Error(ErrorKind::usage,
-                "--loops needs the minimum separation of the two frames of a loop, in seconds "
-                "(--gap 30s) or in frames (--gap 300)");
-}
+/// Empty strings: not given.
+struct LoopInputs {
+  std::string path;
+  std::string poses;
+  std::string times;
+  std::optional<double> radius_m;
+  std::string gap;
+  LoopFrames frames = LoopFrames::automatic;
+  std::optional<double> max_difference_s;
+  ScoreFlags scores;
+  std::string name;
+  std::string html;
+  std::string plots;
+  TableFormat format = TableFormat::text;
+};
 
-LoopsEvaluation evaluate(const EvalInputs& inputs) {
-  const std::filesystem::path path = inputs.loops.path;
+LoopsEvaluation evaluate(const LoopInputs& inputs) {
+  const std::filesystem::path path = inputs.path;
   LoopsEvaluation found;
-  found.name = inputs.names.empty() ? path.stem().string() : inputs.names.front();
-  found.rules = {*inputs.flags.options.radius_m, parse_loop_gap(inputs.loops.gap, "--gap"),
-                 inputs.scores.matrix.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
-  found.trajectory = read_trajectory(inputs.scores.poses, inputs.loops.times);
+  found.name = inputs.name.empty() ? path.stem().string() : inputs.name;
+  found.rules = {*inputs.radius_m, parse_loop_gap(inputs.gap, "--gap"),
+                 inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
+  found.trajectory = read_trajectory(inputs.poses, inputs.times);
   LoopListRules rules;
-  rules.frames = inputs.loops.frames;
-  if (const auto seconds = inputs.flags.options.max_difference_s) {
+  rules.frames = inputs.frames;
+  if (const auto seconds = inputs.max_difference_s) {
     if (!(*seconds >= 0 && *seconds <= kMaxGap))
       throw Error(ErrorKind::usage, "--max-difference must be 0 to 1e9 seconds");
     rules.max_difference_ns = std::llround(*seconds * double{kSecond});
@@ -63,7 +50,7 @@ LoopsEvaluation evaluate(const EvalInputs& inputs) {
     found.rules.order = result.score().order;
   } else {
     found.list = read_loop_list(path, found.trajectory, rules);
-    if (found.list.has_scores && !inputs.scores.matrix.has_order())
+    if (found.list.has_scores && !inputs.scores.has_order())
       throw Error(ErrorKind::usage,
                   fmt::format("{}: the list has scores. Add --similarity (higher is better) or "
                               "--distance (lower is better)",
@@ -73,10 +60,7 @@ LoopsEvaluation evaluate(const EvalInputs& inputs) {
   return found;
 }
 
-}  // namespace
-
-void run_loops(Session& session, const EvalInputs& inputs) {
-  check_inputs(inputs);
+void run_loops(Session& session, const LoopInputs& inputs) {
   session.claim_output();
   if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
   if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
@@ -84,7 +68,7 @@ void run_loops(Session& session, const EvalInputs& inputs) {
   const LoopsEvaluation evaluation = evaluate(inputs);
   Json report = loops_json(evaluation, session.run);
   RunInfo run = session.run;
-  run.paths = {{"loops", inputs.loops.path}, {"poses", inputs.scores.poses}};
+  run.paths = {{"loops", inputs.path}, {"poses", inputs.poses}};
   report["machine"] = machine_json(run);
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
   session.write_output(report);
@@ -92,10 +76,70 @@ void run_loops(Session& session, const EvalInputs& inputs) {
     session.outputs.file(inputs.html).write(loops_page(evaluation, session.run));
   if (!inputs.plots.empty())
     draw_loops(evaluation, session.outputs.folder(inputs.plots, is_marked_folder).temporary());
-  std::string text = render_table(loops_table(evaluation), inputs.format);
-  if (inputs.format == TableFormat::text)
-    text = loops_sentence(evaluation) + "\n\n" + text + loops_mistakes(evaluation);
-  session.print_result(text, report);
+  std::string tables = render_table(loops_table(evaluation), inputs.format);
+  if (inputs.format == TableFormat::text) tables += loops_mistakes(evaluation);
+  session.print_result(output_text(session, inputs.format, loops_text(evaluation), tables), report);
+}
+
+}  // namespace
+
+void add_loops(Program& program) {
+  const auto inputs = std::make_shared<LoopInputs>();
+  const Command command = program.add_command(
+      "loops", "Evaluate loop closures by a trajectory.",
+      "  vpr-eval loops loops.csv --poses trajectory.txt --radius 2 --gap 30s --similarity\n"
+      "  vpr-eval loops result.json --poses poses.txt --pose-times times.txt --radius 2 --gap 15s "
+      "--plot plots",
+      [inputs](Session& session) { run_loops(session, *inputs); });
+  command
+      .add_option("LIST", inputs->path,
+                  "loop closures of a SLAM system, or a result of vpr-query loops; a list is a CSV "
+                  "query,match[,score] of indices or time stamps")
+      .required();
+  command
+      .add_option("--poses", inputs->poses,
+                  "trajectory of the frames; TUM, KITTI, EuRoC, or CSV frame,x,y in meters")
+      .type_name("FILE")
+      .required();
+  command
+      .add_option("--radius", inputs->radius_m,
+                  "largest distance of the two frames of a correct loop, in meters")
+      .required();
+  command
+      .add_option(
+          "--gap", inputs->gap,
+          "minimum separation of the two frames of a loop, in seconds (30s) or frames (300)")
+      .type_name("TIME")
+      .required();
+  const Flag distance =
+      command.add_flag("--distance", inputs->scores.is_distance, "small scores are better");
+  command.add_flag("--similarity", inputs->scores.is_similarity, "large scores are better")
+      .excludes(distance);
+  command
+      .add_option("--html", inputs->html,
+                  "HTML page with the map and the curve; one file that opens without a network")
+      .type_name("FILE");
+  const std::string more = "More options";
+  command.add_option("--plot", inputs->plots, "folder for the map and the curve as SVG and PNG")
+      .type_name("FOLDER")
+      .group(more);
+  command
+      .add_option("--pose-times", inputs->times,
+                  "times of --poses without times (KITTI's times.txt), one per line")
+      .type_name("FILE")
+      .group(more);
+  add_setting(command, "--frames-by", inputs->frames,
+              "meaning of frames in LIST: auto (time stamps if any has a decimal point, or if all "
+              "are beyond the last frame), index or time (default: auto)")
+      .group(more);
+  command
+      .add_option(
+          "--max-difference", inputs->max_difference_s,
+          "longest time from a frame of LIST to its nearest pose in seconds (default: 0.02)")
+      .group(more);
+  command.add_option("--name", inputs->name, "name in the output (default: the name of the file)")
+      .group(more);
+  add_format_flag(command, inputs->format).group(more);
 }
 
 }  // namespace vpr

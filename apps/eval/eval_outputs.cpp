@@ -95,6 +95,12 @@ void CsvTables::write(const Session& session, const EvalInputs& inputs) const {
     session.outputs.file(inputs.recognitions_csv).write(recognitions_csv_header() + recognitions_);
 }
 
+std::string output_text(const Session& session, TableFormat format, const std::string& brief,
+                        const std::string& tables) {
+  if (format != TableFormat::text) return tables;
+  return session.options.verbose ? brief + "\n" + tables : brief;
+}
+
 void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                       std::optional<double> frames_per_second) {
   if (inputs.saved_trajectory.empty()) return;
@@ -102,13 +108,13 @@ void write_trajectory(const Session& session, const EvalInputs& inputs, const Ev
   const GroundTruthOptions options =
       by.ground_truth ? by.ground_truth->options : GroundTruthOptions{};
   const TrainPositions positions =
-      read_positions(inputs.dataset.empty() ? Dataset{} : read_dataset(inputs.dataset), evaluation,
-                     options, session.monitor);
+      read_positions(inputs.truth.dataset.empty() ? Dataset{} : read_dataset(inputs.truth.dataset),
+                     evaluation, options, session.monitor);
   if (std::ranges::all_of(positions, [](const Poses& frames) { return frames.empty(); }))
     throw Error(ErrorKind::usage,
                 fmt::format("{}: no searched training sequence has \"poses\" (FAB-MAP: "
                             "\"place_poses\"), which --save-trajectory needs",
-                            inputs.dataset));
+                            inputs.truth.dataset));
   const FrameClock clock = clock_of(evaluation, options, frames_per_second, session.monitor);
   session.outputs.file(inputs.saved_trajectory)
       .write(recognized_trajectory(evaluation, positions, clock));

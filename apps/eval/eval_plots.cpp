@@ -47,8 +47,8 @@ FrameSources find_frames(const EvalInputs& inputs, const Evaluation& evaluation)
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   FrameSources sources;
   std::vector<NamedSequence> train;
-  if (!inputs.dataset.empty()) {
-    const Dataset dataset = read_dataset(inputs.dataset);
+  if (!inputs.truth.dataset.empty()) {
+    const Dataset dataset = read_dataset(inputs.truth.dataset);
     const std::string& name = evaluation.query().name;
     const bool is_named = std::ranges::any_of(
         dataset.queries, [&](const DatasetQuery& query) { return query.sequence.name == name; });
@@ -126,10 +126,11 @@ void write_map(Session& session, const EvalInputs& inputs, const Evaluated& eval
   if (!inputs.map_with.empty()) {
     EvalInputs other = inputs;
     other.result = inputs.map_with;
-    other.scores = {};
+    other.matrix.clear();
     second = evaluate(session, other);
   }
-  const RouteMap map = read_map(read_dataset(inputs.dataset), inputs.dataset, evaluated.evaluation);
+  const RouteMap map =
+      read_map(read_dataset(inputs.truth.dataset), inputs.truth.dataset, evaluated.evaluation);
   std::vector<MapPanel> panels = {panel_of(evaluated)};
   if (second) {
     panels.push_back(panel_of(*second));

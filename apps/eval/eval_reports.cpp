@@ -13,6 +13,7 @@
 #include "eval.h"
 #include "present/comparison_report.h"
 #include "present/evaluation_report.h"
+#include "present/evaluation_text.h"
 
 namespace vpr {
 namespace {
@@ -21,6 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr size_t kResamples = 2000;
 constexpr size_t kMinBlock = 10;
+constexpr const char* kMoreGroup = "More options";
+constexpr const char* kFormatHelp =
+    "format of the tables: text, csv (one row per report and metric), markdown or latex (default: "
+    "text)";
 
 struct CompareInputs {
   std::vector<std::string> reports;
@@ -34,9 +39,7 @@ struct CompareInputs {
 
 struct ReportInputs {
   std::string folder;
-  std::string dataset;
-  std::string ground_truth;
-  GroundTruthFlags flags;
+  TruthSource truth;
   std::string html;
   TableFormat format = TableFormat::text;
 };
@@ -45,7 +48,9 @@ void warn_about_queries(const Monitor& monitor, const std::vector<std::string>& 
                         const std::vector<Report>& reports) {
   for (size_t r = 1; r < reports.size(); ++r) {
     const bool is_unnamed = reports[0].query == kUnnamedQuery || reports[r].query == kUnnamedQuery;
-    if (reports[r].query != reports[0].query && !is_unnamed)
+    const bool has_same_truth =
+        reports[r].provenance.ground_truth == reports[0].provenance.ground_truth;
+    if (reports[r].query != reports[0].query && !is_unnamed && !has_same_truth)
       warn(monitor, fmt::format("{} evaluates the query {}, but {} evaluates {}", paths[0],
                                 reports[0].query, paths[r], reports[r].query));
   }
@@ -90,6 +95,7 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
 
 std::string tables_of(const ComparisonReport& comparison, TableFormat format) {
   if (format == TableFormat::csv) return render_table(comparison_rows(comparison), format);
+  if (format == TableFormat::latex) return render_table(short_table(comparison), format);
   std::string text = render_table(paper_table(comparison), format) + "\n" +
                      render_table(comparison_table(comparison), format);
   const Table paired = paired_table(comparison);
@@ -135,7 +141,9 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   if (!inputs.html.empty()) session.outputs.file(inputs.html).write(comparison_page(comparison));
   if (!inputs.plots.empty())
     draw_comparison(comparison, session.outputs.folder(inputs.plots, is_marked_folder).temporary());
-  session.print_result(tables_of(comparison, inputs.format), json);
+  session.print_result(output_text(session, inputs.format, comparison_text(comparison),
+                                   tables_of(comparison, inputs.format)),
+                       json);
 }
 
 /// The JSON files in the folder and its subfolders, except in databases, in natural order.
@@ -194,13 +202,11 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
     results.push_back(path);
     for (const char* array : kResultArrays) session.outputs.protect(companion_path(path, array));
   }
-  if (!inputs.dataset.empty() || !inputs.ground_truth.empty()) {
+  if (inputs.truth.is_given()) {
     for (const std::string& path : std::exchange(results, {})) {
       EvalInputs one;
       one.result = path;
-      one.dataset = inputs.dataset;
-      one.ground_truth = inputs.ground_truth;
-      one.flags = inputs.flags;
+      one.truth = inputs.truth;
       Evaluated evaluated = evaluate(session, one);
       if (!grid.evaluated.contains(evaluated.evaluation.fingerprint))
         grid.add(path, std::move(evaluated.report));
@@ -222,6 +228,66 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
   return grid;
 }
 
+/// Names queries with equal ground truths alike, by the first that has a name, unless a method has
+/// reports on several of them.
+std::vector<GridReport> with_common_queries(std::vector<GridReport> reports) {
+  std::map<std::string, std::vector<GridReport*>> by_truth;
+  for (GridReport& one : reports) by_truth[one.report.provenance.ground_truth].push_back(&one);
+  for (const auto& [truth, group] : by_truth) {
+    std::set<std::string> methods;
+    for (const GridReport* one : group) methods.insert(one->method);
+    if (methods.size() < group.size()) continue;
+    const auto named = std::ranges::find_if(
+        group, [](const GridReport* one) { return one->report.query != kUnnamedQuery; });
+    if (named == group.end()) continue;
+    const std::string query = (*named)->report.query;
+    for (GridReport* one : group) one->report.query = query;
+  }
+  return reports;
+}
+
+/// A table per query.
+std::string overview_texts(std::span<const GridReport> grid) {
+  std::vector<std::string> queries;
+  for (const GridReport& one : grid)
+    if (std::ranges::find(queries, one.report.query) == queries.end())
+      queries.push_back(one.report.query);
+  std::string text;
+  for (const std::string& query : queries) {
+    std::vector<Report> reports;
+    std::vector<std::string> names;
+    for (const auto& [method, report] : grid) {
+      if (report.query != query) continue;
+      reports.push_back(report);
+      names.push_back(method);
+    }
+    text += (text.empty() ? "" : "\n") + short_text(overview_table(reports, names, "method"));
+  }
+  return text;
+}
+
+Table overview_of(std::span<const GridReport> grid) {
+  std::vector<Report> reports;
+  std::vector<std::string> names;
+  const std::string& query = grid.front().report.query;
+  const bool is_one_query =
+      std::ranges::all_of(grid, [&](const GridReport& one) { return one.report.query == query; });
+  for (const auto& [method, report] : grid) {
+    reports.push_back(report);
+    names.push_back(is_one_query ? method : fmt::format("{} on {}", method, report.query));
+  }
+  return overview_table(reports, names, "method");
+}
+
+std::string tables_of(std::span<const GridReport> grid, TableFormat format) {
+  if (format == TableFormat::csv) return render_table(grid_rows(grid), format);
+  if (format == TableFormat::latex) return render_table(overview_of(grid), format);
+  std::string text;
+  for (const Table& table : grid_tables(grid))
+    text += (text.empty() ? "" : "\n") + render_table(table, format);
+  return text;
+}
+
 void run_report(Session& session, const ReportInputs& inputs) {
   session.claim_output();
   if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
@@ -235,17 +301,14 @@ void run_report(Session& session, const ReportInputs& inputs) {
   }
   const Json json = reports_json(reports, names, session.run, watch.elapsed_s());
   session.write_output(json);
-  const std::string title = inputs.dataset.empty()
+  const std::string title = inputs.truth.dataset.empty()
                                 ? fs::path(inputs.folder).lexically_normal().filename().string()
-                                : read_dataset(inputs.dataset).name;
-  if (!inputs.html.empty()) session.outputs.file(inputs.html).write(grid_page(title, grid.reports));
-  std::string text;
-  if (inputs.format == TableFormat::csv)
-    text = render_table(grid_rows(grid.reports), inputs.format);
-  else
-    for (const Table& table : grid_tables(grid.reports))
-      text += (text.empty() ? "" : "\n") + render_table(table, inputs.format);
-  session.print_result(text, json);
+                                : read_dataset(inputs.truth.dataset).name;
+  const std::vector<GridReport> shown = with_common_queries(grid.reports);
+  if (!inputs.html.empty()) session.outputs.file(inputs.html).write(grid_page(title, shown));
+  session.print_result(
+      output_text(session, inputs.format, overview_texts(shown), tables_of(shown, inputs.format)),
+      json);
 }
 
 }  // namespace
@@ -269,45 +332,40 @@ void add_compare(Program& program) {
                    "name in the report, its method, or the name of the file)");
   command
       .add_option("--html", inputs->html,
-                  "write the tables, and curves and paths of all reports, as one HTML file")
+                  "HTML page with the tables, and curves and paths of all reports")
       .type_name("FILE");
   command
       .add_option("--plot", inputs->plots,
-                  "draw curves and paths of all reports as SVG and PNG into this folder")
+                  "folder for curves and paths of all reports, as SVG and PNG")
       .type_name("FOLDER");
   add_setting(command, "--block", inputs->block,
               "consecutive queries that are resampled together, since neighbors depend on each "
-              "other (default: the longest window, at least 10)");
-  command.add_flag("--allow-different", inputs->allow_different,
-                   "compare reports with different ground truths; the output states them");
-  add_setting(command, "--format", inputs->format,
-              "format of the tables: text, csv (one row per report and metric), markdown or latex "
-              "(default: text)");
+              "other (default: the longest window, at least 10)")
+      .group(kMoreGroup);
+  command
+      .add_flag("--allow-different", inputs->allow_different,
+                "compare reports with different ground truths; the output states them")
+      .group(kMoreGroup);
+  add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
 }
 
 void add_report(Program& program) {
   const auto inputs = std::make_shared<ReportInputs>();
-  const Command command = program.add_command(
-      "report", "Show all reports of a folder, methods and queries, as one table and one page.",
-      "  vpr-eval report results --dataset walks.json --html walks.html\n"
-      "  vpr-eval report reports --format latex",
-      [inputs](Session& session) { run_report(session, *inputs); });
+  const Command command =
+      program.add_command("report", "Show the reports of a folder as a table and a page.",
+                          "  vpr-eval report results --dataset walks.json --html walks.html\n"
+                          "  vpr-eval report reports --format latex",
+                          [inputs](Session& session) { run_report(session, *inputs); });
   command
       .add_option("FOLDER", inputs->folder,
                   "folder with reports of vpr-eval or results of vpr-query, also in subfolders")
       .required();
-  command.add_option("--dataset", inputs->dataset,
-                     "data set description with the ground truth of results");
-  command.add_option("--ground-truth", inputs->ground_truth, ground_truth_help());
+  add_truth_flags(command, inputs->truth);
   command
       .add_option("--html", inputs->html,
-                  "write tables, and for each query curves and paths of all methods, as one HTML "
-                  "file")
+                  "HTML page with tables, and for each query curves and paths of all methods")
       .type_name("FILE");
-  add_ground_truth_flags(command, inputs->flags);
-  add_setting(command, "--format", inputs->format,
-              "format of the tables: text, csv (one row per report and metric), markdown or latex "
-              "(default: text)");
+  add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
 }
 
 }  // namespace vpr

@@ -147,8 +147,9 @@ void add_check(Program& program) {
   const auto inputs = std::make_shared<TruthInputs>();
   const Command command = program.add_command(
       "check",
-      "Check a ground truth for indices out of range, contradictions (exit code 4), duplicates, "
-      "one-sided pairs and queries without a match.",
+      "Check a ground truth for mistakes. Indices out of range and contradictions have exit code "
+      "4; "
+      "duplicates, one-sided pairs and queries without a match are listed.",
       "  vpr-eval check ground_truth.csv --query corridor/query --train corridor/ref\n"
       "  vpr-eval check GT.npz --json",
       [inputs](Session& session) { run_check(session, *inputs); });

@@ -17,16 +17,16 @@ namespace {
 // The data set's query of this name, or the sequence that --query names.
 std::optional<SequenceArgument> query_argument(const EvalInputs& inputs,
                                                const std::optional<std::string>& query) {
-  if (!inputs.dataset.empty())
-    return select_query(read_dataset(inputs.dataset), query).sequence.sequence;
+  if (!inputs.truth.dataset.empty())
+    return select_query(read_dataset(inputs.truth.dataset), query).sequence.sequence;
   return query ? std::optional(parse_sequence_argument(*query)) : std::nullopt;
 }
 
 std::vector<SequenceArgument> train_arguments(const EvalInputs& inputs) {
   std::vector<SequenceArgument> arguments;
   for (const std::string& text : inputs.train) arguments.push_back(parse_sequence_argument(text));
-  if (arguments.empty() && !inputs.dataset.empty())
-    for (const NamedSequence& sequence : read_dataset(inputs.dataset).train)
+  if (arguments.empty() && !inputs.truth.dataset.empty())
+    for (const NamedSequence& sequence : read_dataset(inputs.truth.dataset).train)
       arguments.push_back(sequence.sequence);
   return arguments;
 }
@@ -43,8 +43,8 @@ std::optional<size_t> query_frames(const EvalInputs& inputs) {
 // Readers of frame names, for ground truths that need them.
 void add_names(EvaluationSettings& by, const EvalInputs& inputs,
                const std::optional<std::string>& query_name) {
-  const auto& query = inputs.dataset.empty() ? inputs.query : query_name;
-  if (!inputs.dataset.empty() || query)
+  const auto& query = inputs.truth.dataset.empty() ? inputs.query : query_name;
+  if (!inputs.truth.dataset.empty() || query)
     by.query_names = [inputs, query] { return frame_names(*query_argument(inputs, query)); };
   for (const SequenceArgument& argument : train_arguments(inputs))
     by.train_names.emplace_back([argument] { return frame_names(argument); });
@@ -73,21 +73,21 @@ EvaluationSettings evaluation_settings(const Session& session, const EvalInputs&
                                        DatabaseFamily family) {
   EvaluationSettings by;
   by.confidence = inputs.confidence;
-  by.poses = inputs.scores.poses;
-  by.stretch_frames = inputs.scores.stretch_frames;
+  by.poses = inputs.poses;
+  by.stretch_frames = inputs.stretch_frames;
   if (!inputs.scores.recall_at.empty()) {
     by.recall_at.assign(inputs.scores.recall_at.begin(), inputs.scores.recall_at.end());
     by.recall_at.push_back(1);
     std::ranges::sort(by.recall_at);
     by.recall_at.erase(std::unique(by.recall_at.begin(), by.recall_at.end()), by.recall_at.end());
   }
-  if (!inputs.ground_truth.empty())
-    by.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
-  if (!inputs.dataset.empty() &&
+  if (!inputs.truth.path.empty())
+    by.ground_truth = ground_truth_argument(inputs.truth.path, inputs.truth.flags);
+  if (!inputs.truth.dataset.empty() &&
       (!by.ground_truth || (by.poses.empty() && !inputs.result.empty()))) {
-    const Dataset dataset = read_dataset(inputs.dataset);
+    const Dataset dataset = read_dataset(inputs.truth.dataset);
     const DatasetQuery& query = select_query(dataset, query_name);
-    if (!by.ground_truth) by.ground_truth = ground_truth_of(query, family, inputs.flags);
+    if (!by.ground_truth) by.ground_truth = ground_truth_of(query, family, inputs.truth.flags);
     if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses;
   }
   const bool only_plots = !inputs.result.empty() && inputs.has_plots() && inputs.expected.empty() &&
@@ -96,12 +96,12 @@ EvaluationSettings evaluation_settings(const Session& session, const EvalInputs&
                           inputs.saved_trajectory.empty();
   if (!by.ground_truth && !only_plots)
     throw Error(ErrorKind::usage,
-                inputs.dataset.empty()
+                inputs.truth.dataset.empty()
                     ? "there is no ground truth. Add one, as in --ground-truth pairs.csv or "
                       "--ground-truth aligned; without one, only --html and --plot show a result"
                     : fmt::format("{}: the query has no ground truth. Add it there, or with "
                                   "--ground-truth",
-                                  inputs.dataset));
+                                  inputs.truth.dataset));
   if (family == DatabaseFamily::sequences) add_names(by, inputs, query_name);
   return by;
 }
@@ -113,51 +113,50 @@ ScoreMatrix open_scores(const EvalInputs& inputs) {
     return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),
                              open_sequence(parse_sequence_argument(scores.train_npy)),
                              scores.metric);
-  if (scores.predictions.empty()) {
+  if (!scores.is_list()) {
     require_order(scores.matrix);
-    return {scores.matrix.path, scores.matrix.format()};
+    return {scores.path, scores.matrix.format()};
   }
   std::optional<ScoreOrder> kind;
   if (scores.matrix.has_order()) kind = scores.matrix.order();
   std::vector<std::string> references;
   for (const auto& names : train_names(inputs))
     references.insert(references.end(), names.begin(), names.end());
-  return prediction_scores(scores.predictions, FrameNames(query_names(inputs)),
-                           FrameNames(references), kind);
+  return prediction_scores(scores.path, FrameNames(query_names(inputs)), FrameNames(references),
+                           kind);
 }
 
 std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const StoredResult& stored,
                                              const EvalInputs& inputs) {
-  const ScoreFlags& flags = inputs.scores.matrix;
-  if (flags.path.empty()) return std::nullopt;
+  const std::string& path = inputs.matrix;
+  if (path.empty()) return std::nullopt;
   if (stored.result.places)
-    throw Error(ErrorKind::usage,
-                "a FAB-MAP result has no matrix. Evaluate --scores without the result");
-  const double missing = flags.missing.value_or(stored.result.score().missing);
-  ScoreMatrix matrix(flags.path, {false, flags.train_first, missing});
+    throw Error(ErrorKind::usage, "a FAB-MAP result has no matrix. Use vpr-eval matrix SCORES");
+  ScoreMatrix matrix(path, {false, false, stored.result.score().missing});
   if (!stored.matrix_checksum)
     warn(session.monitor,
          fmt::format("{}: no matrix was saved with this result (vpr-query --save-matrix); {} may "
                      "belong to another one",
-                     inputs.result, flags.path));
+                     inputs.result, path));
   else if (matrix.fingerprint(session.monitor) != *stored.matrix_checksum)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not the matrix that {} was written with. Run vpr-query again "
-                            "with --save-matrix, or evaluate the matrix without the result",
-                            flags.path, inputs.result));
+                            "with --save-matrix, or use vpr-eval matrix",
+                            path, inputs.result));
   return matrix;
 }
 
 ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix, uint64_t seed) {
   const ScoreInputs& scores = inputs.scores;
   ScoreSettings settings{
-      scores.name.empty() ? std::filesystem::path(scores.source()).stem().string() : scores.name,
+      inputs.name.empty() ? std::filesystem::path(scores.source()).stem().string() : inputs.name,
       scores.matrix.format(), scores.window_length, scores.threshold};
   settings.format.is_similarity = matrix.kind() == ScoreOrder::similarity;
   if (!scores.speed.empty())
     settings.query.selection = at_speed(scores.speed, *scores.query_frames, seed);
-  if (!inputs.dataset.empty())
-    settings.query.name = select_query(read_dataset(inputs.dataset), inputs.query).sequence.name;
+  if (!inputs.truth.dataset.empty())
+    settings.query.name =
+        select_query(read_dataset(inputs.truth.dataset), inputs.query).sequence.name;
   else if (inputs.query)
     settings.query.name = sequence_names({parse_sequence_argument(*inputs.query)}).front();
   else
@@ -184,8 +183,7 @@ void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judg
 // Warns if the best score may be the missing value of vpr-query.
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
   const auto& points = judgment.single_best.points;
-  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.matrix.path.empty() ||
-      points.empty())
+  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.path.empty() || points.empty())
     return;
   const double best = judgment.single_best.threshold(points.front());
   if (std::ranges::find(score_kinds(), best, &ScoreKind::missing) == score_kinds().end()) return;
@@ -218,7 +216,8 @@ OpenedScores open_inputs(const Session& session, const EvalInputs& inputs) {
     opened.matrix.emplace(open_scores(inputs));
   } else {
     throw Error(ErrorKind::usage,
-                "there is no result of vpr-query and no --scores. See vpr-eval --help");
+                "the result of vpr-query is missing, as in vpr-eval result.json. For scores, use "
+                "vpr-eval matrix SCORES");
   }
   return opened;
 }
@@ -244,7 +243,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
     warn_reversed(session.monitor, inputs.scores, evaluation.judgment);
     warn_negative(session.monitor, inputs.scores, evaluation.judgment);
   }
-  if (!inputs.scores.name.empty()) evaluation.name = inputs.scores.name;
+  if (!inputs.name.empty()) evaluation.name = inputs.name;
   evaluated.report = report_of(evaluation, session.run, session.monitor);
   return evaluated;
 }

@@ -1,5 +1,6 @@
 // vpr-eval: evaluates results of vpr-query, and scores of any method.
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,12 +11,15 @@
 #include "eval.h"
 #include "evaluate/expectation.h"
 #include "present/evaluation_report.h"
+#include "present/evaluation_text.h"
 #include "present/exports.h"
 #include "present/run_info.h"
 #include "truth/formats.h"
 
 namespace vpr {
 namespace {
+
+constexpr size_t kMostRanges = 3;  // without -v
 
 /// The names of rows: those of --name, else the names of the files, numbered if they are equal.
 std::vector<std::string> row_names(const EvalInputs& inputs) {
@@ -35,23 +39,24 @@ EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
   EvalInputs one = inputs;
   one.row_name = row_names(inputs)[i];
   if (!inputs.results.empty()) one.result = inputs.results[i];
-  if (!inputs.names.empty()) one.scores.name = inputs.names[i];
+  if (!inputs.names.empty()) one.name = inputs.names[i];
   return one;
 }
 
 std::optional<double> dataset_fps(const EvalInputs& inputs) {
-  if (inputs.dataset.empty()) return std::nullopt;
-  const double rate = read_dataset(inputs.dataset).frames_per_second;
+  if (inputs.truth.dataset.empty()) return std::nullopt;
+  const double rate = read_dataset(inputs.truth.dataset).frames_per_second;
   return rate > 0 ? std::optional(rate) : std::nullopt;
 }
 
 RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run) {
   const auto& truth = evaluated.by.ground_truth;
   for (const auto& [role, path] :
-       {std::pair("result", inputs.result), std::pair("scores", inputs.scores.matrix.path),
+       {std::pair("result", inputs.result),
+        std::pair(inputs.scores.is_list() ? "predictions" : "scores",
+                  inputs.scores.path.empty() ? inputs.matrix : inputs.scores.path),
         std::pair("query", inputs.scores.query_npy),
         std::pair("reference", inputs.scores.train_npy),
-        std::pair("predictions", inputs.scores.predictions),
         std::pair("ground_truth", truth ? truth->path.string() : "")})
     if (!path.empty()) run.paths[role] = path;
   return run;
@@ -92,9 +97,9 @@ std::vector<CheckedValue> check_expected(const Session& session, const EvalInput
 std::string expectation_note(const EvalInputs& inputs, size_t values, size_t unmet) {
   if (values == 0 || (unmet > 0 && !inputs.update)) return "";
   if (unmet == 0)
-    return fmt::format("\n{}: all of {} met.\n", inputs.expected,
+    return fmt::format("{}: all of {} met.\n", inputs.expected,
                        counted(values, "expected value is", "expected values are"));
-  return fmt::format("\n{}: updated; {} of {} were not met.\n", inputs.expected, unmet,
+  return fmt::format("{}: updated; {} of {} were not met.\n", inputs.expected, unmet,
                      counted(values, "expected value"));
 }
 
@@ -116,8 +121,8 @@ void run_pairs(Session& session, const EvalInputs& inputs) {
 void run_one(Session& session, const EvalInputs& inputs) {
   claim_outputs(session, inputs);
   const Json expected = read_expected(session, inputs);
-  if (!inputs.pairs.empty() && inputs.ground_truth.empty() && inputs.dataset.empty() &&
-      !inputs.has_plots() && inputs.expected.empty() && inputs.map.empty() && !inputs.has_csv())
+  if (!inputs.pairs.empty() && !inputs.truth.is_given() && !inputs.has_plots() &&
+      inputs.expected.empty() && inputs.map.empty() && !inputs.has_csv())
     return run_pairs(session, inputs);
   const Stopwatch watch;
   const Evaluated evaluated = evaluate(session, inputs);
@@ -139,12 +144,14 @@ void run_one(Session& session, const EvalInputs& inputs) {
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
               evaluation.judgment.layout, evaluation.result ? &evaluation.result->result : nullptr);
   const std::vector<std::string> unmet = unmet_expectations(values);
-  std::string text = evaluation.truth.is_known
-                         ? reports_text({&evaluated.report, 1}, {inputs.row_name}, inputs.format)
-                         : render_table(unjudged_table(evaluated.report), inputs.format);
-  if (inputs.format == TableFormat::text)
-    text = summary + "\n\n" + text + expectation_note(inputs, values.size(), unmet.size());
-  session.print_result(text, report);
+  const std::string brief = evaluation_text(evaluation, evaluated.report, summary,
+                                            session.options.verbose ? SIZE_MAX : kMostRanges) +
+                            expectation_note(inputs, values.size(), unmet.size());
+  const std::string tables =
+      evaluation.truth.is_known
+          ? reports_text({&evaluated.report, 1}, {inputs.row_name}, inputs.format)
+          : render_table(unjudged_table(evaluated.report), inputs.format);
+  session.print_result(output_text(session, inputs.format, brief, tables), report);
   if (!unmet.empty() && !inputs.update)
     throw Error(ErrorKind::expectation,
                 fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
@@ -157,13 +164,11 @@ bool shows_one(const EvalInputs& inputs) {
 }
 
 void run_several(Session& session, const EvalInputs& inputs) {
-  if (!inputs.scores.source().empty() || inputs.has_expectation() || shows_one(inputs))
+  if (!inputs.matrix.empty() || inputs.has_expectation() || shows_one(inputs))
     throw Error(ErrorKind::usage,
-                "--scores, --expect, --html, --plot, --map, --save-trajectory and --pairs take one "
-                "result. For "
-                "a page of several: vpr-eval report FOLDER --html FILE, or vpr-eval compare REPORT "
-                "REPORT --html FILE");
-  check_scores(inputs.scores, true);
+                "--matrix, --expect, --html, --plot, --map, --save-trajectory and --pairs take one "
+                "result. For a page of several, use vpr-eval report FOLDER --html FILE");
+  check_inputs(inputs);
   session.claim_output();
   for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})
     if (!file.empty()) session.outputs.claim_file(file);
@@ -181,35 +186,39 @@ void run_several(Session& session, const EvalInputs& inputs) {
   const Json json = reports_json(reports, names, info, watch.elapsed_s());
   session.write_output(json);
   csv.write(session, inputs);
-  session.print_result(reports_text(reports, names, inputs.format), json);
+  const std::string text =
+      output_text(session, inputs.format, short_text(overview_table(reports, names, "name")),
+                  reports_text(reports, names, inputs.format));
+  session.print_result(text, json);
 }
 
 void run_protocols(Session& session, const EvalInputs& inputs) {
-  if (!inputs.ground_truth.empty() || !inputs.dataset.empty() || inputs.has_expectation())
+  if (inputs.truth.is_given() || inputs.has_expectation())
     throw Error(ErrorKind::usage,
                 "--protocol replaces the ground truth, and its counts have no expected values. "
                 "Omit --ground-truth, --dataset and --expect");
-  if (inputs.results.size() != 1 || !inputs.scores.source().empty())
-    throw Error(ErrorKind::usage, "--protocol needs one result of vpr-query, without --scores");
+  if (inputs.results.size() != 1 || !inputs.matrix.empty())
+    throw Error(ErrorKind::usage, "--protocol needs one result of vpr-query, without --matrix");
   if (shows_one(inputs) || inputs.has_csv())
     throw Error(ErrorKind::usage,
                 "plots, pairs and CSV files show one protocol. Select it with --ground-truth, as "
                 "in --ground-truth nordland-exact");
-  check_scores(inputs.scores, true);
+  check_inputs(inputs);
   session.claim_output();
   const Stopwatch watch;
   std::vector<ProtocolReport> reports;
   for (const GroundTruthPreset* preset : find_presets(inputs.protocols)) {
     EvalInputs one = inputs_of(inputs, 0);
-    one.ground_truth = preset->name;
+    one.truth.path = preset->name;
     reports.push_back({preset, evaluate(session, one).report});
   }
   RunInfo info = session.run;
   info.paths = {{"result", inputs.results[0]}};
   const Json json = protocols_json(reports, info, watch.elapsed_s());
   session.write_output(json);
-  std::string text = render_table(protocols_table(reports), inputs.format);
-  if (inputs.format == TableFormat::text) text += protocols_notes(reports);
+  std::string tables = render_table(protocols_table(reports), inputs.format);
+  if (inputs.format == TableFormat::text) tables += protocols_notes(reports);
+  const std::string text = output_text(session, inputs.format, protocols_text(reports), tables);
   session.print_result(text, json);
 }
 
@@ -220,45 +229,47 @@ void run(Session& session, const EvalInputs& inputs) {
                 fmt::format("--name is needed for each result, in their order: there are {} "
                             "results and {} names",
                             results, inputs.names.size()));
-  if (inputs.has_loops()) return run_loops(session, inputs);
   if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (inputs.results.size() > 1) return run_several(session, inputs);
   run_one(session, inputs_of(inputs, 0));
 }
 
 constexpr const char* kExamples =
-    "  vpr-eval result.json --ground-truth ground_truth.csv\n"
-    "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
-    "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
-    "  vpr-eval --query-npy q.npy --train-npy db.npy --recall-at 1,10,100 "
-    "--ground-truth pairs.csv\n"
-    "  vpr-eval --predictions logs/default/preds --query queries --train database "
-    "--ground-truth queries --ground-truth-train database\n"
-    "  vpr-eval --scores similarities.npy --similarity --query q.txt --train db.txt "
-    "--top-k 20 --pairs pairs.txt\n"
-    "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
-    "--name \"c_l 20\"\n"
-    "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit "
-    "junit.xml\n"
-    "  vpr-eval result.json --protocol nordland-all\n"
-    "  vpr-eval --loops loops.csv --poses trajectory.txt --radius 2 --gap 30s "
-    "--similarity --plot loops";
+    "  vpr-eval result.json --ground-truth aligned --tolerance 3 --html page.html\n"
+    "  vpr-eval short.json long.json --ground-truth pairs.csv --name \"c_l 10\" --name "
+    "\"c_l 20\"\n"
+    "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit junit.xml";
+
+constexpr const char* kMatrixExamples =
+    "  vpr-eval matrix S.npy --similarity --ground-truth pairs.csv\n"
+    "  vpr-eval matrix --query-npy q.npy --train-npy db.npy --recall-at 1,10 --ground-truth "
+    "gt.csv\n"
+    "  vpr-eval matrix logs/default/preds --query queries --train database --ground-truth queries "
+    "--ground-truth-train database";
+
+void add_matrix(Program& program) {
+  const auto inputs = std::make_shared<EvalInputs>();
+  const Command command =
+      program.add_command("matrix", "Evaluate scores or descriptors of any program.",
+                          kMatrixExamples, [inputs](Session& session) { run(session, *inputs); });
+  add_matrix_flags(program, command, *inputs);
+}
 
 }  // namespace
 }  // namespace vpr
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  Program program("vpr-eval",
-                  "Count correct and incorrect recognitions of a result, or evaluate the scores "
-                  "of any method.",
+  Program program("vpr-eval", "Judge the recognitions of a result of vpr-query by ground truth.",
                   kExamples);
   EvalInputs inputs;
-  add_eval_flags(program, inputs);
-  add_compare(program);
+  add_result_flags(program, program.command(), inputs);
   program.set_run([&](Session& session) { run(session, inputs); });
-  add_convert(program);
+  add_matrix(program);
+  add_loops(program);
+  add_compare(program);
   add_report(program);
+  add_convert(program);
   add_check(program);
   return program.main(argc, argv);
 }

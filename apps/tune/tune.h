@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/flags.h"
+#include "run/evaluate.h"
 #include "run/sweep.h"
 
 namespace vpr {
@@ -21,7 +22,8 @@ struct TuneOptions {
   std::string database;
   std::string query;
   std::string ground_truth;
-  std::string fuse;  ///< FAB-MAP database of the same training sequences
+  std::string fuse;    ///< FAB-MAP database of the same training sequences
+  std::string fabmap;  ///< likewise, to try FAB-MAP
   SelectionFlags selection;
   GroundTruthFlags ground_truth_flags;
   std::vector<std::string> datasets;
@@ -41,6 +43,11 @@ struct Source {
   GroundTruthArgument ground_truth;
 };
 
+/// DB, --query, --ground-truth and the flags that describe them. `fps_note`: the end of the help of
+/// --fps. Returns the flag of DB.
+Flag add_query_flags(const Command& command, TuneOptions& options,
+                     const std::string& fps_note = "");
+
 /// The queries that settings are chosen on, by paths or by their names in data sets. Throws
 /// Error(usage) without a query or ground truth.
 std::vector<Source> find_queries(const TuneOptions& options, DatabaseFamily family,
@@ -50,10 +57,14 @@ std::vector<Source> find_queries(const TuneOptions& options, DatabaseFamily fami
 std::optional<Source> find_validation(const TuneOptions& options, DatabaseFamily family,
                                       const std::vector<Source>& queries, const Session& session);
 
-/// Reads the ground truth of a source, which may name frames of the query and the database; null: a
-/// FAB-MAP database, whose frames have no names. The arguments must outlive the reader.
-TruthReader reader_of(const Source& source, const SequenceDatabase* database,
-                      const Monitor& monitor);
+/// The ground truth of a source, which may name frames of the query and the database; null: a
+/// FAB-MAP database, whose frames have no names. The arguments must outlive it.
+EvaluationSettings evaluation_of(const Source& source, const SequenceDatabase* database);
+
+/// The command of vpr-query with the settings, or with the file of --save-config, on the query of a
+/// data set (by index) or of --query. Lines of at most 80 columns, for a shell.
+std::string query_command(const TuneOptions& options, const CommonOptions& common,
+                          const QuerySettings& settings, size_t index = 0);
 
 /// --c-l, --t-r and --margin.
 void add_sequence_grid(const Command& command, GridFlags& flags);
@@ -84,8 +95,11 @@ std::vector<std::optional<double>> parse_values(const std::string& text, const s
 /// As parse_values, for integers from 1 to 1e9.
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag);
 
-/// vpr-tune fastable and vpr-tune fabmap.
+/// The program itself, and its commands.
+void add_trials(Program& program);
 void add_fastable(Program& program);
 void add_fabmap(Program& program);
+void add_calibrate(Program& program);
+void add_threshold(Program& program);
 
 }  // namespace vpr

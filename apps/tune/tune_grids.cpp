@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "run/train.h"
+#include "run/trials.h"
 #include "tune.h"
 
 namespace vpr {
@@ -62,16 +62,8 @@ std::vector<uint64_t> window_lengths(const std::string& given, const char* stand
                                      const SequenceDatabase& database, const DescriptorSet& query) {
   std::vector<uint64_t> lengths = parse_counts(value_or(given, standard), "--c-l");
   if (!given.empty()) return lengths;
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
-  const std::vector<FrameRun> query_runs = readable_runs(query.span());
-  const uint64_t shortest = lengths.front();
-  std::erase_if(lengths, [&](uint64_t length) {
-    return count_windows(query_runs, length) == 0 ||
-           std::all_of(spans.begin(), spans.end(), [&](const DescribedFrames& span) {
-             return count_windows(readable_runs(span), length) == 0;
-           });
-  });
-  return lengths.empty() ? std::vector{shortest} : lengths;
+  const std::vector<uint64_t> fitting = fitting_lengths(lengths, database, {&query});
+  return fitting.empty() ? std::vector{lengths.front()} : fitting;
 }
 
 }  // namespace
@@ -106,16 +98,17 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
 void add_sequence_grid(const Command& command, GridFlags& flags) {
   command.add_option(
       "--c-l", flags.windows,
-      fmt::format("window lengths, as in 2,5,10 or 10:50:10 (default: those of {} that fit)",
+      fmt::format("window lengths, as in 2,5,10 or 10:50:10; default: those of {} that fit",
                   kWindowLengths));
   command.add_option(
       "--t-r", flags.thresholds,
-      fmt::format("thresholds, as in 0.2:0.6:0.05 or --t-r=-3:-1:0.25, for raw distances also auto "
-                  "(default: {}; in bits {}; for z-scores {})",
-                  kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]));
+      fmt::format(
+          "thresholds, as in 0.2:0.6:0.05; negative --t-r=-3:-1:0.25; for raw distances also auto "
+          "(default: {}; in bits {}; for z-scores {})",
+          kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]));
   command.add_option("--margin", flags.margins,
-                     fmt::format("margins for --decide margin in score per frame, as in "
-                                 "0.2:1:0.1,auto (default: {}; for z-scores {})",
+                     fmt::format("margins for --decide margin, as in 0.2:1:0.1,auto; in score per "
+                                 "frame (default: {}; for z-scores {})",
                                  kDistanceMargins, kScoreMargins));
 }
 

@@ -1,176 +1,147 @@
-// vpr-tune: chooses window lengths and thresholds, for little more than the time of one query.
+// vpr-tune: chooses a method and its settings on queries with ground truth.
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json_fwd.h"
 #include "base/stopwatch.h"
-#include "present/database_report.h"
-#include "present/tuning_report.h"
-#include "run/calibrate.h"
-#include "run/thresholds.h"
+#include "base/text.h"
+#include "present/sweep_report.h"
+#include "present/trial_report.h"
+#include "run/advice.h"
+#include "run/plan.h"
 #include "run/train.h"
-#include "store/archive.h"
+#include "run/trials.h"
 #include "tune.h"
 
 namespace vpr {
 namespace {
 
-/// vpr-tune calibrate, by default for margins of z-scores.
-struct Calibrate {
+/// The program without a command.
+struct Try {
   TuneOptions options;
-  SequenceQuerySettings settings;
-  double precision = 1;
-
-  Calibrate() {
-    settings.score = Score::zscore;
-    settings.decision = Decision::margin;
-  }
+  SequenceQuerySettings settings;  ///< skip_unreadable and the searched training sequences
+  uint64_t max_incorrect = 0;
 };
 
-void calibrate(Session& session, const Calibrate& command) {
-  TuneOptions options = command.options;
-  options.selection.fallback_fps = options.selection.fps;
+template <class Visitor>
+void visit_fields(Try& command, Visitor&& visit) {
+  visit("max_incorrect", command.max_incorrect);
+  visit("only_sequence", command.settings.only_sequences);
+  visit("same_place", command.settings.same_place);
+  visit("skip_unreadable", command.settings.skip_unreadable);
+}
+
+Trial fabmap_trial(const Try& command, const Session& session) {
   const Monitor& monitor = session.monitor;
+  const FabmapDatabase database = read_fabmap_database(command.options.fabmap);
+  FabmapQuerySettings settings;
+  settings.skip_unreadable = command.settings.skip_unreadable;
+  const std::vector<Source> sources =
+      find_queries(command.options, DatabaseFamily::fabmap, session);
+  std::vector<LabeledWords> queries;
+  for (const Source& source : sources)
+    queries.push_back({source.sequence.name,
+                       describe_words(open_sequence(source.sequence.sequence), database,
+                                      settings.skip_unreadable, monitor),
+                       evaluation_of(source, nullptr)});
+  return try_fabmap(database, queries, settings, command.max_incorrect, session.options.seed,
+                    monitor);
+}
+
+std::string result_text(const Try& command, const CommonOptions& common, const Trials& trials,
+                        const std::string& advice) {
+  const auto& [options, settings, max_incorrect] = command;
+  std::string text = render_table(trials_table(trials, common.verbose), options.format) +
+                     choice_text(trials, advice);
+  if (trials.chosen)
+    text += query_command(options, common, trials.all[*trials.chosen].settings) + "\n";
+  if (!common.verbose) return text;
+  TuneOptions flags = options;
+  flags.save_config.clear();
+  for (const Trial& trial : trials.all)
+    text += fmt::format("{}:\n{}\n", trial.name, query_command(flags, common, trial.settings));
+  return text;
+}
+
+void try_all(Session& session, const Try& command) {
+  const TuneOptions& options = command.options;
+  const Monitor& monitor = session.monitor;
+  if (options.database.empty())
+    throw Error(ErrorKind::usage, "the database is missing, as in vpr-tune DB --query FOLDER");
   session.claim_output();
+  if (!options.save_config.empty()) session.outputs.claim_file(options.save_config);
   const std::vector<Source> sources = find_queries(options, DatabaseFamily::sequences, session);
-  if (sources.size() > 1)
-    throw Error(ErrorKind::usage, "a calibration is of one sequence; pass one --dataset");
-  const Source& source = sources.front();
-  const CalibrationRequest request{command.precision, source.sequence.sequence.sequence.fps};
-  const Stopwatch watch;
-  const ResolvedSettings settings(command.settings, {kDatabaseChoice, kCalibrateChoice});
+  SequenceQuerySettings filter = command.settings;
+  filter.method = "filter";
+  const ResolvedSettings settings(filter);
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
   const QueryResources resources{session.kernels, options.memory_limit, 0, session.options.seed};
-  const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
-  const CalibratedSequence result = calibrate_sequence(
-      database, query, source.sequence.name, settings,
-      calibrated_lengths(options.grid.windows, database, query), request.precision,
-      reader_of(source, &database, monitor), resources, monitor);
-  if (!result.chosen)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: no margin: {}", result.query.name, calibration_failure(result)));
+  const Stopwatch watch;
+  std::vector<LabeledQuery> queries;
+  for (const Source& source : sources)
+    queries.push_back({source.sequence.name,
+                       describe_query(source.sequence.sequence, database, settings, monitor),
+                       evaluation_of(source, &database)});
+  Trials trials =
+      try_sequences(database, queries, command.settings, command.max_incorrect, resources, monitor);
+  if (!options.fabmap.empty()) {
+    trials.all.push_back(fabmap_trial(command, session));
+    choose(trials);
+  }
   session.run.simd_target = session.kernels.target;
   session.run.memory_limit = options.memory_limit;
   session.run.paths = {{"database", options.database}};
-  const Json json = calibration_json(result, request, session.run, watch.elapsed_s());
+  const Json json = trials_json(trials, session.run, watch.elapsed_s());
   session.write_output(json);
-  session.print_result(render_table(calibration_table(result), options.format) + "\n" +
-                           calibration_text(result, request),
-                       json);
-}
-
-void add_calibrate(Program& program) {
-  const auto tune = std::make_shared<Calibrate>();
-  TuneOptions& options = tune->options;
-  const Command command = program.add_command(
-      "calibrate", "Choose a margin on a short labeled sequence, for vpr-query --config on others.",
-      "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth aligned "
-      "--tolerance 3 --fps 2 -o calibrated.json\n"
-      "  vpr-query corridor.vprdb --query another/walk --config calibrated.json -o result.json\n"
-      "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth pairs.csv "
-      "--method filter --target-precision 0.99",
-      [tune](Session& session) { calibrate(session, *tune); });
-  program.add_config(command, tune->settings);
-  command.add_option("DB", options.database, "database of a sequence method").required();
-  command.add_option("--query", options.query,
-                     "query sequence; with --dataset, the name of one of its queries");
-  command.add_option("--ground-truth", options.ground_truth, ground_truth_help());
-  command.add_list("--dataset", options.datasets,
-                   "data set description with query and ground truth");
-  add_speed_flag(command, options.selection.speed);
-  add_rate_flags(command, options.selection, "the query",
-                 "; a query of unknown rate has this rate, so that false recognitions are reported "
-                 "per hour instead of per 1000 windows");
-  add_ground_truth_flags(command, options.ground_truth_flags);
-  add_setting(command, "--target-precision", tune->precision,
-              "least share of correct windows among recognized ones (default: 1)");
-  add_calibrated_lengths(command, options.grid.windows);
-  add_setting(command, "--method", tune->settings.method,
-              "exact matching method of vpr-query, such as fastable or filter (default: fastable)");
-  add_score_settings(command, tune->settings);
-  add_rate_settings(command, tune->settings);
-  add_unreadable_flag(command, tune->settings.skip_unreadable);
-  add_memory_flag(command, options.memory_limit,
-                  "memory for rings and recognitions in bytes, as in 512M");
-  add_format_flag(command, options.format);
-}
-
-/// vpr-tune threshold.
-struct Threshold {
-  std::string database;
-  std::string windows = "40";
-  double safety_factor = 1;
-  bool write = false;
-  TableFormat format = TableFormat::text;
-};
-
-VPR_FIELDS(Threshold, safety_factor)
-
-// Replaces the thresholds of the database for the same window lengths.
-void store_thresholds(const Session& session, const std::string& path, SequenceDatabase& database,
-                      const std::vector<AutomaticThresholds>& all) {
-  for (const AutomaticThresholds& one : all) {
-    std::erase_if(database.thresholds, [&](const ThresholdTable& stored) {
-      return stored.window_length == one.table.window_length;
-    });
-    database.thresholds.push_back(one.table);
-  }
-  write_sequence_database(path, database, session.outputs);
-}
-
-void compute_thresholds(Session& session, const Threshold& command) {
-  check_safety_factor(command.safety_factor);
-  session.claim_output();
-  if (command.write) {
-    session.outputs.extend(command.database);
-    session.outputs.claim_folder(command.database, is_database_folder);
-  }
-  SequenceDatabase database = read_sequence_database(command.database);
-  check_automatic(database, {});
-  std::vector<AutomaticThresholds> all;
-  for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
-    check_window_length(length);
-    ThresholdTable table =
-        compute_thresholds(descriptor_spans(database), length, command.safety_factor,
-                           session.kernels, session.monitor);
-    warn_of_overlaps(database, table, session.monitor);
-    all.push_back(automatic_thresholds(database, std::move(table), session.monitor));
-  }
-  if (command.write) store_thresholds(session, command.database, database, all);
-  const Json json = thresholds_json(database.sequences, all, command.safety_factor, session.run);
-  session.write_output(json);
-  session.print_result(render_table(thresholds_table(database.sequences, all, command.safety_factor,
-                                                     command.database),
-                                    command.format),
-                       json);
-}
-
-void add_threshold(Program& program) {
-  const auto tune = std::make_shared<Threshold>();
-  const Command command = program.add_command(
-      "threshold", "List the automatic t_r of each training sequence and the frames that set it.",
-      "  vpr-tune threshold building.vprdb --c-l 20,40,60,80\n"
-      "  vpr-tune threshold building.vprdb --c-l 60 --safety-factor 0.9 --write",
-      [tune](Session& session) { compute_thresholds(session, *tune); });
-  program.add_config(command, *tune);
-  command.add_option("DB", tune->database, "database of a sequence method").required();
-  command.add_option("--c-l", tune->windows, "window lengths, as in 20,40 (default: 40)");
-  add_setting(command, "--safety-factor", tune->safety_factor, "factor of t_r (default: 1)");
-  command.add_flag("--write", tune->write, "store the thresholds in the database");
-  add_format_flag(command, tune->format);
+  if (!options.save_config.empty() && trials.chosen)
+    session.outputs.file(options.save_config)
+        .write(config_text(trials.all[*trials.chosen].settings));
+  const Localization found = trials.all.front().total();
+  const std::string advice =
+      found.correct + found.incorrect == 0
+          ? filter_advice(database, queries.front().frames, command.settings, resources, monitor)
+          : "";
+  session.print_result(result_text(command, session.options, trials, advice), json);
+  if (!options.save_config.empty() && !trials.chosen)
+    throw Error(
+        ErrorKind::expectation,
+        fmt::format("{}: is not written, because no setting is chosen", options.save_config));
 }
 
 }  // namespace
+
+void add_trials(Program& program) {
+  const auto tune = std::make_shared<Try>();
+  TuneOptions& options = tune->options;
+  const Command command = program.command();
+  program.set_run([tune](Session& session) { try_all(session, *tune); });
+  program.add_config(command, *tune);
+  add_query_flags(command, options);
+  command.add_option(
+      "--fabmap", options.fabmap,
+      "FAB-MAP database of the same sequences; to try it as well, by the same ground "
+      "truth");
+  add_setting(command, "--max-incorrect", tune->max_incorrect,
+              "most incorrect frames of a choice (default: 0)");
+  command.add_option("--save-config", options.save_config,
+                     "chosen settings for vpr-query --config; exit code 5 if there are none");
+  add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
+  add_memory_flag(command, options.memory_limit,
+                  "memory for rings and recognitions in bytes, as in 512M")
+      .group("Windows");
+  add_format_flag(command, options.format).group("Outputs");
+}
+
 }  // namespace vpr
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  Program program("vpr-tune", "Choose window lengths and thresholds: whole grids in one pass.",
+  Program program("vpr-tune", "Find the method and settings for your data, by ground truth.",
+                  "  vpr-tune corridor.vprdb --query corridor/query --ground-truth aligned "
+                  "--tolerance 3\n"
                   "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth "
                   "aligned --tolerance 3 --save-config best.json\n"
-                  "  vpr-query corridor.vprdb --query another/walk --config best.json\n"
-                  "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth "
-                  "aligned --tolerance 3 --fps 2 -o calibrated.json");
+                  "  vpr-query corridor.vprdb --query another/walk --config best.json");
+  add_trials(program);
   add_fastable(program);
   add_fabmap(program);
   add_calibrate(program);

@@ -47,6 +47,11 @@ std::string printable_line(std::string_view text);
 /// formed with s.
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural = {});
 
+/// Breaks a line of more than `width` columns between words. Broken lines end with `end`, and the
+/// following ones are indented by `indent` columns. A longer word is a line of its own.
+std::string wrapped_line(const std::string& line, size_t width, size_t indent,
+                         const std::string& end = {});
+
 /// Runs of digits compare by value, other characters by byte: "2" < "10", "a2" < "a10" < "b1". If
 /// names differ only in leading zeros, fewer zeros come first. A strict weak order of all byte
 /// strings.

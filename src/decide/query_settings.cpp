@@ -51,7 +51,6 @@ double least_score_margin(double, size_t window_length) {
 
 constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .measure = "distance",
-                            .title = "distance (summed over the window)",
                             .window_symbol = "c_l",
                             .threshold_symbol = "t_r",
                             .frame_unit = "mean distance",
@@ -71,7 +70,6 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
 constexpr ScoreKind zscore_row(bool is_offline) {
   return {.order = ScoreOrder::distance,
           .measure = "z-score",
-          .title = "z-score (1/1024, summed)",
           .window_symbol = "c_l",
           .threshold_symbol = "t_r",
           .frame_unit = "mean z",
@@ -91,7 +89,6 @@ constexpr ScoreKind zscore_row(bool is_offline) {
 
 constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
                                     .measure = "probability",
-                                    .title = "probability",
                                     .window_symbol = "c_w",
                                     .threshold_symbol = "t_p",
                                     .missing = -1};

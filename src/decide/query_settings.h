@@ -69,7 +69,6 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"
 struct ScoreKind {
   ScoreOrder order = {};
   std::string_view measure = {};           ///< in sentences: "distance"
-  std::string_view title = {};             ///< of a chart's axis, with the unit of sums
   std::string_view window_symbol = {};     ///< c_l, c_w
   std::string_view threshold_symbol = {};  ///< t_r, t_p
   std::string_view frame_unit = {};        ///< of frame_value, as the head of a column

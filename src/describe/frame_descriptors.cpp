@@ -4,9 +4,9 @@
 #include <array>
 #include <cassert>
 #include <cstring>
-#include <utility>
 #include <mutex>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -127,8 +127,8 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
 LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules);
 
-/// The best match of each query window of a result of vpr-query loops: the anchors of both windows and the
-/// score per frame. With a threshold or a margin, only recognitions; of FAB-MAP all, with
+/// The best match of each query window of a result of vpr-query loops: the anchors of both windows
+/// and the score per frame. With a threshold or a margin, only recognitions; of FAB-MAP all, with
 /// probabilities. Line numbers are those of loops_csv.
 std::vector<ListedLoop> loops_of(const Result& result);
 

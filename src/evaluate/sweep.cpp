@@ -33,6 +33,20 @@ std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order) {
   return order == ScoreOrder::distance ? *cell.threshold : -*cell.threshold;
 }
 
+size_t best_path(std::span<const Localization> paths, uint64_t max_incorrect) {
+  const auto is_better = [&](const Localization& a, const Localization& b) {
+    const bool is_allowed = a.incorrect <= max_incorrect;
+    if (is_allowed != (b.incorrect <= max_incorrect)) return is_allowed;
+    const auto rank = [&](const Localization& path) {
+      const auto loss = -static_cast<int64_t>(path.correct);
+      const auto incorrect = static_cast<int64_t>(path.incorrect);
+      return is_allowed ? std::pair(loss, incorrect) : std::pair(incorrect, loss);
+    };
+    return rank(a) < rank(b);
+  };
+  return static_cast<size_t>(std::ranges::min_element(paths, is_better) - paths.begin());
+}
+
 Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {
   Recommendation choice;
   std::map<uint64_t, std::vector<size_t>> by_window;  // cells with a threshold

@@ -11,6 +11,7 @@
 
 #include "base/enum_names.h"
 #include "base/statistics.h"
+#include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
 
 namespace vpr {
@@ -24,7 +25,13 @@ struct CellCounts {
   /// For margins: query windows that are recognized even if their place is not trained
   /// (UnknownPlaceScan).
   std::optional<uint64_t> unknown_place = {};
+  Localization path = {};  ///< frames by their closest recognitions
 };
+
+/// The index of the best counts of frames: among those with at most `max_incorrect` incorrect
+/// frames, the most correct ones, then the fewest incorrect ones; if there are none, the fewest
+/// incorrect ones, then the most correct ones. Ties to the first; `paths` must not be empty.
+size_t best_path(std::span<const Localization> paths, uint64_t max_incorrect);
 
 /// A larger value accepts more: t_r, or the negative of t_p or a margin. Unset: automatic.
 std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order);
@@ -92,7 +99,8 @@ struct Sweep {
   std::optional<QuerySettings> recommended_settings;
   std::optional<SweepIntervals> intervals;
   std::optional<ValidatedCell> validation;
-  std::string protocol;  ///< a description of the ground truth
+  std::string protocol;                     ///< a description of the ground truth
+  std::optional<Localization> filter = {};  ///< frames that the method filter recognizes
 };
 
 }  // namespace vpr

@@ -16,24 +16,26 @@ class Mat;
 
 namespace vpr {
 
-/// A bar is a line with end marks. Each pair of points of `boxes` is two opposite corners of a
-/// filled box.
-enum class SeriesStyle { line_and_points, line, wide_line, bar, points, boxes };
+/// Each pair of points of `boxes` and `outline` is the least and
+/// the greatest corner of a box. `boxes` fills them. `outline` draws the border of their union, row
+/// by row: boxes are one row high, row after row, and from left to right.
+enum class SeriesStyle { line_and_points, line, wide_line, points, boxes, outline };
 
-/// none: the label replaces the mark.
-enum class SeriesMark { disc, dot, square, cross, circle, none };
+/// automatic: a different one for each series of a chart. none: the label replaces the mark.
+enum class SeriesMark { disc, dot, square, cross, circle, triangle, automatic, none };
 
 /// A point that interrupts a line.
 inline constexpr std::pair<double, double> kChartGap = {std::numeric_limits<double>::quiet_NaN(),
                                                         std::numeric_limits<double>::quiet_NaN()};
 
-/// One entry of the legend.
+/// One entry of the legend. Lines without a meaning differ in their dashes and the marks at their
+/// ends.
 struct Series {
   std::string name;  ///< empty: not in the legend
   std::vector<std::pair<double, double>> points;
   SeriesStyle style = SeriesStyle::line_and_points;
   std::optional<Meaning> meaning = {};  ///< sets the color; none: the next of series_colors
-  SeriesMark mark = SeriesMark::disc;
+  SeriesMark mark = SeriesMark::automatic;
   std::vector<std::string> labels = {};  ///< next to the points, in their order
 };
 
@@ -56,24 +58,26 @@ struct ChartAxis {
   bool is_log = false;
   bool from_zero = false;                               ///< an automatic linear range starts at 0
   std::optional<std::pair<double, double>> range = {};  ///< from, to; from may be the larger
-  std::vector<ChartTick> ticks = {};                    ///< empty: automatic
+  std::vector<ChartTick> ticks = {};                    ///< empty: automatic; overlapping ones go
+  bool has_text_inside = false;                         ///< tick texts above their positions, left
   std::vector<ChartBand> bands = {};
 };
 
-/// An image under the series. Its first pixel is at the zero of both axes. Pixels outside the
-/// ranges are cut off.
+/// A gray image under the series; dark pages invert it. Its first pixel is at the zero of both
+/// axes. Pixels outside the ranges are cut off.
 struct ChartImage {
   std::string png;   ///< the bytes of a PNG file
-  size_t width = 1;  ///< in pixels; a pixel is a unit of the SVG
+  size_t width = 1;  ///< in pixels; a pixel is at most a unit of the SVG
   size_t height = 1;
   double columns = 1;  ///< its size in units of the axes
   double rows = 1;
   std::optional<std::pair<double, double>> grays = {};  ///< values of black and white
+  int gray_digits = 6;                                  ///< significant digits of these values
   std::string gray_label = {};
 };
 
-/// An image (gray or BGR, 8 bits) with pixels of `cells` x `cells` units of the axes, enlarged by
-/// an integer factor so that its pixels are visible.
+/// An image (gray, or BGR with alpha, 8 bits) with pixels of `cells` x `cells` units of the axes,
+/// enlarged by an integer factor so that its pixels are visible.
 ChartImage chart_image(const cv::Mat& image, size_t cells);
 
 /// A part of the x axis, drawn in the bar below the plot.
@@ -93,18 +97,23 @@ struct Chart {
   bool is_plan = false;                  ///< equal scales, no axes
   std::optional<ChartImage> image = {};  ///< needs ranges of both axes; x starts at 0
   std::vector<ChartRun> runs = {};
-  std::string runs_label = {};
-  double width = 900;  ///< in units of the SVG; automatic for charts with an image
+  bool has_cursor = false;  ///< a line of class `here` in a page, which a script moves
+  double right = 0;         ///< least room on the right of the plot, as for names of bands
+  double width = 900;       ///< in units of the SVG; automatic for charts with an image
   double height = 540;
 };
 
 void erase_empty_series(Chart& chart);
 
-/// An SVG element for an HTML page, without title and legend. Its classes are those of the page's
-/// style sheet, including the palette. Marks at the same position are drawn once, which limits the
-/// size for any number of points. In a chart with runs, the page's script moves the line with the
-/// id `here`.
+/// SVG elements for an HTML page, without title and legend: one that is readable on a phone and,
+/// for a wider chart, one for wide screens; the style sheet shows one of them. Their classes are
+/// those of the style sheet, including the palette. Marks at the same position are drawn once,
+/// which limits the size for any number of points. Page scripts read the scales of the axes from
+/// `data-x` and `data-y` (from, to, begin and end) and move the lines of class `here`.
 std::string page_svg(const Chart& chart);
+
+/// The legend of a chart in a page, with samples of its lines, marks and runs.
+std::string legend_html(const Chart& chart);
 
 /// A white SVG file with titles and legends: the charts row by row, `columns` per row. `charts`
 /// must not be empty. Strings are escaped.
@@ -159,11 +168,15 @@ struct ChartLayout {
   std::vector<ChartTick> y_ticks;
   std::vector<LegendEntry> legend;
   double names_height = 0;       ///< of the names of the x axis's bands, above the plot
+  double names_width = 0;        ///< of the names of the y axis's bands, right of the plot
   bool has_steep_names = false;  ///< rotated, because they would overlap
 };
 
 /// The approximate width of a text with letters of `size` units, in units of the SVG.
 double text_width(const std::string& text, double size);
+
+/// The text, truncated with an ellipsis if it is wider than `width`.
+std::string shortened(const std::string& text, double width, double size = 13);
 
 /// The axis's own range or, if it has none, one that shows all finite `values` with a margin; for
 /// logarithmic axes between values of 1, 2 and 5 times a power of ten. Without values, it is 0 to 1
@@ -181,7 +194,7 @@ size_t round_step(size_t length, size_t most);
 /// `for_page`: without title and legend.
 ChartLayout layout_of(const Chart& chart, bool for_page);
 
-/// The bytes of a PNG file. `image`: gray or BGR, 8 bits.
+/// The bytes of a PNG file. `image`: gray, BGR or BGR with alpha, 8 bits.
 std::string png_of(const cv::Mat& image);
 
 /// The bytes of a PNG file with an SVG file, rendered by librsvg on white with `zoom` pixels per

@@ -54,18 +54,6 @@ size_t ticks_in(double length, double room) {
   return static_cast<size_t>(std::max(2.0, length / room));
 }
 
-// Truncates a text that is wider than `width`.
-std::string shortened(const std::string& text, double width) {
-  if (text_width(text, kLetters) <= width) return text;
-  const double letters = width / text_width("x", kLetters) - 1;
-  size_t end = 0;
-  for (double kept = 0; end < text.size(); ++end) {
-    const bool starts_letter = (static_cast<unsigned char>(text[end]) & 0xc0) != 0x80;
-    if (starts_letter && ++kept > letters) break;
-  }
-  return text.substr(0, end) + "…";
-}
-
 double widest(const std::vector<ChartTick>& ticks) {
   double width = 0;
   for (const ChartTick& tick : ticks) width = std::max(width, text_width(tick.text, kLetters));
@@ -113,13 +101,31 @@ double height_of_names(const Chart& chart, bool is_steep) {
   return most == 0 ? 0 : is_steep ? std::ceil(most / 2) + kLine : kLine;
 }
 
+// Scales an image down to the width of the plot.
 void fit_image(const Chart& chart, ChartArea& area) {
   const ChartImage& image = *chart.image;
   const auto length = [](const ChartAxis& axis) {
     return std::abs(axis.range->second - axis.range->first);
   };
-  area.width = static_cast<double>(image.width) / image.columns * length(chart.x);
-  area.height = static_cast<double>(image.height) / image.rows * length(chart.y);
+  const double width = static_cast<double>(image.width) / image.columns * length(chart.x);
+  const double height = static_cast<double>(image.height) / image.rows * length(chart.y);
+  const double scale = std::min(1.0, area.width / width);
+  area.width = width * scale;
+  area.height = std::max(height * scale, std::min(height, 40.0));
+}
+
+// Removes ticks whose texts would overlap an earlier one.
+void thin_ticks(std::vector<ChartTick>& ticks, const AxisScale& axis, bool is_x) {
+  double end = -1e9;  // of the previous text
+  std::vector<ChartTick> sorted = ticks;
+  std::ranges::stable_sort(sorted, {}, [&](const ChartTick& tick) { return axis(tick.at); });
+  ticks.clear();
+  for (const ChartTick& tick : sorted) {
+    const double half = (is_x ? text_width(tick.text, kLetters) + 8 : kLetters + 2) / 2;
+    if (axis(tick.at) - half < end) continue;
+    end = axis(tick.at) + half;
+    ticks.push_back(tick);
+  }
 }
 
 // Reduces the area to the aspect ratio of the ranges.
@@ -146,6 +152,17 @@ double text_width(const std::string& text, double size) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;  // starts one, in UTF-8
   });
   return 0.58 * size * static_cast<double>(letters);
+}
+
+std::string shortened(const std::string& text, double width, double size) {
+  if (text_width(text, size) <= width) return text;
+  const double letters = width / text_width("x", size) - 1;
+  size_t end = 0;
+  for (double kept = 0; end < text.size(); ++end) {
+    const bool starts_letter = (static_cast<unsigned char>(text[end]) & 0xc0) != 0x80;
+    if (starts_letter && ++kept > letters) break;
+  }
+  return text.substr(0, end) + "…";
 }
 
 std::pair<double, double> range_of(const ChartAxis& axis, const std::vector<double>& values) {
@@ -189,29 +206,36 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
   layout.x = {x_from, x_to, chart.x.is_log};
   layout.y = {y_from, y_to, chart.y.is_log};
   ChartArea& area = layout.area;
-  if (chart.image) fit_image(chart, area);
-  const double guess = chart.image ? area.height : chart.height - 160;
   layout.y_ticks = chart.y.ticks.empty()
-                       ? ticks_of(chart.y.is_log, {y_from, y_to}, ticks_in(guess, 55))
+                       ? ticks_of(chart.y.is_log, {y_from, y_to}, ticks_in(chart.height - 160, 55))
                        : chart.y.ticks;
+  const bool has_bare_side = chart.is_plan || chart.y.has_text_inside;
+  for (ChartTick& tick : layout.y_ticks)
+    tick.text = shortened(tick.text, chart.width * (has_bare_side ? 0.9 : 0.6));
   const double side = 24;
-  for (ChartTick& tick : layout.y_ticks) tick.text = shortened(tick.text, chart.width * 2 / 3);
-  area.left = chart.is_plan ? side : std::max(60.0, std::ceil(widest(layout.y_ticks)) + 16);
-  if (chart.image)
-    layout.width = std::max(area.left + area.width + 40, 620.0);
-  else
-    area.width = chart.width - area.left - side;
+  area.left = has_bare_side ? side / 2 : std::max(48.0, std::ceil(widest(layout.y_ticks)) + 16);
+  layout.names_width = chart.right;
+  for (const ChartBand& band : chart.y.bands)
+    layout.names_width = std::max(layout.names_width, text_width(band.name, kLetters) + 8);
+  layout.names_width = std::min(layout.names_width, chart.width / 4);
+  area.width = chart.width - area.left - side - layout.names_width;
+  if (chart.image) {
+    fit_image(chart, area);
+    const double least = std::min(chart.width, 620.0);
+    layout.width = std::max(area.left + area.width + side + layout.names_width, least);
+  }
   layout.x_ticks = chart.x.ticks.empty()
                        ? ticks_of(chart.x.is_log, {x_from, x_to}, ticks_in(area.width, 80))
                        : chart.x.ticks;
   layout.x.begin = area.left;
   layout.x.end = area.right();
+  thin_ticks(layout.x_ticks, layout.x, true);
   layout.has_steep_names = is_steep(chart, layout);
   layout.names_height = height_of_names(chart, layout.has_steep_names);
   area.top = (for_page ? 8 : 38) + (chart.y.label.empty() ? 0 : kLine + 6) + layout.names_height;
   double below = chart.is_plan ? 10 : 22 + (chart.x.label.empty() ? 0 : kLine + 4);
   if (!chart.runs.empty()) below += 30;
-  if (chart.image && chart.image->grays) below += 54;
+  if (chart.image && chart.image->grays) below += for_page ? 40 : 58;
   const double legend_top = below + 14;
   if (!for_page) below = legend_top + lay_legend(chart, layout);
   if (!chart.image) area.height = chart.height - area.top - below - 6;
@@ -222,6 +246,7 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
   layout.x.end = area.right();
   layout.y.begin = area.bottom();
   layout.y.end = area.top;
+  if (!chart.y.has_text_inside) thin_ticks(layout.y_ticks, layout.y, false);
   return layout;
 }
 

@@ -28,6 +28,7 @@ Value scaled_metric(const Report& report, std::string_view key) {
 /// A share of frames with the same denominator for all methods on a query.
 struct GridMetric {
   std::string_view key;
+  std::string_view name;
   std::string_view title;
   Value (*part)(const Report& report);  ///< in frames
   bool is_count = false;                ///< `part` is an integer
@@ -36,15 +37,15 @@ struct GridMetric {
 };
 
 constexpr std::array<GridMetric, 5> kMetrics = {
-    {{"recall_at_1", "R@1: frames with a right best match",
+    {{"recall_at_1", "R@1", "R@1: frames with a right best match",
       [](const Report& report) { return Value(number(report.counts.best_match.correct)); }, true},
-     {"average_precision", "AP of best matches",
+     {"average_precision", "AP", "AP of best matches",
       [](const Report& report) { return scaled_metric(report, "average_precision"); }},
-     {"recall_at_100_precision", "R@100P of best matches",
+     {"recall_at_100_precision", "R@100P", "R@100P of best matches",
       [](const Report& report) { return scaled_metric(report, "recall_at_100_precision"); }},
-     {"share", "Share of the path with a correct recognition",
+     {"share", "recognized correctly", "Share of the path with a correct recognition",
       [](const Report& report) { return Value(number(report.localization.correct)); }, true, true},
-     {"incorrect", "Share of the path with a incorrect recognition",
+     {"incorrect", "incorrectly", "Share of the path with an incorrect recognition",
       [](const Report& report) { return Value(number(report.localization.incorrect)); }, true, true,
       false}}};
 
@@ -146,6 +147,26 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
   return table;
 }
 
+/// One row per method on this query, and one column per metric.
+Table query_table(std::span<const GridReport> reports, const std::string& query) {
+  Table table{"Over all frames of the query", {"method"}, {}};
+  for (const std::string& method : methods_of(reports))
+    if (report_of(reports, method, query) != nullptr) table.rows.push_back({method});
+  for (const GridMetric& metric : kMetrics) {
+    std::vector<Value> values;
+    for (auto& row : table.rows) {
+      const Report& report = *report_of(reports, row.front(), query);
+      row.push_back(cell_text(report, metric));
+      values.push_back(metric.is_of_path && report.is_oracle ? std::nullopt
+                                                             : value_of(report, metric));
+    }
+    if (metric.has_best && table.rows.size() > 1)
+      mark_best(table, table.columns.size(), values, false);
+    table.columns.emplace_back(metric.name);
+  }
+  return table;
+}
+
 std::string query_section(std::span<const GridReport> reports, const std::string& query) {
   std::vector<Report> of_query;
   std::vector<std::string> names;
@@ -155,9 +176,9 @@ std::string query_section(std::span<const GridReport> reports, const std::string
     names.push_back(method);
   }
   const std::string& truth = of_query.front().protocol.ground_truth;
-  return section_html(html_escaped(query), "<p class=\"note\">" +
-                                               html_escaped("Ground truth: " + truth) + "</p>" +
-                                               methods_html(query, of_query, names));
+  return section_html(query, "<p class=\"note\">" + html_escaped("Ground truth: " + truth) +
+                                 "</p>" + methods_html(of_query, names) +
+                                 table_html(query_table(reports, query)));
 }
 
 std::string sentence_of(std::span<const GridReport> reports) {
@@ -208,15 +229,19 @@ Table grid_rows(std::span<const GridReport> reports) {
 }
 
 std::string grid_page(const std::string& title, std::span<const GridReport> reports) {
-  std::string tables;
-  for (const Table& table : grid_tables(reports)) tables += table_html(table);
-  std::string sections = section_html("Numbers", tables);
+  std::string sections;
   for (const std::string& query : queries_of(reports)) sections += query_section(reports, query);
+  if (queries_of(reports).size() > 1) {
+    const std::vector<Table> tables = grid_tables(reports);
+    std::string others;
+    for (size_t t = 1; t < tables.size(); ++t) others += table_html(tables[t]);
+    sections +=
+        section_html("All queries", table_html(tables[0]) + folded_html("Other metrics", others));
+  }
   Json first = report_json(reports.front().report);
   first["protocol"].erase("ground_truth");
-  return sections_page(title, sentence_of(reports),
-                       "Rows are methods, columns queries; the best of each is bold.", sections,
-                       first["protocol"], first["provenance"]);
+  return sections_page(title, sentence_of(reports), "The best value of each column is bold.",
+                       sections, first["protocol"], first["provenance"]);
 }
 
 }  // namespace vpr

@@ -11,17 +11,13 @@
 #include "base/json.h"
 #include "base/json_fields.h"
 #include "base/text.h"
-#include "present/evaluation_charts.h"
 #include "present/evaluation_report.h"
-#include "present/html_page.h"
+#include "present/evaluation_text.h"
 
 namespace vpr {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kLaneGap = 0.15;  // on both sides of a lane that is 1 high
-constexpr double kLaneHeight = 34;
 
 // The protocol of the recording's ground truth, without the selection of the query.
 std::string recording_protocol(const Report& report) {
@@ -119,63 +115,6 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
   return json;
 }
 
-std::string title_of(const ComparisonReport& comparison) {
-  return fmt::format("{} on {}", counted(comparison.reports.size(), "method"), comparison.query());
-}
-
-// "Best matches of the 51 common queries are right in 80.4 % by mine, 61.8 % by theirs."
-std::string sentence_of(const ComparisonReport& comparison) {
-  std::string text;
-  for (const ComparedValue& value : comparison.found.values)
-    if (value.key == "recall_at_1" && value.value)
-      text += fmt::format("{}{:.1f} % by {}",
-                          text.empty()
-                              ? fmt::format("Best matches of the {} common queries are right in ",
-                                            comparison.found.judged)
-                              : ", ",
-                          100 * *value.value, comparison.names[value.method]);
-  return text.empty() ? "The queries have nothing to find." : text + ".";
-}
-
-/// One curve per report, over its own queries; empty if no query has a match.
-Chart curves_overlay(const std::string& title, std::span<const Report> reports,
-                     const std::vector<std::string>& names) {
-  Chart chart = precision_recall_chart(title);
-  for (size_t r = 0; r < reports.size(); ++r) {
-    const Curve curve = single_best_curve(reports[r].outcomes);
-    Series series{names[r], {}, SeriesStyle::line};
-    if (curve.to_find > 0) series.points = curve_points(curve, 1000);
-    chart.series.push_back(series);
-  }
-  return chart;
-}
-
-/// The verdicts of all query frames, one lane per report. Lanes of different selections differ in
-/// length.
-Chart lanes_chart(const std::string& title, std::span<const Report> reports,
-                  const std::vector<std::string>& names) {
-  Chart chart{"lanes", title, {"query frame"}};
-  for (const Meaning meaning : {Meaning::unjudged, Meaning::wrong, Meaning::right})
-    chart.series.push_back(series_of(meaning, SeriesStyle::boxes));
-  size_t frames = 1;
-  for (size_t r = 0; r < reports.size(); ++r) {
-    const auto top = static_cast<double>(r);
-    for (const ChartRun& run : fix_runs(reports[r].verdicts)) {
-      Series& boxes = *std::ranges::find(chart.series, run.meaning, &Series::meaning);
-      boxes.points.emplace_back(run.begin, top + 1 - kLaneGap);
-      boxes.points.emplace_back(run.end, top + kLaneGap);
-    }
-    frames = std::max(frames, reports[r].verdicts.size());
-    chart.y.ticks.push_back({top + 0.5, names[r]});
-  }
-  erase_empty_series(chart);
-  chart.x.range = {0, static_cast<double>(frames)};
-  chart.y.range = {static_cast<double>(reports.size()), 0};
-  chart.width = 1000;
-  chart.height = 130 + kLaneHeight * static_cast<double>(reports.size());
-  return chart;
-}
-
 }  // namespace
 
 GroundTruths compare_ground_truths(std::span<const Report> reports) {
@@ -197,28 +136,12 @@ GroundTruths compare_ground_truths(std::span<const Report> reports) {
 
 std::vector<std::string> report_names(std::span<const Report> reports,
                                       const std::vector<std::string>& paths) {
-  std::vector<std::array<std::string, 3>> choices;  // the last is unique
-  for (size_t r = 0; r < reports.size(); ++r) {
-    const std::string second = reports[r].name.value_or(fs::path(paths[r]).stem().string());
-    choices.push_back({reports[r].name.value_or(reports[r].method), second,
-                       fmt::format("{} ({})", second, r + 1)});
-  }
-  std::vector<size_t> chosen(reports.size(), 0);
-  const auto clashes = [&](size_t r) {
-    for (size_t other = 0; other < reports.size(); ++other)
-      if (other != r && choices[other][chosen[other]] == choices[r][chosen[r]] &&
-          (reports[other].name || !reports[r].name))  // a user's name yields to another only
-        return true;
-    return false;
-  };
-  for (size_t level = 0; level < 2; ++level) {
-    std::vector<size_t> next = chosen;
-    for (size_t r = 0; r < reports.size(); ++r)
-      if (chosen[r] == level && clashes(r)) next[r] = level + 1;
-    chosen = next;
-  }
   std::vector<std::string> names;
-  for (size_t r = 0; r < reports.size(); ++r) names.push_back(choices[r][chosen[r]]);
+  for (size_t r = 0; r < reports.size(); ++r)
+    names.push_back(reports[r].name.value_or(fs::path(paths[r]).stem().string()));
+  const std::vector<std::string> given = names;
+  for (size_t r = 0; r < names.size(); ++r)
+    if (std::ranges::count(given, given[r]) > 1) names[r] = fmt::format("{} ({})", given[r], r + 1);
   return names;
 }
 
@@ -317,6 +240,69 @@ Table paper_table(const ComparisonReport& comparison) {
   return table;
 }
 
+Table short_table(const ComparisonReport& comparison) {
+  const std::vector<Report>& reports = comparison.reports;
+  Table table;
+  table.title =
+      fmt::format("{}: R@K, AP and R@100P over {}; correct and incorrect: recognized frames",
+                  comparison.query(), common_queries(comparison.found));
+  table.label = "comparison";
+  table.columns = {"method"};
+  for (const std::string& name : comparison.names) table.rows.push_back({name});
+  constexpr std::array<PaperColumn, 4> kShortColumns = {
+      {{"recall_at", 1}, {"recall_at", 5}, {"average_precision"}, {"recall_at_100_precision"}}};
+  for (const auto& [key, k] : kShortColumns) {
+    const Metric& metric = find_metric(key);
+    std::vector<Value> values;
+    for (size_t r = 0; r < reports.size(); ++r)
+      values.push_back(value_of(comparison, r, metric, k));
+    if (k > 1 && std::ranges::none_of(values, &Value::has_value)) continue;
+    for (size_t r = 0; r < reports.size(); ++r) {
+      table.rows[r].push_back(metric_cell(metric, values[r]));
+      if (!comparison.is_paired(r)) values[r] = {};
+    }
+    if (std::ranges::count_if(values, &Value::has_value) > 1)
+      mark_best(table, table.columns.size(), values, metric.is_low_good);
+    table.columns.push_back(fmt::format("{}{}", metric.symbol, k > 0 ? std::to_string(k) : ""));
+  }
+  for (const auto& [column, count] : {std::pair("correct", &Localization::correct),
+                                      std::pair("incorrect", &Localization::incorrect)}) {
+    table.columns.emplace_back(column);
+    for (size_t r = 0; r < reports.size(); ++r)
+      table.rows[r].push_back(
+          reports[r].is_oracle ? "-" : fmt::format("{}", reports[r].localization.*count));
+  }
+  return table;
+}
+
+std::string comparison_text(const ComparisonReport& comparison) {
+  Table table = short_table(comparison);
+  table.title.clear();
+  std::vector<std::string> best;
+  for (const auto& [row, column] : table.best)
+    if (column == 1) best.push_back(comparison.names[row]);
+  std::string text;
+  if (!best.empty())
+    text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", common_queries(comparison.found),
+                                    fmt::join(best, ", "))) +
+           "\n\n";
+  text += short_text(table);
+  for (size_t r = 0; r < comparison.reports.size(); ++r)
+    if (const std::string note = note_of(comparison, r); !note.empty())
+      text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2) + "\n";
+  for (const ComparedValue& value : comparison.found.values)
+    if (value.key == "recall_at_1" && value.interval) {
+      const std::string verdict = verdict_of(value);
+      text += wrapped_text(fmt::format("{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}",
+                                       comparison.names[value.method], comparison.names.front(),
+                                       *value.difference, value.interval->low, value.interval->high,
+                                       verdict.empty() ? "" : ", " + verdict),
+                           2) +
+              "\n";
+    }
+  return text;
+}
+
 Table comparison_table(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
   Table table;
@@ -374,47 +360,6 @@ Table comparison_rows(const ComparisonReport& comparison) {
       add(std::string(key), find_metric(key), path_value(report, key), {}, "");
   }
   return table;
-}
-
-std::string comparison_page(const ComparisonReport& comparison) {
-  const std::string title = title_of(comparison);
-  const Json json = comparison_json(comparison);
-  Json made = json["bootstrap"];
-  made.update(json["provenance"]);
-  const std::string sections =
-      section_html("Numbers", table_html(paper_table(comparison))) +
-      section_html("Curves and paths", methods_html(title, comparison.reports, comparison.names)) +
-      section_html("Differences",
-                   table_html(comparison_table(comparison)) + table_html(paired_table(comparison)));
-  return sections_page(title, sentence_of(comparison),
-                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
-                       sections, json["protocol"], made);
-}
-
-std::string methods_html(const std::string& title, std::span<const Report> reports,
-                         const std::vector<std::string>& names) {
-  Chart curves = curves_overlay(title, reports, names);
-  curves.width = 650;
-  curves.height = 450;
-  const Chart lanes = lanes_chart(title, reports, names);
-  std::string legend;
-  for (size_t r = 0; r < reports.size(); ++r)
-    legend += legend_entry(
-        fmt::format("series-{}", r % series_colors().size()),
-        html_escaped(fmt::format(
-            "{} ({}{})", names[r], counted(judged_queries(reports[r].outcomes), "query", "queries"),
-            reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : "")));
-  return "<div class=\"charts\">" +
-         figure_html("Precision and recall of best matches, each over its own queries", curves,
-                     legend) +
-         "</div>\n<h3>Along the path</h3><p class=\"legend\">" + legend_html(meanings_of(lanes)) +
-         "</p>" + scrolling_html(html_escaped(title), page_svg(lanes)) + "\n";
-}
-
-void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {
-  const std::string title = title_of(comparison);
-  draw_chart(curves_overlay(title, comparison.reports, comparison.names), folder);
-  draw_chart(lanes_chart(title, comparison.reports, comparison.names), folder);
 }
 
 }  // namespace vpr

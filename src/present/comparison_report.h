@@ -26,8 +26,8 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<GroundTruths> = {
 /// Compares fingerprints, and for queries with different selections the protocols' words.
 GroundTruths compare_ground_truths(std::span<const Report> reports);
 
-/// A name for each report; `paths` are the files. Names set by the user stay. Other reports have
-/// the name of the method or, if it occurs twice, the name of the file, with a number if necessary.
+/// A name for each report: the one set by the user or the name of the file, with a number if it
+/// occurs twice. `paths`: the files.
 std::vector<std::string> report_names(std::span<const Report> reports,
                                       const std::vector<std::string>& paths);
 
@@ -53,6 +53,14 @@ Json comparison_json(const ComparisonReport& comparison);
 /// bold, unknown values "-". Notes state a different selection or ground truth.
 Table paper_table(const ComparisonReport& comparison);
 
+/// A row per report with the columns that a paper prints: R@1, R@5 if it is known, AP and R@100P
+/// over the common queries, and frames recognized correctly and incorrectly over the whole path
+/// ("-" at a threshold from the ground truth). The best metrics of paired reports are bold.
+Table short_table(const ComparisonReport& comparison);
+
+/// The method with the best R@1, short_table, and the differences in R@1 to the first report.
+std::string comparison_text(const ComparisonReport& comparison);
+
 /// Differences to the first report with their intervals: a row per metric and report.
 Table comparison_table(const ComparisonReport& comparison);
 /// Counts of correct best matches by report, for reports that are paired with the first.
@@ -61,12 +69,12 @@ Table paired_table(const ComparisonReport& comparison);
 /// A row per report and metric for data frames, in full precision; unknown values are empty.
 Table comparison_rows(const ComparisonReport& comparison);
 
-/// One file without external references: tables, curves and verdicts along the path.
+/// One file without external references: verdicts along the path, curves, paper_table, and a row of
+/// differences per method.
 std::string comparison_page(const ComparisonReport& comparison);
 
 /// Curves and verdicts along the path of reports on one query, as a part of a page.
-std::string methods_html(const std::string& title, std::span<const Report> reports,
-                         const std::vector<std::string>& names);
+std::string methods_html(std::span<const Report> reports, const std::vector<std::string>& names);
 
 /// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
 /// Error(output).
@@ -91,8 +99,8 @@ std::vector<Table> grid_tables(std::span<const GridReport> reports);
 /// The same as rows of method, query, metric and value in full precision.
 Table grid_rows(std::span<const GridReport> reports);
 
-/// One file without external references: the tables, and for each query methods_html. `title`: the
-/// name of the data set.
+/// One file without external references: for each query methods_html and a table with one row per
+/// method; for several queries also the tables. `title`: the name of the data set.
 std::string grid_page(const std::string& title, std::span<const GridReport> reports);
 
 }  // namespace vpr

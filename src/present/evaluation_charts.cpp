@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
-#include "match/score_kernels.h"
 #include "present/chart.h"
 #include "present/evaluation_report.h"
 #include "present/score_matrix.h"
@@ -18,86 +15,6 @@
 
 namespace vpr {
 namespace {
-
-Series wall_lines(const RouteMap& map, const std::string& floor) {
-  Series walls = series_of(Meaning::wall, SeriesStyle::line);
-  for (const WallLine& wall : map.walls) {
-    if (wall.from.floor != floor) continue;
-    walls.points.insert(walls.points.end(),
-                        {{wall.from.x, wall.from.y}, {wall.to.x, wall.to.y}, kChartGap});
-  }
-  return walls;
-}
-
-/// A wide line, on which the query's dots are visible.
-Series train_lines(const RouteMap& map, const std::string& floor) {
-  Series train = series_of(Meaning::train_path, SeriesStyle::wide_line);
-  for (const auto& sequence : map.train) {
-    for (const auto& at : sequence)
-      train.points.push_back(at && at->floor == floor ? std::pair(at->x, at->y) : kChartGap);
-    train.points.push_back(kChartGap);
-  }
-  if (std::ranges::all_of(train.points, [](const auto& point) { return std::isnan(point.first); }))
-    train.points.clear();
-  return train;
-}
-
-// Query frames and training places, in the order of drawing.
-constexpr std::array<std::pair<Meaning, SeriesMark>, 7> kPoints = {
-    {{Meaning::unmapped, SeriesMark::circle},
-     {Meaning::no_valid_window, SeriesMark::dot},
-     {Meaning::missed, SeriesMark::dot},
-     {Meaning::place, SeriesMark::square},
-     {Meaning::unjudged, SeriesMark::disc},
-     {Meaning::right, SeriesMark::disc},
-     {Meaning::wrong, SeriesMark::cross}}};
-
-Series frame_points(const RouteMap& map, const MapPanel& panel, const std::string& floor,
-                    Meaning meaning, SeriesMark mark) {
-  Series frames = series_of(meaning, SeriesStyle::points, mark);
-  for (size_t frame = 0; frame < map.query.size(); ++frame) {
-    const auto& at = map.query[frame];
-    if (at && at->floor == floor && panel.meanings[frame] == meaning)
-      frames.points.emplace_back(at->x, at->y);
-  }
-  return frames;
-}
-
-Chart panel_chart(const RouteMap& map, const MapPanel& panel, const std::string& floor) {
-  std::vector<Series> series = {train_lines(map, floor), wall_lines(map, floor)};
-  for (const auto& [meaning, mark] : kPoints) {
-    series.push_back(frame_points(map, panel, floor, meaning, mark));
-    if (meaning != Meaning::place || !panel.shows_places) continue;
-    for (const RoutePoint& place : map.places)
-      if (place.floor == floor) series.back().points.emplace_back(place.x, place.y);
-  }
-  return plan_chart("", floor.empty() ? panel.title : fmt::format("{}, {}", panel.title, floor),
-                    std::move(series));
-}
-
-// Below the lines; empty if these are one point.
-Series scale_bar(const std::vector<Series>& lines) {
-  double left = std::numeric_limits<double>::infinity();
-  double right = -left;
-  double bottom = left;
-  double top = -left;
-  for (const Series& drawn : lines)
-    for (const auto& [x, y] : drawn.points) {
-      if (std::isnan(x)) continue;
-      left = std::min(left, x);
-      right = std::max(right, x);
-      bottom = std::min(bottom, y);
-      top = std::max(top, y);
-    }
-  Series bar{"", {}, SeriesStyle::bar, Meaning::wall};
-  if (right <= left && top <= bottom) return bar;
-  const double size = std::max(right - left, top - bottom);
-  const auto meters = static_cast<double>(round_step(static_cast<size_t>(size), 4));
-  const double y = bottom - 0.06 * size;
-  bar.points = {{left, y}, {left + meters, y}};
-  bar.labels = {"", fmt::format("{} m", meters)};
-  return bar;
-}
 
 constexpr size_t kMostPoints = 1000;
 constexpr size_t kMostTruth = 465;    // query frames with ground truth
@@ -116,14 +33,14 @@ Meaning meaning_of(const Judgment& judgment, const QueryOutcome& query) {
   return is_strong ? Meaning::unjudged : Meaning::weak_unjudged;
 }
 
-// The curves of best matches: by the outcomes' confidence, then by the other one.
+// The known curves of best matches; the dashed one is drawn on the solid one.
 std::vector<std::pair<Meaning, const Curve*>> best_match_curves(const Judgment& judgment) {
   const bool by_score = judgment.outcomes.confidence == Confidence::score;
+  const Curve* other = judgment.other_best ? &*judgment.other_best : nullptr;
   std::vector<std::pair<Meaning, const Curve*>> curves = {
-      {by_score ? Meaning::best_matches : Meaning::by_margin, &judgment.single_best}};
-  if (judgment.other_best)
-    curves.emplace_back(by_score ? Meaning::by_margin : Meaning::best_matches,
-                        &*judgment.other_best);
+      {Meaning::best_matches, by_score ? &judgment.single_best : other},
+      {Meaning::by_margin, by_score ? other : &judgment.single_best}};
+  std::erase_if(curves, [](const auto& curve) { return curve.second == nullptr; });
   return curves;
 }
 
@@ -168,28 +85,31 @@ Series truth_series(const Judgment& judgment, const GroundTruth& truth,
 Chart recall_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"recall-at", evaluation_title(report), {"K"}};
   chart.y.label = "recall@K";
-  Series& series = chart.series.emplace_back(
-      Series{"recall@K", {}, SeriesStyle::line_and_points, Meaning::best_matches});
-  for (size_t k = 1; k <= kRecallAt.back(); ++k)
+  chart.y.range = {0, 1};
+  chart.x.range = {1, static_cast<double>(std::max<size_t>(2, judgment.recall_at.back()))};
+  Series& series = chart.series.emplace_back(Series{
+      "recall@K", {}, SeriesStyle::line_and_points, Meaning::best_matches, SeriesMark::disc});
+  for (const size_t k : judgment.recall_at) {
     series.points.emplace_back(k, *recall_at(judgment.outcomes, k));
+    chart.x.ticks.push_back({static_cast<double>(k), std::to_string(k)});
+  }
   return chart;
 }
 
-struct ScoreAxis {
-  std::string label;
-  double divisor = 1;  ///< of scores
-};
+std::string margin_words(const Report& report) {
+  const QuerySettings* settings = report.query_settings();
+  return settings == nullptr ? "margin per frame"
+                             : fmt::format("margin in {}", score_of(*settings).margin_unit);
+}
 
 /// The unit of the threshold's flag.
-ScoreAxis score_axis(const Report& report, const Judgment& judgment) {
-  if (judgment.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
-  const auto length = static_cast<double>(judgment.layout.window_length);
-  const QuerySettings* settings = report.query_settings();
-  if (settings == nullptr) return {score_words(report), 1};
-  if (report.has_places()) return {"the probability t_p", 1};
-  if (std::get<SequenceQuerySettings>(*settings).score != Score::raw)
-    return {"the mean z (t_r)", length * kScoreUnit};
-  return {"a mean frame distance (t_r with --t-r-scale bits)", length};
+ScoreUnit threshold_unit(const Report& report, const Judgment& judgment) {
+  if (judgment.outcomes.confidence == Confidence::margin) return {margin_words(report)};
+  ScoreUnit unit = score_unit(report);
+  if (const QuerySettings* settings = report.query_settings())
+    unit.words += fmt::format(" ({}{})", score_of(*settings).threshold_symbol,
+                              unit.words.ends_with("distance") ? " with --t-r-scale bits" : "");
+  return unit;
 }
 
 size_t accepted_as(const QueryOutcome& query) {
@@ -217,48 +137,10 @@ std::vector<RankedMatch> strictest_first(const Judgment& judgment) {
 
 }  // namespace
 
-Chart plan_chart(const std::string& file, const std::string& title, std::vector<Series> series) {
-  Chart chart{file, title};
-  chart.is_plan = true;
-  chart.y.from_zero = false;
-  chart.width = 675;
-  chart.series = std::move(series);
-  chart.series.push_back(scale_bar(chart.series));
-  erase_empty_series(chart);
-  return chart;
-}
-
-std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth) {
-  std::vector<Meaning> meanings;
-  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
-    meanings.push_back(truth.has_match(frame) ? Meaning::no_valid_window : Meaning::unmapped);
-  for (const QueryOutcome& query : judgment.outcomes.queries)
-    if (query.has_match && query.verdict != Verdict::unreadable)
-      meanings[query.frame] = Meaning::missed;
-  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
-    if (judgment.verdicts[frame] != FrameVerdict::none)
-      meanings[frame] = meaning_of(judgment.verdicts[frame]);
-  return meanings;
-}
-
-std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
-                                const Monitor& monitor) {
-  std::vector<std::string> floors;
-  std::set<std::string> known;
-  for (const auto& at : map.query)
-    if (at && known.insert(at->floor).second) floors.push_back(at->floor);
-  std::vector<Chart> charts;
-  for (const std::string& floor : floors)
-    for (const MapPanel& panel : panels) {
-      check_stop(monitor);
-      charts.push_back(panel_chart(map, panel, floor));
-    }
-  return charts;
-}
-
-void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
-                    const std::filesystem::path& folder, const Monitor& monitor) {
-  draw_charts(route_charts(map, panels, monitor), panels.size(), "map", folder);
+ScoreUnit score_unit(const Report& report) {
+  if (const QuerySettings* settings = report.query_settings())
+    return score_unit(*settings, report.outcomes.window_length);
+  return {std::string(enum_name(report.outcomes.kind))};
 }
 
 std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most) {
@@ -316,7 +198,7 @@ Chart risk_chart(const Report& report, const Judgment& judgment) {
 Chart margin_chart(const Report& report, const Judgment& judgment) {
   Chart chart{"margins", evaluation_title(report)};
   chart.x = frame_axis({{"", 0, 0, 0, judgment.verdicts.size()}}, "query frame", false);
-  chart.y.label = "margin, a frame";
+  chart.y.label = margin_words(report);
   add_best_matches(chart, judgment, SeriesMark::dot,
                    [](const QueryOutcome& query) { return query.margin; });
   Series required = series_of(Meaning::required_margin, SeriesStyle::line);
@@ -325,6 +207,7 @@ Chart margin_chart(const Report& report, const Judgment& judgment) {
       required.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.required_margin);
   chart.series.push_back(required);
   erase_empty_series(chart);
+  chart.has_cursor = true;
   chart.width = 1000;
   return chart;
 }
@@ -333,7 +216,8 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
                      const Monitor& monitor) {
   const std::vector<FrameBand> bands = frame_bands(judgment.layout);
   Chart chart{"timeline", evaluation_title(report)};
-  chart.x = frame_axis({{"", 0, 0, 0, judgment.verdicts.size()}}, "query frame", false);
+  chart.x =
+      frame_axis({{"", 0, 0, 0, judgment.verdicts.size()}}, "query frame (bar: recognized)", false);
   chart.y = frame_axis(bands, reference_word(report), false);
   chart.series.push_back(truth_series(judgment, truth, bands, monitor));
   add_best_matches(chart, judgment, SeriesMark::disc,
@@ -343,30 +227,21 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
                    });
   erase_empty_series(chart);
   chart.runs = fix_runs(judgment.verdicts);
-  chart.runs_label = "recognized";
+  chart.has_cursor = true;
   chart.width = 1000;
   return chart;
 }
 
-std::vector<Meaning> meanings_of(const Chart& chart) {
-  std::set<Meaning> found;
-  for (const Series& series : chart.series)
-    if (series.meaning) found.insert(*series.meaning);
-  for (const ChartRun& run : chart.runs) found.insert(run.meaning);
-  return {found.begin(), found.end()};
-}
-
 Chart threshold_chart(const Report& report, const Judgment& judgment) {
-  const ScoreAxis axis = score_axis(report, judgment);
+  const ScoreUnit unit = threshold_unit(report, judgment);
   const bool is_distance = confidence_order(judgment.outcomes) == ScoreOrder::distance;
-  Chart chart{"thresholds",
-              evaluation_title(report),
-              {is_distance ? "up to " + axis.label : axis.label + ", or more"}};
+  Chart chart{
+      "thresholds", evaluation_title(report), {(is_distance ? "largest " : "least ") + unit.words}};
   chart.y.label = "best matches accepted";
   for (const Meaning meaning : kAccepted)
     chart.series.push_back(series_of(meaning, SeriesStyle::line));
   const std::vector<RankedMatch> order = strictest_first(judgment);
-  const auto threshold = [&](const RankedMatch& match) { return match.value / axis.divisor; };
+  const auto threshold = [&](const RankedMatch& match) { return match.value / unit.divisor; };
   if (!order.empty() && threshold(order.front()) != threshold(order.back()))
     chart.x.range = {threshold(order.front()), threshold(order.back())};
   std::array<size_t, 3> counts = {};
@@ -385,11 +260,11 @@ Chart threshold_chart(const Report& report, const Judgment& judgment) {
 
 std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgment& judgment,
                                            size_t most) {
-  const ScoreAxis axis = score_axis(report, judgment);
+  const ScoreUnit unit = threshold_unit(report, judgment);
   std::vector<ThresholdStep> steps;
   ThresholdStep step;
   for (const RankedMatch& match : strictest_first(judgment)) {
-    const double threshold = match.value / axis.divisor;
+    const double threshold = match.value / unit.divisor;
     if (!steps.empty() && steps.back().threshold == threshold) steps.pop_back();
     step.threshold = threshold;
     ++step.accepted[accepted_as(*match.query)];
@@ -408,8 +283,8 @@ Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t mo
   const PixelGrid grid(judgment.layout, most_pixels);
   const std::vector<double> scores =
       evaluation.matrix ? pixel_scores(*evaluation.matrix, grid, monitor) : std::vector<double>{};
-  return matrix_chart(judgment, evaluation.truth, grid, scores,
-                      {reference_word(report), score_words(report)}, monitor);
+  return matrix_chart(judgment, evaluation.truth, grid, scores, reference_word(report),
+                      score_unit(report), monitor);
 }
 
 void draw_evaluation(const Evaluation& evaluation, const Report& report,

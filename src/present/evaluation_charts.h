@@ -11,6 +11,7 @@
 #include "evaluate/judgment.h"
 #include "present/chart.h"
 #include "present/evaluation_report.h"
+#include "present/score_matrix.h"
 #include "truth/positions.h"
 #include "truth/trajectory.h"
 
@@ -62,8 +63,8 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor);
 
-/// The different meanings of a chart's series and runs, for a legend outside it.
-std::vector<Meaning> meanings_of(const Chart& chart);
+/// The unit of a report's matches.
+ScoreUnit score_unit(const Report& report);
 
 /// Writes precision-recall, risk-coverage, recall@K (if ranks are known), timeline, margins (if
 /// known) and matrix as SVG and PNG into the folder of an output. Throws Error(output).

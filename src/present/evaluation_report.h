@@ -181,9 +181,6 @@ std::string title_with_settings(const Report& report);
 /// "training frame", or "training place" for FAB-MAP.
 std::string reference_word(const Report& report);
 
-/// The scores of a report's matches and their unit.
-std::string score_words(const Report& report);
-
 /// For a result: "Recognized in 17 of 111 frames, 3 of them incorrect; the first correct one at
 /// frame 21 (2.1 s)." The time since the first frame needs frames_per_second, which is above 0.
 /// Without ground truth, all recognitions count. For scores: "Best match correct in 53 of 111
@@ -211,5 +208,8 @@ Table protocols_table(const std::vector<ProtocolReport>& reports);
 
 /// The description of each ground truth, one per line.
 std::string protocols_notes(const std::vector<ProtocolReport>& reports);
+
+/// overview_table as text.
+std::string protocols_text(const std::vector<ProtocolReport>& reports);
 
 }  // namespace vpr

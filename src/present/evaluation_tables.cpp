@@ -8,6 +8,7 @@
 #include "decide/query_settings.h"
 #include "match/match.h"
 #include "present/evaluation_report.h"
+#include "present/evaluation_text.h"
 
 namespace vpr {
 namespace {
@@ -282,12 +283,6 @@ std::string reference_word(const Report& report) {
   return report.has_places() ? "training place" : "training frame";
 }
 
-std::string score_words(const Report& report) {
-  const QuerySettings* settings = report.query_settings();
-  return std::string(settings != nullptr ? score_of(*settings).title
-                                         : enum_name(report.outcomes.kind));
-}
-
 std::string summary_sentence(const Judgment& judgment, bool is_judged,
                              std::optional<double> frames_per_second) {
   if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
@@ -368,6 +363,8 @@ std::string reports_text(std::span<const Report> reports, const std::vector<std:
     for (const Report& report : reports) rows.push_back(csv_row(report));
     return render_table(stack_tables(rows, "name", names), format);
   }
+  if (format == TableFormat::latex)
+    return render_table(overview_table(reports, names, "method"), format);
   const bool is_one = reports.size() == 1;
   std::vector<std::vector<Table>> kinds;  // the same table of all reports
   std::vector<std::vector<std::string>> named;
@@ -404,6 +401,16 @@ Table protocols_table(const std::vector<ProtocolReport>& reports) {
   Table table = stack_tables(rows, "protocol", names);
   table.title = evaluation_title(reports.front().report);
   return table;
+}
+
+std::string protocols_text(const std::vector<ProtocolReport>& reports) {
+  std::vector<Report> rows;
+  std::vector<std::string> names;
+  for (const auto& [preset, report] : reports) {
+    rows.push_back(report);
+    names.emplace_back(preset->name);
+  }
+  return short_text(overview_table(rows, names, "protocol"));
 }
 
 std::string protocols_notes(const std::vector<ProtocolReport>& reports) {

@@ -56,8 +56,9 @@ struct Placement {
 };
 
 Placement place_image(cv::Mat& canvas, const MarkedImage& image, int left, int top) {
-  cv::putText(canvas, image.title, {left + 6, top + 20}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kText, 1,
-              cv::LINE_AA);
+  const int width = cv::getTextSize(image.title, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width;
+  cv::putText(canvas, image.title, {left + 6, top + 20}, cv::FONT_HERSHEY_SIMPLEX,
+              std::min(0.5, 0.5 * (kWidth - 12) / width), kText, 1, cv::LINE_AA);
   Placement placement;
   placement.origin = {static_cast<double>(left), static_cast<double>(top + kTitleHeight)};
   if (image.gray.empty()) return placement;
@@ -71,13 +72,30 @@ Placement place_image(cv::Mat& canvas, const MarkedImage& image, int left, int t
   return placement;
 }
 
+// Circles at all words, and the numbers that cover neither a circle nor another number.
 void mark(cv::Mat& canvas, const MarkedImage& image, const Placement& placement) {
+  std::vector<cv::Rect> taken;
   for (const MarkedPoint& point : image.points) {
     const cv::Point at = placement(point.at);
-    const cv::Scalar color = color_of_point(point.speaks_for);
-    cv::circle(canvas, at, 7, color, 2, cv::LINE_AA);
-    cv::putText(canvas, std::to_string(point.word), at + cv::Point(9, 4), cv::FONT_HERSHEY_SIMPLEX,
-                0.4, color, 1, cv::LINE_AA);
+    cv::circle(canvas, at, 7, color_of_point(point.speaks_for), 2, cv::LINE_AA);
+    taken.emplace_back(at.x - 8, at.y - 8, 16, 16);
+  }
+  for (const MarkedPoint& point : image.points) {
+    const std::string number = std::to_string(point.word);
+    const cv::Size size = cv::getTextSize(number, cv::FONT_HERSHEY_SIMPLEX, 0.4, 1, nullptr);
+    const cv::Point at = placement(point.at);
+    for (const cv::Point& corner : {at + cv::Point(10, -size.height / 2),
+                                    at + cv::Point(-10 - size.width, -size.height / 2)}) {
+      const cv::Rect box(corner, size);
+      const auto covers = [&](const cv::Rect& other) { return (other & box).area() > 0; };
+      if (std::ranges::any_of(taken, covers)) continue;
+      taken.push_back(box);
+      const cv::Point baseline = corner + cv::Point(0, size.height);
+      cv::putText(canvas, number, baseline, cv::FONT_HERSHEY_SIMPLEX, 0.4, kPaper, 3, cv::LINE_AA);
+      cv::putText(canvas, number, baseline, cv::FONT_HERSHEY_SIMPLEX, 0.4,
+                  color_of_point(point.speaks_for), 1, cv::LINE_AA);
+      break;
+    }
   }
 }
 
@@ -107,6 +125,10 @@ std::string explanation_text(const Explanation& explanation) {
     table.columns = {"speaks", "word", "in the frame", "in the view", "log-odds"};
     add_rows(table, "for", place.for_it);
     add_rows(table, "against", place.against);
+    double rest = place.log_odds;
+    for (const auto& words : {place.for_it, place.against})
+      for (const WordEvidence& word : words) rest -= word.log_odds;
+    add_row(table, "all other words", "", "", "", fmt::format("{:+.3f}", rest));
     text += "\n" + render_table(table, TableFormat::text);
   }
   return text;

@@ -1,5 +1,6 @@
 #include "present/html_page.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 
@@ -78,36 +79,39 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
   }
 }
 
-std::string scrolling_html(const std::string& escaped_title, const std::string& content) {
-  return "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped_title +
-         "\">" + content + "</div>";
-}
-
 std::string table_html(const Table& table) {
   const std::string title = html_escaped(table.title);
-  std::string html = "<table aria-label=\"" + title + "\"><thead><tr>";
+  const auto cell = [&](size_t row, size_t column) {
+    const std::string text = html_escaped(table.rows[row][column]);
+    return table.best.contains({row, column}) ? "<b>" + text + "</b>" : text;
+  };
+  std::string html = "<p class=\"note\">" + title + "</p>";
+  if (table.rows.size() == 1) {
+    html += "<dl class=\"facts\">";
+    for (size_t column = 0; column < table.columns.size(); ++column)
+      html += "<div><dt>" + html_escaped(table.columns[column]) + "</dt><dd>" + cell(0, column) +
+              "</dd></div>";
+    return html + "</dl>\n";
+  }
+  html += "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + title +
+          "\"><table><thead><tr>";
   for (const std::string& column : table.columns)
     html += "<th scope=\"col\">" + html_escaped(column) + "</th>";
   html += "</tr></thead><tbody>";
   for (size_t row = 0; row < table.rows.size(); ++row) {
     html += "<tr>";
-    for (size_t column = 0; column < table.columns.size(); ++column) {
-      const std::string cell = html_escaped(table.rows[row][column]);
-      html += table.best.contains({row, column}) ? "<td><b>" + cell + "</b></td>"
-                                                 : "<td>" + cell + "</td>";
-    }
+    for (size_t column = 0; column < table.columns.size(); ++column)
+      html += "<td>" + cell(row, column) + "</td>";
     html += "</tr>";
   }
-  return "<p class=\"note\">" + title + "</p>" + scrolling_html(title, html + "</tbody></table>") +
-         "\n";
+  return html + "</tbody></table></div>\n";
 }
 
 std::string list_html(const Json& object) {
   std::string html;
   for (const auto& item : object.items()) {
     std::string key = item.key();
-    for (char& c : key)
-      if (c == '_') c = ' ';
+    std::ranges::replace(key, '_', ' ');
     const std::string value =
         item.value().is_string()
             ? item.value().get<std::string>()
@@ -117,25 +121,17 @@ std::string list_html(const Json& object) {
   return html;
 }
 
-std::string legend_entry(std::string_view color, std::string_view words) {
-  return fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ", color,
-                     words);
-}
-
-std::string legend_html(const std::vector<Meaning>& meanings) {
-  std::string html;
-  for (const Meaning meaning : meanings)
-    html += legend_entry(color_of(meaning).name, color_of(meaning).words);
-  return html;
-}
-
-std::string figure_html(const std::string& caption, const Chart& chart, const std::string& legend) {
-  return "<figure><figcaption>" + caption + "</figcaption>" + page_svg(chart) +
-         "<p class=\"legend\">" + legend + "</p></figure>";
+std::string figure_html(const Chart& chart) {
+  return "<figure><figcaption>" + html_escaped(chart.title) + "</figcaption>" + page_svg(chart) +
+         "<p class=\"legend\">" + legend_html(chart) + "</p></figure>\n";
 }
 
 std::string section_html(const std::string& title, const std::string& content) {
-  return "<section><h2>" + title + "</h2>" + content + "</section>\n";
+  return "<section><h2>" + html_escaped(title) + "</h2>" + content + "</section>\n";
+}
+
+std::string folded_html(const std::string& title, const std::string& content) {
+  return "<details><summary>" + html_escaped(title) + "</summary>" + content + "</details>\n";
 }
 
 std::string sections_page(const std::string& title, const std::string& summary,

@@ -5,10 +5,8 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/json_fwd.h"
-#include "present/palette.h"
 #include "present/table.h"
 
 namespace vpr {
@@ -29,24 +27,21 @@ std::string script_json(const Json& json);
 /// have a part.
 std::string fill_page(std::string_view page, const std::map<std::string, std::string>& parts);
 
-/// An element that scrolls, also by keyboard, if its content is wider than the page.
-std::string scrolling_html(const std::string& escaped_title, const std::string& content);
-
-/// The table below its title; the best cells are bold.
+/// The table below its title, in an element that scrolls on narrow screens; the best cells are
+/// bold. A single row is a list of columns and values.
 std::string table_html(const Table& table);
 
 /// The keys and values of an object for a <dl>.
 std::string list_html(const Json& object);
 
-/// An entry of a legend: a swatch of this CSS class, and words, which are HTML.
-std::string legend_entry(std::string_view color, std::string_view words);
-std::string legend_html(const std::vector<Meaning>& meanings);
+/// A chart with its title as caption and its legend.
+std::string figure_html(const Chart& chart);
 
-/// A chart with its caption and legend, which are HTML.
-std::string figure_html(const std::string& caption, const Chart& chart, const std::string& legend);
-
-/// Title and content are HTML.
+/// A section; `content` is HTML, the title is escaped.
 std::string section_html(const std::string& title, const std::string& content);
+
+/// The same, folded.
+std::string folded_html(const std::string& title, const std::string& content);
 
 /// A page of several sections, which are HTML; the other strings are escaped.
 std::string sections_page(const std::string& title, const std::string& summary,

@@ -13,6 +13,7 @@
 #include "evaluate/metrics.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_report.h"
+#include "present/evaluation_text.h"
 #include "present/html_page.h"
 #include "truth/times.h"
 
@@ -181,24 +182,35 @@ Chart curve_chart(const LoopsEvaluation& evaluation) {
   return chart;
 }
 
-std::string figure(const Chart& chart) {
-  std::string legend;
-  for (const Series& series : chart.series)
-    if (!series.name.empty() && series.meaning)
-      legend += legend_entry(color_of(*series.meaning).name, html_escaped(series.name));
-  return figure_html(chart.title, chart, legend);
-}
-
 std::string charts_html(const LoopsEvaluation& evaluation) {
   Chart map = loops_map_chart(evaluation);
   map.title = "Loops on the trajectory";
-  std::string html = "<div class=\"charts\">" + figure(map);
   Chart curve = curve_chart(evaluation);
   curve.title = "Precision and recall";
   curve.width = 650;
   curve.height = 450;
-  if (!curve.series.empty()) html += figure(curve);
-  return html + "</div>";
+  return figure_html(map) + (curve.series.empty() ? "" : figure_html(curve));
+}
+
+// The first `most` incorrect loops, and revisits without a correct loop.
+std::string mistakes_text(const LoopsEvaluation& evaluation, size_t most) {
+  std::string text;
+  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
+    if (rows.empty()) return;
+    text += "\n" + title + "\n";
+    for (size_t i = 0; i < std::min(rows.size(), most); ++i) text += "  " + line(rows[i]) + "\n";
+    if (rows.size() > most) text += fmt::format("  and {} more\n", rows.size() - most);
+  };
+  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
+    const ListedLoop& loop = judged.loop;
+    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
+                       loop.match, judged.distance_m);
+  });
+  add(missed_revisits(evaluation.judgment),
+      "Revisits without a correct loop:", [](const Revisit& revisit) {
+        return fmt::format("frames {} to {}", revisit.first, revisit.last);
+      });
+  return text;
 }
 
 }  // namespace
@@ -274,24 +286,23 @@ Table loops_table(const LoopsEvaluation& evaluation) {
 }
 
 std::string loops_mistakes(const LoopsEvaluation& evaluation) {
-  std::string text;
-  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
-    if (rows.empty()) return;
-    text += "\n" + title + "\n";
-    for (size_t i = 0; i < std::min(rows.size(), kMostLines); ++i)
-      text += "  " + line(rows[i]) + "\n";
-    if (rows.size() > kMostLines) text += fmt::format("  and {} more\n", rows.size() - kMostLines);
+  return mistakes_text(evaluation, kMostLines);
+}
+
+std::string loops_text(const LoopsEvaluation& evaluation) {
+  const LoopJudgment& judgment = evaluation.judgment;
+  constexpr size_t kMostMistakes = 1;  // of each kind
+  std::string text = wrapped_text(loops_sentence(evaluation)) + "\n";
+  const auto value = [](std::optional<double> share) {
+    return share ? fmt::format("{:.4f}", *share) : "-";
   };
-  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
-    const ListedLoop& loop = judged.loop;
-    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
-                       loop.match, judged.distance_m);
-  });
-  add(missed_revisits(evaluation.judgment),
-      "Revisits without a correct loop:", [](const Revisit& revisit) {
-        return fmt::format("frames {} to {}", revisit.first, revisit.last);
-      });
-  return text;
+  text += fmt::format("  precision {} of loops, recall {} of frames; {} of {} found\n",
+                      value(precision(judgment)), value(recall(judgment)),
+                      judgment.revisits_found(), counted(judgment.revisits.size(), "revisit"));
+  if (judgment.curve)
+    text += fmt::format("  AP {}, R@100P {}\n", value(average_precision(*judgment.curve).value),
+                        value(recall_at_full_precision(*judgment.curve).value));
+  return text + mistakes_text(evaluation, kMostMistakes);
 }
 
 Chart loops_map_chart(const LoopsEvaluation& evaluation) {
@@ -315,13 +326,16 @@ std::string loops_page(const LoopsEvaluation& evaluation, const RunInfo& run) {
   made["command_line"] = run.command_line;
   const std::string mistakes = loops_mistakes(evaluation);
   const std::string sections =
-      section_html("Numbers", table_html(loops_table(evaluation))) +
-      section_html("On the way", charts_html(evaluation)) +
-      (mistakes.empty() ? ""
-                        : "<section><h2>Mistakes</h2><pre>" + html_escaped(mistakes.substr(1)) +
-                              "</pre></section>");
+      section_html("Along the path", charts_html(evaluation)) +
+      section_html("Numbers",
+                   table_html(loops_table(evaluation)) +
+                       (mistakes.empty()
+                            ? ""
+                            : folded_html("Mistakes",
+                                          "<pre>" + html_escaped(mistakes.substr(1)) + "</pre>")));
   return sections_page("Loop closures: " + evaluation.name, loops_sentence(evaluation),
-                       protocol["loop"].get<std::string>(), sections, protocol, made);
+                       "Protocol: " + protocol["loop"].get<std::string>(), sections, protocol,
+                       made);
 }
 
 }  // namespace vpr

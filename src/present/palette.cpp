@@ -11,7 +11,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<PaletteColor, 18> kPalette = {{
+constexpr std::array<PaletteColor, 19> kPalette = {{
     {Meaning::right, "right", "recognized, correct", 0x1668c7, 0x5aa5f5},
     {Meaning::wrong, "wrong", "recognized, incorrect", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognized, not judged", 0xc2268f, 0xffc4ec},
@@ -19,6 +19,7 @@ constexpr std::array<PaletteColor, 18> kPalette = {{
     {Meaning::weak_wrong, "weak-wrong", "best match incorrect, not recognized", 0xefaa86, 0xa3593c},
     {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognized", 0xdba3c9, 0x7d4a70},
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
+    {Meaning::truth_outline, "truth-outline", "ground truth", 0x12a150, 0x3ddc84},
     {Meaning::missed, "missed", "not recognized", 0xd9a400, 0xe0b030},
     {Meaning::no_valid_window, "no_valid_window", "not recognized: no window ends there", 0xe8cf7a,
      0x7a6f45},
@@ -88,14 +89,12 @@ std::string palette_css() {
                   variables(&PaletteColor::light) + variables(kSeries),
                   variables(&PaletteColor::dark) + variables(kDarkSeries));
   for (const PaletteColor& row : kPalette)
-    css += fmt::format(
-        "svg .{0} {{ fill: var(--{0}); }} svg .line.{0} {{ stroke: var(--{0}); }} "
-        ".key.{0} {{ background: var(--{0}); }}\n",
-        row.name);
+    css += fmt::format("svg .{0} {{ fill: var(--{0}); }} svg .line.{0} {{ stroke: var(--{0}); }}\n",
+                       row.name);
   for (size_t i = 0; i < kSeries.size(); ++i)
     css += fmt::format(
         "svg .series-{0} {{ fill: var(--series-{0}); }} svg .line.series-{0} {{ stroke: "
-        "var(--series-{0}); }} .key.series-{0} {{ background: var(--series-{0}); }}\n",
+        "var(--series-{0}); }}\n",
         i);
   return css;
 }

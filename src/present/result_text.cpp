@@ -67,6 +67,9 @@ std::vector<RecognizedRange> cluster_ranges(const Result& result) {
         frames_text(anchor_of(cluster.train_first, length), anchor_of(cluster.train_last, length)));
     if (const auto rate = mean_rate(cluster)) range.score = fmt::format("{:.1f}x", *rate);
     range.recognitions = cluster.recognitions;
+    range.sequence = cluster.sequence;
+    range.train_first = anchor_of(cluster.train_first, length);
+    range.train_last = anchor_of(cluster.train_last, length);
   }
   return ranges;
 }
@@ -80,7 +83,8 @@ std::vector<RecognizedRange> place_ranges(const Result& result) {
     std::string train = places.names[run.first_place];
     if (run.last_place != run.first_place) train += " to " + places.names[run.last_place];
     ranges.push_back({run.first_frame, run.last_frame, std::move(train),
-                      fmt::format("p {:.3f}", run.probability), run.recognitions});
+                      fmt::format("p {:.3f}", run.probability), run.recognitions, 0,
+                      run.first_place, run.last_place});
   }
   return ranges;
 }

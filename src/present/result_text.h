@@ -22,6 +22,9 @@ struct RecognizedRange {
   std::string train;        ///< sequence and frames, "monday 66-139", or a place
   std::string score;        ///< speed, "1.0x", or the probability of a place
   size_t recognitions = 0;  ///< window pairs, or frames of places
+  uint32_t sequence = 0;
+  size_t train_first = 0;  ///< frame, or place
+  size_t train_last = 0;
 };
 
 /// The clusters of a result, or the runs of its places, by first query frame.

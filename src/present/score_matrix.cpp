@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <map>
 
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
@@ -12,7 +12,6 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/output.h"
-#include "base/statistics.h"
 #include "present/chart.h"
 #include "present/result_file.h"
 #include "truth/ground_truth.h"
@@ -22,30 +21,89 @@ namespace {
 
 constexpr size_t kMostTicks = 10;
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-const cv::Vec3b kNoScoreColor(235, 225, 215);
+constexpr size_t kSmallPixels = 300;  // per side of an image with small pixels
+constexpr double kClipped = 0.01;     // share of the worst scores that are white
 
-/// Returns the scores of black and white.
-std::optional<std::pair<double, double>> draw_gray(cv::Mat& image,
-                                                   const std::vector<double>& scores,
-                                                   bool is_distance) {
+// A linear scale from the best score to the quantile of the worst ones; scores beyond are white,
+// and missing ones transparent.
+ChartImage gray_image(const PixelGrid& grid, const std::vector<double>& scores, bool is_distance,
+                      const ScoreUnit& unit) {
+  const cv::Size size(static_cast<int>(grid.cols), static_cast<int>(grid.rows));
   std::vector<double> values;
   for (const double score : scores)
-    if (std::isfinite(score)) values.push_back(score);
-  if (values.empty()) return std::nullopt;
-  const double low = quantile(values, 0.01);
-  const double high = quantile(values, 0.99);
+    if (std::isfinite(score)) values.push_back(is_distance ? score : -score);
+  if (values.empty()) return chart_image(cv::Mat(size, CV_8UC1, cv::Scalar::all(255)), grid.cells);
+  const double best = std::ranges::min(values);
+  const auto last = static_cast<ptrdiff_t>((1 - kClipped) * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + last, values.end());
+  const double worst = values[static_cast<size_t>(last)];
+  cv::Mat image(size, CV_8UC4);
   for (size_t p = 0; p < scores.size(); ++p) {
-    cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(p / static_cast<size_t>(image.cols)),
-                                           static_cast<int>(p % static_cast<size_t>(image.cols)));
-    if (std::isnan(scores[p])) {
-      pixel = kNoScoreColor;
-      continue;
-    }
-    const double share = high > low ? std::clamp((scores[p] - low) / (high - low), 0.0, 1.0) : 0.5;
-    const auto gray = static_cast<uint8_t>(255 * (is_distance ? share : 1 - share));
-    pixel = cv::Vec3b(gray, gray, gray);
+    const double value = is_distance ? scores[p] : -scores[p];
+    const double share = worst > best ? std::clamp((value - best) / (worst - best), 0.0, 1.0) : 0.5;
+    const auto gray = static_cast<uint8_t>(255 * (std::isnan(value) ? 0 : share));
+    image.at<cv::Vec4b>(static_cast<int>(p / grid.cols), static_cast<int>(p % grid.cols)) =
+        cv::Vec4b(gray, gray, gray, std::isnan(value) ? 0 : 255);
   }
-  return is_distance ? std::pair(low, high) : std::pair(high, low);
+  ChartImage drawn = chart_image(image, grid.cells);
+  const double sign = is_distance ? 1 : -1;
+  drawn.grays = {sign * best / unit.divisor, sign * worst / unit.divisor};
+  drawn.gray_digits = 4;
+  drawn.gray_label =
+      fmt::format("{}, from the best to the worst; the worst 1 % are clipped", unit.words);
+  return drawn;
+}
+
+// The ground truth as boxes of one pixel row each. In an image with small pixels, the outline
+// leaves a pixel on both sides, so that it does not hide the scores.
+Series truth_outline(const ScoreLayout& layout, const GroundTruth& truth, const PixelGrid& grid,
+                     const Monitor& monitor) {
+  Series outline = series_of(Meaning::truth_outline, SeriesStyle::outline);
+  const size_t first_anchor = layout.anchor(0);
+  const size_t outside = std::max(grid.rows, grid.cols) > kSmallPixels ? 3 * grid.cells : 0;
+  for (size_t row = 0; row < row_count(layout); row += grid.cells)
+    for (const ScoreLayout::Columns& columns : layout.columns) {
+      check_stop(monitor);
+      const size_t end_anchor = layout.anchor(columns.count);
+      for (const LabelRun& run :
+           label_runs(truth, layout.anchor(row), columns.sequence, end_anchor)) {
+        if (run.label != PlaceLabel::same || run.last < first_anchor) continue;
+        const size_t first = std::max(run.first, first_anchor) - first_anchor;
+        const size_t end = std::min(run.last + 1 - first_anchor + outside, columns.count);
+        outline.points.emplace_back(columns.first + first - std::min(first, outside), row);
+        outline.points.emplace_back(columns.first + end,
+                                    std::min(row + grid.cells, row_count(layout)));
+      }
+    }
+  return outline;
+}
+
+// Recognized cells as boxes of one pixel row each; the last cell of a pixel gives its meaning.
+std::vector<Series> recognized_boxes(const Judgment& judgment, const GroundTruth& truth,
+                                     const PixelGrid& grid, const Monitor& monitor) {
+  const ScoreLayout& layout = judgment.layout;
+  std::map<std::pair<size_t, size_t>, Meaning> pixels;  // by row and column
+  for (const RecognizedCell& cell : judgment.recognized) {
+    check_stop(monitor);
+    const FrameMatch match = match_of_column(layout, cell.column);
+    pixels[{cell.query_window / grid.cells, cell.column / grid.cells}] =
+        meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference));
+  }
+  std::vector<Series> all;
+  const auto cells = static_cast<double>(grid.cells);
+  for (const Meaning meaning : {Meaning::right, Meaning::wrong, Meaning::unjudged}) {
+    Series& boxes = all.emplace_back(series_of(meaning, SeriesStyle::boxes));
+    for (const auto& [pixel, found] : pixels) {
+      if (found != meaning) continue;
+      const auto row = static_cast<double>(pixel.first) * cells;
+      const auto column = static_cast<double>(pixel.second) * cells;
+      if (!boxes.points.empty() && boxes.points.back() == std::pair(column, row + cells))
+        boxes.points.back().first += cells;  // continues the box to the left
+      else
+        boxes.points.insert(boxes.points.end(), {{column, row}, {column + cells, row + cells}});
+    }
+  }
+  return all;
 }
 
 }  // namespace
@@ -107,8 +165,12 @@ ChartAxis frame_axis(const std::vector<FrameBand>& bands, const std::string& lab
   const double end = std::max<double>(1, static_cast<double>(length_of(bands)));
   axis.range = is_down ? std::pair(end, 0.0) : std::pair(0.0, end);
   axis.ticks = ticks_of(bands, kMostTicks);
+  if (bands.size() == 1) {
+    if (!bands[0].name.empty() && label.ends_with("frame")) axis.label += " of " + bands[0].name;
+    return axis;
+  }
   for (const FrameBand& band : bands)
-    if (!band.name.empty()) axis.bands.push_back({static_cast<double>(band.at), band.name});
+    axis.bands.push_back({static_cast<double>(band.at), band.name});
   return axis;
 }
 
@@ -164,50 +226,27 @@ std::vector<double> pixel_scores(const ScoreMatrix& matrix, const PixelGrid& gri
   return scores;
 }
 
+ScoreUnit score_unit(const QuerySettings& settings, size_t window_length) {
+  const ScoreKind& kind = score_of(settings);
+  if (kind.frame_value == nullptr) return {std::string(kind.measure)};
+  const double divisor = 1 / kind.frame_value(1, window_length);
+  const auto& of_sequence = std::get<SequenceQuerySettings>(settings);
+  if (has_paths(of_sequence.method)) return {"path score", divisor};
+  return {fmt::format("{}{}", window_length > 1 ? "mean " : "", kind.measure), divisor};
+}
+
 Chart matrix_chart(const Judgment& judgment, const GroundTruth& truth, const PixelGrid& grid,
-                   const std::vector<double>& scores, const MatrixWords& words,
-                   const Monitor& monitor) {
+                   const std::vector<double>& scores, const std::string& reference,
+                   const ScoreUnit& unit, const Monitor& monitor) {
   const ScoreLayout& layout = judgment.layout;
-  cv::Mat image(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3,
-                cv::Scalar::all(255));
-  const auto grays = draw_gray(image, scores, judgment.outcomes.kind == ScoreOrder::distance);
-  std::set<Meaning> shown;
-  const auto set = [&](size_t row, size_t column, Meaning meaning) {
-    image.at<cv::Vec3b>(static_cast<int>(row / grid.cells), static_cast<int>(column / grid.cells)) =
-        bgr_of(meaning);
-    shown.insert(meaning);
-  };
-  const size_t first_anchor = layout.anchor(0);
-  for (size_t row = 0; row < row_count(layout); ++row)
-    for (const ScoreLayout::Columns& columns : layout.columns) {
-      check_stop(monitor);
-      const size_t end_anchor = layout.anchor(columns.count);
-      for (const LabelRun& run :
-           label_runs(truth, layout.anchor(row), columns.sequence, end_anchor)) {
-        if (run.label != PlaceLabel::same || run.last < first_anchor) continue;
-        const size_t end = columns.first + run.last - first_anchor + 1;
-        for (size_t column = columns.first + std::max(run.first, first_anchor) - first_anchor;
-             column < end; column = (column / grid.cells + 1) * grid.cells)
-          set(row, column, Meaning::truth);
-      }
-    }
-  for (const ScoreLayout::Columns& columns : layout.columns)
-    if (columns.first > 0)
-      image.col(static_cast<int>(columns.first / grid.cells)).setTo(bgr_of(Meaning::divider));
-  for (const RecognizedCell& cell : judgment.recognized) {
-    check_stop(monitor);
-    const FrameMatch match = match_of_column(layout, cell.column);
-    set(cell.query_window, cell.column,
-        meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
-  }
   Chart chart{"matrix", ""};
-  chart.x = frame_axis(column_bands(layout), words.reference, false);
+  chart.x = frame_axis(column_bands(layout), reference, false);
   chart.y = frame_axis(row_bands(layout), "query frame, downwards", true);
-  chart.image = chart_image(image, grid.cells);
-  chart.image->grays = grays;
-  chart.image->gray_label = words.score;
-  for (const Meaning meaning : shown)
-    chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::square));
+  chart.image = gray_image(grid, scores, judgment.outcomes.kind == ScoreOrder::distance, unit);
+  chart.series = recognized_boxes(judgment, truth, grid, monitor);
+  chart.series.insert(chart.series.begin(), truth_outline(layout, truth, grid, monitor));
+  erase_empty_series(chart);
+  chart.width = 1320;  // the largest image and its labels
   return chart;
 }
 
@@ -215,9 +254,9 @@ Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const G
                           const Monitor& monitor) {
   const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
   const Judgment judgment = judge(result, known, {}, monitor);
-  Chart chart = matrix_chart(judgment, known, pixels.grid(),
-                             pixels.scores(result.score().offset(result.window_length())),
-                             {"training frame", std::string(result.score().title)}, monitor);
+  Chart chart = matrix_chart(
+      judgment, known, pixels.grid(), pixels.scores(result.score().offset(result.window_length())),
+      "training frame", score_unit(result.settings, result.window_length()), monitor);
   chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query.name,
                             result.window_length());
   return chart;

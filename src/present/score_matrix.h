@@ -45,7 +45,8 @@ size_t position_of(const std::vector<FrameBand>& bands, const FrameMatch& match)
 /// previous band.
 std::vector<ChartTick> ticks_of(const std::vector<FrameBand>& bands, size_t most);
 
-/// An axis with these ticks. `is_down`: starts at the top.
+/// An axis with these ticks. `is_down`: starts at the top. The label of frames has the name of a
+/// single band.
 ChartAxis frame_axis(const std::vector<FrameBand>& bands, const std::string& label, bool is_down);
 
 /// The cells of a layout in an image of at most `most_pixels` x `most_pixels`, and at least one.
@@ -78,19 +79,22 @@ class RowPixels {
 std::vector<double> pixel_scores(const ScoreMatrix& matrix, const PixelGrid& grid,
                                  const Monitor& monitor);
 
-/// Labels of a matrix chart.
-struct MatrixWords {
-  std::string reference;  ///< of the columns, such as "training frame"
-  std::string score;
+/// How people read a score: divided, with words for its unit.
+struct ScoreUnit {
+  std::string words;
+  double divisor = 1;
 };
 
-/// Query windows from top to bottom, training windows from left to right, with a line between
-/// sequences. `scores`: as from pixel_scores; empty: white. Dark is a good score; the outer 1 % on
-/// both sides are clipped; pixels without a score are bluish. Ground truth has the color of the
-/// palette, recognized cells theirs on top. The legend lists these colors.
+/// Per frame of a window.
+ScoreUnit score_unit(const QuerySettings& settings, size_t window_length);
+
+/// Query windows from top to bottom, training windows (`reference`: "training frame") from left to
+/// right, with a line between sequences. `scores`: as from pixel_scores; empty: white. The best
+/// score is black; grays are linear up to white for the worst 1 %. Ground truth is an outline,
+/// under boxes of recognized cells.
 Chart matrix_chart(const Judgment& judgment, const GroundTruth& truth, const PixelGrid& grid,
-                   const std::vector<double>& scores, const MatrixWords& words,
-                   const Monitor& monitor);
+                   const std::vector<double>& scores, const std::string& reference,
+                   const ScoreUnit& unit, const Monitor& monitor);
 
 /// The matrix of a result from its collected rows. Null `truth`: recognitions are not judged.
 Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,

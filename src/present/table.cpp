@@ -161,7 +161,7 @@ std::string latex_table(const Table& table) {
   std::string text = "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n";
   if (!table.title.empty())
     text += fmt::format("\\caption{{{}}}\n\\label{{tab:{}}}\n", latex_escaped(table.title),
-                        latex_label(table.title));
+                        table.label.empty() ? latex_label(table.title) : table.label);
   text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n", columns, line(names));
   const auto bold = [](const std::string& cell) { return "\\textbf{" + cell + "}"; };
   for (const auto& row : marked_rows(table, latex_escaped, bold)) text += line(row);

@@ -27,6 +27,7 @@ struct Table {
   std::vector<std::vector<std::string>> rows;  ///< each as long as `columns`
   /// The best cells (row, column): bold, with a star in text, unmarked in CSV.
   std::set<std::pair<size_t, size_t>> best = {};
+  std::string label = {};  ///< in LaTeX, after "tab:"; empty: the title
 };
 
 /// Adds a row of strings and numbers.

@@ -91,7 +91,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
       return fmt::format("In reverse order (--speed reversed), {} are recognized.",
                          found(reversed));
     return fmt::format(
-        "At any speed, {} are recognized: {} may show another place, or\nthe opposite direction.",
+        "At any speed, {} are recognized: {} may show another place,\nor the opposite direction.",
         found(forward), forward.recognitions.empty() ? "the query" : "the others");
   }
   const auto rate = recognized_rate(forward);

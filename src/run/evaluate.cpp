@@ -13,14 +13,6 @@
 namespace vpr {
 namespace {
 
-GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor) {
-  if (!by.ground_truth) return unknown_ground_truth(scope);
-  scope.query_names = by.query_names;
-  for (size_t s = 0; s < std::min(by.train_names.size(), scope.sequences.size()); ++s)
-    scope.sequences[s].names = by.train_names[s];
-  return read_ground_truth(*by.ground_truth, scope, monitor);
-}
-
 std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthScope& scope,
                                 const Monitor& monitor) {
   if (by.poses.empty()) return {};
@@ -50,6 +42,10 @@ std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
   return all;
 }
 
+bool is_incorrect(const GroundTruth& truth, const MatchedFrame& one) {
+  return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::different;
+}
+
 size_t count_right(const GroundTruth& truth, const std::vector<MatchedFrame>& all) {
   return static_cast<size_t>(std::ranges::count_if(all, [&](const MatchedFrame& one) {
     return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::same;
@@ -73,25 +69,41 @@ std::optional<std::string> length_warning(const Evaluation& evaluation,
                      counted(frames, "frame"), train_frames, step);
 }
 
-// If most recognitions are wrong: warns if the ground truth, not the method, is the likely cause.
-void warn_of_truth(const Evaluation& evaluation, const EvaluationSettings& by,
-                   const Monitor& monitor) {
+/// The smallest larger tolerance at which at least 9 of 10 matches are correct; nullopt: none.
+std::optional<std::string> tolerance_warning(const GroundTruth& truth,
+                                             const std::vector<MatchedFrame>& matches,
+                                             const std::string& noun) {
   constexpr int64_t kMostOff = 10;  // frames; a larger offset is not a matter of tolerance
-  const GroundTruth& truth = evaluation.truth;
-  const std::vector<MatchedFrame> all = matched_frames(evaluation);
-  if (!truth.is_known || !by.ground_truth || 2 * count_right(truth, all) >= all.size()) return;
-  const char* noun = evaluation.result ? "recognitions" : "best matches";
   GroundTruth wider = truth;
   while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
-    const size_t correct = count_right(wider, all);
-    if (10 * correct < 9 * all.size()) continue;
-    const std::string share = correct == all.size() ? fmt::format("all {}", correct)
-                                                    : fmt::format("{} of {}", correct, all.size());
-    return warn(monitor,
-                fmt::format("{} {} are within {} of the ground truth: --tolerance {}?", share, noun,
-                            counted(wider.tolerance_frames, "frame"), wider.tolerance_frames));
+    const size_t correct = count_right(wider, matches);
+    if (10 * correct < 9 * matches.size()) continue;
+    const std::string share = correct == matches.size()
+                                  ? fmt::format("all {}", correct)
+                                  : fmt::format("{} of {}", correct, matches.size());
+    return fmt::format("{} {} are within {}: --tolerance {}?", share, noun,
+                       counted(wider.tolerance_frames, "frame"), wider.tolerance_frames);
   }
-  if (const auto lengths = length_warning(evaluation, by)) warn(monitor, *lengths);
+  return std::nullopt;
+}
+
+// Warns if the ground truth, not the method, is the likely cause of incorrect recognitions.
+void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const Monitor& monitor) {
+  const GroundTruth& truth = evaluation.truth;
+  if (!truth.is_known || !by.ground_truth) return;
+  std::vector<MatchedFrame> matches = matched_frames(evaluation);
+  std::string noun = evaluation.result ? "recognitions" : "best matches";
+  const bool most_are_incorrect = 2 * count_right(truth, matches) < matches.size();
+  if (!most_are_incorrect) {
+    std::erase_if(matches, [&](const MatchedFrame& one) { return !is_incorrect(truth, one); });
+    noun = "incorrect " + noun;
+  }
+  if (matches.empty()) return;
+  std::optional<std::string> warning = tolerance_warning(truth, matches, noun);
+  if (!warning && most_are_incorrect) warning = length_warning(evaluation, by);
+  if (!warning) return;
+  evaluation.doubts_truth = true;
+  warn(monitor, *warning);
 }
 
 void present_by(Judgment& judgment, const EvaluationSettings& by) {
@@ -115,6 +127,14 @@ Sequence query_of(const ScoreSettings& settings, size_t frames) {
 }
 
 }  // namespace
+
+GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor) {
+  if (!by.ground_truth) return unknown_ground_truth(scope);
+  scope.query_names = by.query_names;
+  for (size_t s = 0; s < std::min(by.train_names.size(), scope.sequences.size()); ++s)
+    scope.sequences[s].names = by.train_names[s];
+  return read_ground_truth(*by.ground_truth, scope, monitor);
+}
 
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor) {

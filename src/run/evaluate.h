@@ -47,9 +47,14 @@ struct Evaluation {
   ScoreSettings scores;                   ///< of scores alone
   std::optional<ScoreMatrix> matrix;      ///< the scores, or the matrix saved with the result
   std::string fingerprint;                ///< of the file of the result or of the scores
+  bool doubts_truth = false;              ///< a warning named another tolerance or --train-step
 
   const Sequence& query() const { return judgment.layout.scope.query; }
 };
+
+/// The ground truth of an evaluation for the indices of `scope`, whose names are those of `by`.
+/// Throws what read_ground_truth throws.
+GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor);
 
 /// Evaluates a result, with the matrix that was saved with it, if there is one. Throws what
 /// read_ground_truth, read_traveled, judge and set_confidence throw.

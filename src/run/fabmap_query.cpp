@@ -272,12 +272,14 @@ Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, 
     place.view = view_name(searched, view);
     const std::vector<WordEvidence> evidence =
         word_evidence(model, words, searched.views.view(view));
+    const auto is_seen = [](const WordEvidence& word) { return word.in_frame || word.in_view; };
     for (const WordEvidence& word : evidence) {
       place.log_odds += word.log_odds;
-      if (word.log_odds > 0 && place.for_it.size() < kExplainedWords) place.for_it.push_back(word);
+      if (word.log_odds > 0 && is_seen(word) && place.for_it.size() < kExplainedWords)
+        place.for_it.push_back(word);
     }
     for (auto word = evidence.rbegin(); word != evidence.rend(); ++word)
-      if (word->log_odds < 0 && place.against.size() < kExplainedWords)
+      if (word->log_odds < 0 && is_seen(*word) && place.against.size() < kExplainedWords)
         place.against.push_back(*word);
   }
   return explanation;

@@ -76,10 +76,11 @@ struct FabmapMatcher {
 struct PlaceExplanation {
   Match match;
   std::string place;
-  std::string view;                   ///< "<group>: <name of the frame>"
-  double log_odds = 0;                ///< of the view against a new place by mean field
-  std::vector<WordEvidence> for_it;   ///< strongest first
-  std::vector<WordEvidence> against;  ///< strongest first
+  std::string view;     ///< "<group>: <name of the frame>"
+  double log_odds = 0;  ///< of the view against a new place by mean field
+  // Words in the frame or in the view, strongest first.
+  std::vector<WordEvidence> for_it;
+  std::vector<WordEvidence> against;
 };
 
 /// The explanation of a recognition.

@@ -46,8 +46,9 @@ void add_frame(LiveDistances& live, ArrivedFrame frame);
 /// Yields the results of run_query for every window once its last frame arrives, by the same steps.
 class LiveQuery {
  public:
-  /// `settings`: resolved with the choice vpr-query live. Throws what plan_query throws, and Error(usage)
-  /// if the distances of a window exceed the memory limit. The database must outlive the query.
+  /// `settings`: resolved with the choice vpr-query live. Throws what plan_query throws, and
+  /// Error(usage) if the distances of a window exceed the memory limit. The database must outlive
+  /// the query.
   LiveQuery(const SequenceDatabase& database, const std::string& query_name,
             const ResolvedSettings& settings, const QueryResources& resources,
             const Monitor& monitor);

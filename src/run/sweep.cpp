@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "evaluate/calibration.h"
+#include "evaluate/judgment.h"
 #include "evaluate/matrix_scan.h"
 #include "match/fastable.h"
 #include "match/match.h"
@@ -197,9 +198,12 @@ Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTrut
   StepCounter counter(monitor, "count", sweep.cells.size());
   parallel_for(sweep.cells.size(), monitor, [&](size_t c) {
     const Result result = cells.result_of(c);
-    sweep.cells[c] = {cells.grid.windows[c / thresholds], cells.grid.thresholds[c % thresholds],
-                      threshold_scale(result), count_recognitions(result, truth, monitor),
-                      cells.untrained_of ? cells.untrained_of(c) : std::nullopt};
+    sweep.cells[c] = {cells.grid.windows[c / thresholds],
+                      cells.grid.thresholds[c % thresholds],
+                      threshold_scale(result),
+                      count_recognitions(result, truth, monitor),
+                      cells.untrained_of ? cells.untrained_of(c) : std::nullopt,
+                      localize(fixes_of(result, truth), {})};
     counter.add();
   });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);

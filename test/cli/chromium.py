@@ -58,14 +58,16 @@ class Chromium:
                 return answer["result"]
 
     def evaluate(self, script):
-        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True)
+        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True,
+                           awaitPromise=True)
         assert "exceptionDetails" not in answer, (script, answer["exceptionDetails"])
         return answer["result"].get("value")
 
     def open(self, path):
-        self.call("Page.navigate", url="file://" + os.path.abspath(path))
+        answer = self.call("Page.navigate", url="file://" + os.path.abspath(path))
+        assert "errorText" not in answer, (path, answer["errorText"])
         self.wait(lambda: self.evaluate("document.readyState === 'complete' && "
-                                        "document.getElementById('data') !== null"))
+                                        "document.URL !== 'about:blank'"))
 
     @staticmethod
     def wait(condition, seconds=30):

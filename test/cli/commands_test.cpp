@@ -233,7 +233,7 @@ TEST_CASE("by default, places are recognized at any speed, and other places are 
   is_answer(query("one"), "Next: vpr-eval ");
   is_answer(query("one", {"--speed", "2"}), ", 2.0x\n");
   is_answer(query("one", {"--speed", "reversed"}), "In reverse order (--speed reversed), ");
-  is_answer(query("other"), " may show another place, or\nthe opposite direction.");
+  is_answer(query("other"), " may show another place,\nor the opposite direction.");
   // A result repeats its run.
   query("one");
   const Json settings = file_json(out / "r.json")["settings"];
@@ -257,7 +257,7 @@ TEST_CASE("if nothing or everything is recognized, no looser threshold is sugges
   const auto other = run_program("vpr-query", {world().database(), "--query", world().walk("other"),
                                                "--c-l", "10", "--t-r", "0.01"});
   INFO(other.out);
-  CHECK(has(other.out, "may show another place, or\nthe opposite direction"));
+  CHECK(has(other.out, "may show another place,\nor the opposite direction"));
   CHECK_FALSE(has(other.out, "use --method filter"));
   const auto all = run_program("vpr-query", query_words({"--t-r", "1"}));
   CHECK(has(all.err, "% of all window pairs are recognitions: t_r is too large"));
@@ -287,8 +287,8 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   };
   const auto looked = ok(eval({"--html", out / "page.html", "--query", world().walk("back")}));
   CHECK(looked.err.empty());
-  CHECK(has(looked.out, "Nothing is judged without a ground truth."));
-  CHECK(has(looked.out, "recognitions"));
+  CHECK(has(looked.out, "Nothing is judged"));
+  CHECK(has(looked.out, "back "));  // the recognized ranges
   CHECK_FALSE(has(looked.out, "correct"));
   const std::string page = read_text(out / "page.html");
   CHECK(has(page, "recognized, not judged"));
@@ -306,7 +306,7 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
                  .dump());
   const auto timed = eval({"--html", out / "bare.html", "--dataset", out / "bare.json"});
   CHECK(timed.err.empty());
-  CHECK(has(timed.out, " s). Nothing is judged"));
+  CHECK(has(timed.out, " s)."));
 }
 
 TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {

@@ -280,10 +280,10 @@ TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
   for (size_t i = 0; i < noise.size(); ++i) query.push_back(0.2F * train[i] + noise[i]);
   write_array(out / "db.npy", train, {150, kLength});
   write_array(out / "q.npy", query, {150, kLength}, true);
-  const Json report =
-      printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--train-npy", out / "db.npy",
-                                "--recall-at", "5,10,100", "--ground-truth", "aligned",
-                                "--tolerance", "0", "--html", out / "page.html", "--json"});
+  const Json report = printed_json(
+      "vpr-eval", {"matrix", "--query-npy", out / "q.npy", "--train-npy", out / "db.npy",
+                   "--recall-at", "5,10,100", "--ground-truth", "aligned", "--tolerance", "0",
+                   "--html", out / "page.html", "--json"});
   // The definition, product by product.
   std::map<size_t, double> expected;
   for (size_t q = 0; q < 150; ++q) {
@@ -318,26 +318,29 @@ TEST_CASE("descriptors without a database must match each other") {
   const auto evaluate = [&](Words words) {
     return run_program("vpr-eval", joined(words, {"--ground-truth", "aligned", "--json"}));
   };
-  const Json bits =
-      printed_json(evaluate({"--query-npy", out / "bits.npy", "--train-npy", out / "bits.npy"}));
+  const Json bits = printed_json(
+      evaluate({"matrix", "--query-npy", out / "bits.npy", "--train-npy", out / "bits.npy"}));
   CHECK(bits["metrics"]["recall_at"]["1"] == 1.0);
-  check_failure(evaluate({"--query-npy", db, "--train-npy", out / "short.npy"}), 4,
+  check_failure(evaluate({"matrix", "--query-npy", db, "--train-npy", out / "short.npy"}), 4,
                 "the array is 60 x 48, but ");
-  check_failure(evaluate({"--query-npy", out / "bits.npy", "--train-npy", out / "wide.npy"}), 4,
-                "is an array transposed?");
-  check_failure(evaluate({"--query-npy", db, "--train-npy", out / "bits.npy"}), 4, "type <f4");
-  check_failure(evaluate({"--query-npy", db, "--train-npy", world().walk("back")}), 4,
+  check_failure(
+      evaluate({"matrix", "--query-npy", out / "bits.npy", "--train-npy", out / "wide.npy"}), 4,
+      "is an array transposed?");
+  check_failure(evaluate({"matrix", "--query-npy", db, "--train-npy", out / "bits.npy"}), 4,
+                "type <f4");
+  check_failure(evaluate({"matrix", "--query-npy", db, "--train-npy", world().walk("back")}), 4,
                 "is not a .npy file of descriptors");
-  check_failure(evaluate({"--query-npy", db}), 2, "go together");
-  check_failure(evaluate({"--query-npy", db, "--train-npy", db, "--similarity"}), 2,
-                "--similarity is for --scores");
-  check_failure(evaluate({"--query-npy", db, "--train-npy", db, "--recall-at", "0"}), 2,
+  check_failure(evaluate({"matrix", "--query-npy", db}), 2, "go together");
+  check_failure(evaluate({"matrix", "--query-npy", db, "--train-npy", db, "--similarity"}), 2,
+                "--similarity is for SCORES");
+  check_failure(evaluate({"matrix", "--query-npy", db, "--train-npy", db, "--recall-at", "0"}), 2,
                 "--recall-at must be 1");
   std::vector<float> values(12, 1);
   values[7] = std::numeric_limits<float>::quiet_NaN();
   write_array(out / "nan.npy", values, {4, 3});
-  check_failure(evaluate({"--query-npy", out / "nan.npy", "--train-npy", out / "nan.npy"}), 4,
-                "nan.npy: row 2: value 1 is nan");
+  check_failure(
+      evaluate({"matrix", "--query-npy", out / "nan.npy", "--train-npy", out / "nan.npy"}), 4,
+      "nan.npy: row 2: value 1 is nan");
 }
 
 TEST_CASE("frames can have other built-in descriptors") {
@@ -386,9 +389,10 @@ TEST_CASE("chords distinguish frames that are closer than the unit of cosine dis
     const auto right = report["best_match"]["rate"].get<double>();
     CHECK((least == 1 ? right == 1 : right < 0.5));
     // In float64 both orders are equal.
-    CHECK(printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--train-npy", out / "db.npy",
-                                    "--metric", metric, "--ground-truth", "aligned", "--tolerance",
-                                    "0", "--json"})["metrics"]["recall_at"]["1"] == 1.0);
+    CHECK(printed_json("vpr-eval", {"matrix", "--query-npy", out / "q.npy", "--train-npy",
+                                    out / "db.npy", "--metric", metric, "--ground-truth", "aligned",
+                                    "--tolerance", "0", "--json"})["metrics"]["recall_at"]["1"] ==
+          1.0);
   }
   run_ok("vpr-train", {"descriptors", "--npy", out / "q.npy", "--metric", "chord", "--c-l", "3",
                        "-o", out / "far.vprdb"});
@@ -433,9 +437,10 @@ TEST_CASE("vectors with lengths are compared by Euclidean distances") {
   CHECK(printed_json("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0",
                                   "--json"})["best_match"]["rate"] == 1.0);
   for (const auto& [metric, least] : {std::pair("l2", 1.0), std::pair("cosine", 0.0)}) {
-    const Json report = printed_json(
-        "vpr-eval", {"--query-npy", out / "q.npy", "--train-npy", out / "db.npy", "--metric",
-                     metric, "--ground-truth", "aligned", "--tolerance", "0", "--json"});
+    const Json report =
+        printed_json("vpr-eval", {"matrix", "--query-npy", out / "q.npy", "--train-npy",
+                                  out / "db.npy", "--metric", metric, "--ground-truth", "aligned",
+                                  "--tolerance", "0", "--json"});
     const auto recall = report["metrics"]["recall_at"]["1"].get<double>();
     CHECK(recall >= least);
     CHECK((recall == 1) == (least == 1));
@@ -460,6 +465,6 @@ TEST_CASE("vectors with lengths are compared by Euclidean distances") {
                 2, "--value-bits");
   check_failure(
       "vpr-eval",
-      {"--scores", out / "db.npy", "--distance", "--metric", "l2", "--ground-truth", "aligned"}, 2,
+      {"matrix", out / "db.npy", "--distance", "--metric", "l2", "--ground-truth", "aligned"}, 2,
       "--metric");
 }

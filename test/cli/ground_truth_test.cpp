@@ -199,7 +199,7 @@ TEST_CASE("several results form one table, with a row and a name for each") {
   CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);
   check_failure("vpr-eval", joined(words, {"--name", "one only"}), 2, "2 results and 1 names");
   check_failure("vpr-eval", joined(words, {"--html", out / "x.html"}), 2, "one result");
-  const std::string text = run_program("vpr-eval", words).out;
+  const std::string text = run_program("vpr-eval", joined(words, {"-v"})).out;
   CHECK(has(text, "By keyframe"));
 }
 

@@ -27,6 +27,9 @@ const std::vector<Words> kCommands = {{"vpr-train"},
                                       {"vpr-query", "matrix"},
                                       {"vpr-query", "explain"},
                                       {"vpr-eval"},
+                                      {"vpr-eval", "matrix"},
+                                      {"vpr-eval", "loops"},
+                                      {"vpr-eval", "report"},
                                       {"vpr-eval", "compare"},
                                       {"vpr-eval", "convert"},
                                       {"vpr-eval", "check"},
@@ -68,7 +71,7 @@ TEST_CASE("every command has a version, and help of 100 columns with common opti
     REQUIRE(common != std::string::npos);
     CHECK(run.out.find("--version", common) != std::string::npos);
     CHECK(has(run.out, "Example:\n"));
-    for (const std::string own : {"\nOptions:\n", "\nGround truth:\n", "\nReports and plots:\n"}) {
+    for (const std::string own : {"\nOptions:\n", "\nGround truth:\n", "\nPage and plots:\n"}) {
       const size_t at = run.out.find(own);
       if (at != std::string::npos) CHECK(at < common);
     }

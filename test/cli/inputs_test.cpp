@@ -103,14 +103,14 @@ RunOutcome query_matrix(const std::string& file, const Words& words,
 TEST_CASE("rows of descriptors are frames, not windows") {
   const TemporaryFolder folder;
   const std::string scores = distances(folder, 20, 20);
-  check_failure(evaluate({"--query-npy", scores, "--train-npy", scores, "--ground-truth", "aligned",
-                          "--rows-are-windows-of", "10"}),
+  check_failure(evaluate({"matrix", "--query-npy", scores, "--train-npy", scores, "--ground-truth",
+                          "aligned", "--rows-are-windows-of", "10"}),
                 2, "vpr-query --query-npy --c-l N");
 }
 
 TEST_CASE("rows of scores are windows of the length given by the query") {
   const TemporaryFolder folder;
-  const Words words = {"--scores", distances(folder, 20, 20), "--distance", "--ground-truth",
+  const Words words = {"matrix", distances(folder, 20, 20), "--distance", "--ground-truth",
                        "aligned"};
   const auto windows_of = [&](const std::string& length, const Words& more) {
     return evaluate(joined(words, {"--rows-are-windows-of", length, "--json"}), more);
@@ -129,11 +129,10 @@ TEST_CASE("rows of scores are windows of the length given by the query") {
 TEST_CASE("a shifted ground truth is distinguished from a failing method") {
   const TemporaryFolder folder;
   const auto warning = [&](const std::string& scores, const Words& more) {
-    return ok(evaluate({"--scores", scores, "--distance", "--ground-truth", "aligned"}, more)).err;
+    return ok(evaluate({"matrix", scores, "--distance", "--ground-truth", "aligned"}, more)).err;
   };
   const std::string off = distances(folder, 20, 22, 1, 2);
-  CHECK(warning(off, {}) ==
-        "warning: all 20 best matches are within 2 frames of the ground truth: --tolerance 2?\n");
+  CHECK(warning(off, {}) == "warning: all 20 best matches are within 2 frames: --tolerance 2?\n");
   CHECK(warning(off, {"--tolerance", "2"}).empty());
   const std::string fast = distances(folder, 20, 40, 2);
   CHECK(warning(fast, {"--tolerance", "1"}) ==
@@ -145,10 +144,10 @@ TEST_CASE("a shifted ground truth is distinguished from a failing method") {
 TEST_CASE("scores of the wrong order are detected by their recall") {
   const TemporaryFolder folder;
   const std::string scores = distances(folder, 20, 20);
-  const auto run = evaluate({"--scores", scores, "--similarity", "--ground-truth", "aligned"});
+  const auto run = evaluate({"matrix", scores, "--similarity", "--ground-truth", "aligned"});
   CHECK(has(run.err, "d.npy: R@1 is "));
   CHECK(has(run.err, " % with --similarity and 100.0 % with --distance\n"));
-  CHECK(evaluate({"--scores", scores, "--distance", "--ground-truth", "aligned"}).err.empty());
+  CHECK(evaluate({"matrix", scores, "--distance", "--ground-truth", "aligned"}).err.empty());
 }
 
 TEST_CASE("pairs name frames by number or by file") {
@@ -219,13 +218,13 @@ TEST_CASE("sizes requested by an input are limited before the work") {
                 "--train-frames", "1000000", "--to", "pairs", "-o", folder / "p.csv"}),
       4, "pairs; the limit is");
   write_text(folder / "far.txt", "99999 99999\n");
-  check_failure(evaluate({"--predictions", folder / "far.txt", "--ground-truth", "aligned"}), 4,
+  check_failure(evaluate({"matrix", folder / "far.txt", "--ground-truth", "aligned"}), 4,
                 "line 1: the frame numbers up to here need 100000 x 100000 scores");
   for (const auto& shape :
        {std::vector<size_t>{2147483648, 0}, std::vector<size_t>{0, 2147483648}}) {
     write_text(folder / "empty.npy", npy_header("|u1", shape));
     for (const Words& more : {Words{"--ground-truth", "aligned"}, Words{"--pairs", folder / "x"}})
-      check_failure(evaluate({"--scores", folder / "empty.npy", "--distance"}, more), 4,
+      check_failure(evaluate({"matrix", folder / "empty.npy", "--distance"}, more), 4,
                     "expected a matrix of scores");
   }
 }
@@ -242,13 +241,13 @@ TEST_CASE("a result is evaluated with its own query of a data set with several q
 
 TEST_CASE("written pairs can be read back, with the recall of the scores") {
   const Scored scored;
-  const Words source = {"--scores", scored.path("s.npy"), "--similarity"};
+  const Words source = {"matrix", scored.path("s.npy"), "--similarity"};
   const Json scores = printed_json(evaluate(source, kTruth));
   const auto written = ok(evaluate(
       source, joined({"--top-k", "10", "--pairs", scored.path("pairs.txt")}, scored.named())));
   CHECK(has(written.out, "200 pairs"));
   CHECK(read_text(scored.path("pairs.txt")).starts_with("query/00.jpg db/"));
-  const Words read = {"--predictions", scored.path("pairs.txt")};
+  const Words read = {"matrix", scored.path("pairs.txt")};
   const Json pairs = printed_json(evaluate(joined(read, scored.named()), kTruth));
   for (const char* k : {"1", "5", "10"})
     CHECK(pairs["metrics"]["recall_at"][k] == scores["metrics"]["recall_at"][k]);
@@ -257,7 +256,7 @@ TEST_CASE("written pairs can be read back, with the recall of the scores") {
   // Together with a report, and with numbers as names.
   ok(evaluate(source, {"--ground-truth", "aligned", "--pairs", scored.path("numbers.txt"),
                        "--top-k", "1"}));
-  CHECK(printed_json(evaluate({"--predictions", scored.path("numbers.txt")},
+  CHECK(printed_json(evaluate({"matrix", scored.path("numbers.txt")},
                               kTruth))["metrics"]["recall_at"]["1"] ==
         scores["metrics"]["recall_at"]["1"]);
 }
@@ -270,7 +269,7 @@ TEST_CASE("predictions of VPR-methods-evaluation are evaluated") {
                fmt::format("Query path:\n/x/query/{:02}.jpg\n\nPredictions paths:\n"
                            "/x/db/{:02}.jpg\n/x/db/{:02}.jpg\n\nPositives paths:\n\n",
                            j, (j + j % 2) % kFrames, (j + 1) % kFrames));
-  const Words words = {"--predictions", scored.path("preds")};
+  const Words words = {"matrix", scored.path("preds")};
   const Json report = printed_json(evaluate(joined(words, scored.named()), kTruth));
   CHECK(report["metrics"]["recall_at"]["1"] == 0.5);
   CHECK(report["machine"]["paths"]["predictions"] == scored.path("preds"));
@@ -284,7 +283,7 @@ TEST_CASE("pairs of a result are its best matches, or those of its matrix") {
                        "--train", world().walk("two")};
   ok(evaluate({out / "r.json", "--pairs", out / "best.txt"}, names));
   ok(evaluate(
-      {out / "r.json", "--scores", out / "m.npy", "--top-k", "3", "--pairs", out / "three.txt"},
+      {out / "r.json", "--matrix", out / "m.npy", "--top-k", "3", "--pairs", out / "three.txt"},
       names));
   const std::string one = read_text(out / "best.txt");
   const std::string all = read_text(out / "three.txt");
@@ -301,14 +300,14 @@ TEST_CASE("incompatible flags of lists are refused") {
   const Scored scored;
   write_text(scored.folder / "p.txt", "0 1 0.5\n");
   const auto check = [&](const Words& words, const std::string& word) {
-    check_failure(evaluate({"--predictions", scored.path("p.txt")}, words), 2, word);
+    check_failure(evaluate({"matrix", scored.path("p.txt")}, words), 2, word);
   };
   check(kTruth, "has scores");
-  check({"--scores", scored.path("s.npy"), "--distance"}, "evaluate one of these");
+  check({"--query-npy", "q.npy", "--train-npy", "r.npy"}, "evaluate one of these");
   check({"--missing", "3", "--distance"}, "--missing");
   check({"--top-k", "3"}, "--top-k");
   check({"--top-k", "0", "--pairs", scored.path("x.txt")}, "--top-k must be");
-  check_failure(evaluate({"--predictions", scored.path("off_map.txt")}, kTruth), 3, "off_map.txt");
+  check_failure(evaluate({"matrix", scored.path("off_map.txt")}, kTruth), 3, "off_map.txt");
   check({"--similarity", "--pairs", scored.path("x.txt"), "-o", scored.path("x.json")},
         "-o needs a ground truth");
   for (const Words& words : {Words{"--pairs", "x"}, Words{"--junit", "x"}, Words{"--update"}}) {

@@ -45,7 +45,7 @@ void check_sentence(const RunOutcome& outcome, int exit_code, const std::string&
 TEST_CASE("a matrix of another result is refused") {
   const Walks walks;
   const auto eval = [&](const std::string& matrix) {
-    return run_program("vpr-eval", {walks.path("a.json"), "--scores", walks.path(matrix),
+    return run_program("vpr-eval", {walks.path("a.json"), "--matrix", walks.path(matrix),
                                     "--ground-truth", "aligned"});
   };
   for (const std::string name : {"a", "b"})

@@ -252,7 +252,7 @@ TEST_CASE(
       "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "9", "--json"});
   const std::string frames = report["speed"]["frames"].dump();
   const auto judge = [&](const Words& more) {
-    return run_program("vpr-eval", joined({"--scores", out / "d.npy", "--distance", "--json",
+    return run_program("vpr-eval", joined({"matrix", out / "d.npy", "--distance", "--json",
                                            "--ground-truth", "aligned", "--tolerance", "9"},
                                           more));
   };
@@ -267,7 +267,7 @@ TEST_CASE(
   check_failure(
       "vpr-eval",
       {out / "r.json", "--dataset", world().dataset(), "--speed", "2", "--query-frames", frames}, 2,
-      "cannot be combined with a result");
+      "unknown flag --speed");
 
   const Json sweep = printed_json(
       "vpr-tune", {"fastable", world().database(), "--dataset", world().dataset(), "--c-l", "1,4",

@@ -124,7 +124,7 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   const Words words = {"report", out / "all", "--dataset", world().dataset()};
   const auto run =
       run_ok("vpr-eval", joined(words, {"--html", out / "all.html", "-o", out / "all.json"}));
-  CHECK(has(run.out, "R@1: frames with a right best match (over all"));
+  CHECK(has(run.out, "R@1, AP and R@100P over "));
   CHECK(has(run.out, "\nmine "));  // a result with a report is listed once
   CHECK(has(run.out, "\nfastable, c_l 3"));
   const Json json = file_json(out / "all.json");
@@ -135,7 +135,8 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   CHECK(json["reports"][0]["report"].dump() == written.dump());  // as it was read
   const std::string page = read_text(out / "all.html");
   CHECK(has(page, "2 methods on 1 query"));
-  CHECK(has(page, "<svg class=\"lanes\""));
+  CHECK(page.find("<svg class=\"lanes wide\"") < page.find("recognized correctly"));
+  CHECK_FALSE(has(page, "All queries"));  // there is one
   const std::string csv = run_program("vpr-eval", joined(words, {"--format", "csv"})).out;
   CHECK(csv.starts_with("method,query,metric,value,frames,oracle\n"));
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 5);
@@ -158,7 +159,7 @@ TEST_CASE("a method that answers few frames does not win by them") {
     std::vector<float> scores(size * size, 50);
     for (size_t q = 0; q < size; ++q) scores[q * size + (q < mistakes ? size - 1 : q)] = float(q);
     write_array(out / (name + ".npy"), scores, {size, size});
-    run_ok("vpr-eval", {"--scores", out / (name + ".npy"), "--distance", "--rows-are-windows-of",
+    run_ok("vpr-eval", {"matrix", out / (name + ".npy"), "--distance", "--rows-are-windows-of",
                         window, "--ground-truth", "aligned", "--name", name, "-o",
                         out / ("all/" + name + ".json"), "--quiet"});
   };
@@ -168,7 +169,12 @@ TEST_CASE("a method that answers few frames does not win by them") {
       printed_json("vpr-eval", {"report", out / "all", "--html", out / "all.html", "--json"});
   CHECK(json["reports"][1]["report"]["metrics"]["recall_at"]["1"] == 1);
   CHECK(json["reports"][1]["report"]["localization"]["frames_with_match"] == 10);
-  const std::string text = run_program("vpr-eval", {"report", out / "all"}).out;
+  const std::string brief = run_program("vpr-eval", {"report", out / "all"}).out;
+  CHECK(brief.starts_with("queries: R@1, AP and R@100P over 10 frames with a match\n"));
+  CHECK(has(brief, "\nframes   0.9000*"));
+  CHECK(has(brief, "\nwindows  0.6000 "));
+  const std::string text = run_program("vpr-eval", {"report", out / "all", "-v"}).out;
+  CHECK(text.starts_with(brief));
   CHECK(has(text, "frames   0.9000 (9 of 10)*"));
   CHECK(has(text, "windows  0.6000 (6 of 10)\n"));
   CHECK(has(text, "over all frames of the query that have a match"));

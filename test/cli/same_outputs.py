@@ -53,7 +53,7 @@ def corridor():
                f"--save-matrix {score}.npy -o {score}.json")
         yield (f"vpr-eval {score}.json {CORRIDOR_TRUTH} --html {score}.html --query {CORRIDOR}/query "
                f"--train {CORRIDOR}/ref -o {score}.report.json")
-        yield f"vpr-eval --scores {score}.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
+        yield f"vpr-eval matrix {score}.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
         yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score {score} "
                f"--save-config {score}.best.json -o {score}.sweep.json")
     yield f"vpr-query color.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o color.json"
@@ -76,7 +76,7 @@ def loop():
             save = "" if variant == "fbo" else f"--save-posteriors {name}.npy"
             yield f"vpr-query loop.vprdb {bow} --variant {variant} {more} {save} --t-p 0.6 -o {name}.json"
     yield f"vpr-eval fabmap2.json {LOOP_TRUTH} -o report.json"
-    yield f"vpr-eval --scores fabmap2.npy --similarity {LOOP_TRUTH} -o metrics.json"
+    yield f"vpr-eval matrix fabmap2.npy --similarity {LOOP_TRUTH} -o metrics.json"
 
 
 def features(kind):

@@ -22,10 +22,10 @@ trap 'rm -rf "$out"' EXIT
   --verify 10 -o "$out/r5.json" --quiet
 "$bin/vpr-eval" "$out/r5.json" --dataset "$out/building/dataset.json" -o "$out/e5.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" -o "$out/e.json" --quiet
-"$bin/vpr-eval" "$out/r.json" --scores "$out/d.npy" --dataset "$out/building/dataset.json" -o "$out/em.json" --quiet
+"$bin/vpr-eval" "$out/r.json" --matrix "$out/d.npy" --dataset "$out/building/dataset.json" -o "$out/em.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/corridor" --only-sequence corridor --c-l 5 --t-r 0.3 \
   --save-matrix "$out/s.npy" -o "$out/rs.json" --quiet
-"$bin/vpr-eval" --scores "$out/s.npy" --distance --rows-are-windows-of 5 --ground-truth aligned -o "$out/es.json" --quiet
+"$bin/vpr-eval" matrix "$out/s.npy" --distance --rows-are-windows-of 5 --ground-truth aligned -o "$out/es.json" --quiet
 "$bin/vpr-eval" "$out/r.json" "$out/r2.json" --dataset "$out/building/dataset.json" --name a --name b \
   -o "$out/several.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --name mine -o "$out/en.json" --quiet
@@ -35,8 +35,8 @@ echo '{"schema": "vpr.expected/3", "counts": {"recognitions": {"incorrect": {"va
 "$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
 printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >"$out/poses.csv"
 printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
-"$bin/vpr-eval" --loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --similarity -o "$out/lo.json" --quiet
-"$bin/vpr-eval" --loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --distance -o "$out/lo2.json" --quiet
+"$bin/vpr-eval" loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --similarity -o "$out/lo.json" --quiet
+"$bin/vpr-eval" loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --distance -o "$out/lo2.json" --quiet
 "$bin/vpr-eval" check "$out/building/query.ground_truth.csv" -o "$out/c.json" --quiet
 "$bin/vpr-eval" convert aligned --query-frames 3 --train-frames 4 --to matrix -o "$out/m.npz" --json >"$out/cv.json"
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
@@ -48,6 +48,7 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   -o "$out/s.json" --quiet
+"$bin/vpr-tune" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query -o "$out/tu.json" --quiet
 "$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --fps 8 \
   -o "$out/ca.json" --quiet
 "$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --speed stops \
@@ -58,7 +59,7 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
   --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --speed varying -o "$out/rw.json" --quiet
 "$bin/vpr-eval" "$out/rw.json" --dataset "$out/building/dataset.json" -o "$out/ew.json" --quiet
-"$bin/vpr-eval" --scores "$out/s.npy" --distance --rows-are-windows-of 5 --speed reversed --query-frames 104 \
+"$bin/vpr-eval" matrix "$out/s.npy" --distance --rows-are-windows-of 5 --speed reversed --query-frames 104 \
   --ground-truth aligned -o "$out/esw.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   --speed stops -o "$out/sw.json" --quiet
@@ -95,7 +96,7 @@ data=$out/building/dataset.json
   "$out/s.json" "$out/sf.json" "$out/t.json" "$out/l1.json" "$out/l2.json" "$out/l3.json" \
   "$out/several.json" "$out/en.json" \
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/s2.json" \
-  "$out/s3.json" "$out/best.json" \
+  "$out/s3.json" "$out/best.json" "$out/tu.json" \
   "$out/rw.json" "$out/ew.json" "$out/esw.json" "$out/sw.json" "$out/cmpw.json" "$out/grid.json" \
   "$out/thin.vprdb/manifest.json" "$out/ti.json" "$out/tr.json" "$out/te.json" "$out/ts.json" "$out/tc.json" \
   "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/s6.json"

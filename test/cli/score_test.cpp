@@ -127,7 +127,7 @@ TEST_CASE("unreadable frames have no score, also in the matrix") {
     return Json::parse(run_program("vpr-eval", words).out)["metrics"]["single_best"];
   };
   const Json own = metrics({});
-  const Json of_matrix = metrics({"--scores", folder / "m.npy"});
+  const Json of_matrix = metrics({"--matrix", folder / "m.npy"});
   CHECK(own["to_find"] == of_matrix["to_find"]);
   CHECK(own["average_precision"] == of_matrix["average_precision"]);
 }
@@ -179,12 +179,13 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   const std::string html = read_text(page);
   CHECK(has(html, "required margin"));
   CHECK(has(html, "Recognitions by margin"));
-  CHECK(has(html, "the margin per frame, or more"));
+  CHECK(has(html, "least margin in "));
   CHECK(has(html, "<label for=\"threshold\">Margin</label>"));
   CHECK(has(html, "\"asked\":400.0"));
   CHECK_FALSE(has(html, "below the threshold"));
   const auto table =
-      run_program("vpr-eval", {result, "--ground-truth", walks().folder / "truth.csv"});
+      run_program("vpr-eval", {result, "--ground-truth", walks().folder / "truth.csv", "-v"});
+  CHECK(has(table.out, ", by margin\n"));
   CHECK(has(table.out, "best matches, by score"));
 }
 

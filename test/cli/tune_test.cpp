@@ -1,6 +1,7 @@
 // vpr-tune on a small world.
 #include <catch2/catch.hpp>
 
+#include "base/text.h"
 #include "cli/world.h"
 
 using namespace vpr;
@@ -31,7 +32,111 @@ Json query_with(const std::string& config, const TemporaryFolder& out) {
                       {out / "r.json", "--ground-truth", world().truth("back"), "--json"});
 }
 
+Words trial(const std::string& walk, Words more = {}) {
+  return joined(
+      {world().database(), "--query", world().walk(walk), "--ground-truth", world().truth("back")},
+      more);
+}
+
+// A result on a terminal: at most 12 lines of 80 columns, except lines that are a single word.
+void check_terminal(const std::string& text) {
+  INFO(text);
+  const Words lines = lines_of(text);
+  CHECK(lines.size() <= 12);
+  for (const std::string& line : lines) {
+    const size_t word = line.find_first_not_of(' ');
+    CHECK((line.size() <= 80 || line.find(' ', word) == line.rfind(" \\")));
+  }
+}
+
+// The words of the command at the end of a text, without the quotes of a shell.
+Words command_of(const std::string& text) {
+  Words words;
+  std::string joined = text.substr(text.find("  vpr-query "));
+  for (size_t at = 0; (at = joined.find(" \\\n")) != std::string::npos;) joined.erase(at, 3);
+  const std::string command = lines_of(joined).front();
+  for (const std::string_view word : split_words(command)) words.emplace_back(word);
+  words.erase(words.begin());
+  return words;
+}
+
 }  // namespace
+
+TEST_CASE("the choice has the frames of vpr-query and vpr-eval with the printed command") {
+  const TemporaryFolder out;
+  const auto outcome = run_ok("vpr-tune", trial("back", {"-v", "-o", out / "t.json"}));
+  const Json tuning = file_json(out / "t.json");
+  REQUIRE(tuning["trials"].size() == 4);
+  CHECK(tuning["trials"][0]["settings"]["method"] == "filter");
+  CHECK(tuning["trials"][1]["settings"]["score"] == "zscore");
+  CHECK(tuning["trials"][2]["settings"]["rates"].size() == 5);
+  CHECK(tuning["trials"][3]["settings"]["t_r"].is_number());
+  for (const Json& one : tuning["trials"]) {
+    const std::string name = one["name"];
+    INFO(name);
+    const size_t at = outcome.out.find("\n" + name + ":\n");
+    REQUIRE(at != std::string::npos);
+    Words words = command_of(outcome.out.substr(at));
+    REQUIRE(words.back() == "result.json");
+    words.back() = out / "r.json";
+    words.emplace_back("--force");
+    run_ok("vpr-query", words);
+    const Json report = printed_json(
+        "vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"});
+    CHECK(report["settings"] == one["settings"]);
+    CHECK(report["localization"]["correct"] == one["correct"]);
+    CHECK(report["localization"]["incorrect"] == one["incorrect"]);
+  }
+  const Json& chosen = tuning["trials"][tuning["chosen"].get<size_t>()];
+  CHECK(chosen["incorrect"] == 0);
+  for (const Json& one : tuning["trials"])
+    if (one["incorrect"] == 0) CHECK(one["correct"] <= chosen["correct"]);
+  CHECK(tuning["settings"] == chosen["settings"]);
+  check_terminal(run_ok("vpr-tune", trial("back")).out);
+}
+
+TEST_CASE("the choice is a configuration, and is the same for any number of threads") {
+  const TemporaryFolder out;
+  std::vector<Json> all;
+  for (const char* threads : {"1", "3"}) {
+    run_ok("vpr-tune", trial("back", {"--threads", threads, "-o", out / "t.json", "--save-config",
+                                      out / "c.json", "--force"}));
+    all.push_back(file_json(out / "t.json"));
+    all.back().erase("machine");
+    all.back().erase("timing");
+  }
+  CHECK(all[0] == all[1]);
+  Json config = file_json(out / "c.json");
+  config.erase("schema");
+  CHECK(config == all[0]["settings"]);
+  for (const char* file : {"c.json", "t.json"})
+    CHECK(query_with(out / file, out)["settings"] == all[0]["settings"]);
+}
+
+TEST_CASE("without a correct frame there is no choice, no command and no configuration") {
+  const TemporaryFolder out;
+  write_text(out / "wrong.csv", "query,sequence,reference\n20,one,0\n21,one,0\n22,two,0\n");
+  const auto outcome = run_program(
+      "vpr-tune", {world().database(), "--query", world().walk("back"), "--ground-truth",
+                   out / "wrong.csv", "--save-config", out / "c.json"});
+  CHECK(outcome.exit_code == 5);
+  CHECK(has(outcome.out, "no setting recognizes a frame correctly"));
+  CHECK(has(outcome.out, "Check the ground truth."));
+  CHECK_FALSE(has(outcome.out, "vpr-query"));
+  CHECK(!fs::exists(out / "c.json"));
+  check_failure("vpr-tune", {"--query", "x"}, 2, "the database is missing");
+}
+
+TEST_CASE("FAB-MAP is tried with its database") {
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "-o", out / "one.vprdb"});
+  const Json tuning = printed_json(
+      "vpr-tune", {out / "one.vprdb", "--query", world().walk("back"), "--ground-truth", "aligned",
+                   "--tolerance", "25", "--fabmap", world().fabmap(), "--json"});
+  REQUIRE(tuning["trials"].size() == 5);
+  CHECK(tuning["trials"][4]["settings"]["method"] == "fabmap");
+  CHECK(tuning["trials"][4]["correct"].get<uint64_t>() > 0);
+}
 
 TEST_CASE("a sweep has the counts of vpr-query and vpr-eval") {
   const TemporaryFolder out;
@@ -68,6 +173,11 @@ TEST_CASE("FAB-MAP's sweep has the counts of single queries as well") {
     correct += cell["counts"]["recognitions"]["correct"].get<uint64_t>();
   }
   CHECK(correct > 0);
+}
+
+TEST_CASE("a sweep fits a terminal, and commands repeat the selection of frames") {
+  check_terminal(run_ok("vpr-tune", fastable({"--speed", "2"})).out);
+  CHECK(has(run_ok("vpr-tune", trial("back", {"--speed", "2"})).out, "--speed 2"));
 }
 
 TEST_CASE("a sweep is byte-identical for any number of threads") {
@@ -176,7 +286,9 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
                               more));
   };
   const auto plain = ok(run({}));
-  CHECK(has(plain.out, "recognitions by t_r and c_l (* recommended)"));
+  CHECK_FALSE(has(plain.out, "recognitions by t_r and c_l"));
+  check_terminal(plain.out);
+  CHECK(has(ok(run({"-v"})).out, "recognitions by t_r and c_l (* recommended)"));
   CHECK(has(plain.out, "vpr-query " + world().database()));
   const auto saved = ok(run({"--save-config", out / "c.json", "-o", out / "s.json"}));
   CHECK(has(saved.out, "--config " + (out / "c.json").string()));
@@ -206,8 +318,7 @@ TEST_CASE("without a recommendation there is no configuration, and the exit code
                                "0.01,0.02", "--save-config", out / "c.json", "-o", out / "s.json"});
   CHECK(outcome.exit_code == 5);
   CHECK(has(outcome.err, "no setting has a recognition"));
-  CHECK(has(outcome.err, "use --method filter"));
-  CHECK_FALSE(has(outcome.err, "longer c_l"));
+  CHECK(has(outcome.out, "The filter recognizes "));
   CHECK(list_folder(out.path()) == Words{"s.json"});
   const Json query = file_json(out / "s.json")["queries"][0];
   CHECK(query["advice"] == "no_recognitions");

@@ -153,7 +153,7 @@ TEST_CASE("metrics of the corridor equal those of an independent evaluation in N
   const auto expected = real_data("expected");
   if (!corridor || !expected) return;
   const Json metrics = printed_json(
-      "vpr-eval", {"--scores", *expected / "corridor-hamming.npy", "--distance", "--ground-truth",
+      "vpr-eval", {"matrix", *expected / "corridor-hamming.npy", "--distance", "--ground-truth",
                    *corridor / "ground_truth.csv", "--json"})["metrics"];
   const auto check = [](const Json& found, double wanted) {
     CHECK(found.get<double>() == Approx(wanted).epsilon(1e-12));

@@ -115,7 +115,7 @@ WRITERS = [
            "--save-matrix out/m.npy", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT + ("m.npy",), f"vpr-eval out/r.json {PAIRS}"),
             Reader(SEQUENCE_RESULT + ("m.npy",),
-                   f"vpr-eval out/r.json --scores out/m.npy {PAIRS}"))),
+                   f"vpr-eval out/r.json --matrix out/m.npy {PAIRS}"))),
     Writer("query, zscore", "vpr-query in/s.vprdb --query {query} --c-l 3 --score "
            "zscore --t-r=-1 -o out/r.json --save-matrix out/m.png", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT + ("m.png",), f"vpr-eval out/r.json {PAIRS}"),)),
@@ -155,22 +155,22 @@ WRITERS = [
     Writer("eval several", f"vpr-eval {{results}} {PAIRS} -o out/e.json --outcomes-csv out/o.csv "
            "--recognitions-csv out/r.csv", "e.json",
            {"results": ("in/r2.json in/r.json", "in/r.json in/r2.json")}),
-    Writer("eval --scores", f"vpr-eval --scores {{scores}} --distance {ALIGNED} -o out/e.json "
+    Writer("eval --scores", f"vpr-eval matrix {{scores}} --distance {ALIGNED} -o out/e.json "
            "--html out/e.html", "e.json", {"scores": ("in/n2.npy", "in/n.npy")}),
     Writer("eval --expect --update", "vpr-eval {result} --dataset in/walks/dataset.json --expect "
            "out/x.json --update --junit out/j.xml --save-trajectory out/f.tum -o out/e.json", "e.json",
            {"result": ("in/r2.json", "in/r.json")},
            (Reader(("x.json",), "vpr-eval compare in/e.json out/x.json"),)),
-    Writer("eval --scores --expect --update", "vpr-eval --scores in/n2.npy --distance "
+    Writer("eval --scores --expect --update", "vpr-eval matrix in/n2.npy --distance "
            "--ground-truth aligned --tolerance {tolerance} --expect out/x.json --update --junit "
            "out/j.xml --pairs out/p.txt --top-k {most} -o out/e.json", "e.json",
            {"tolerance": ("2", "1"), "most": ("2", "3")}),
-    Writer("eval --predictions", f"vpr-eval --predictions {{pairs}} --similarity {ALIGNED} "
+    Writer("eval --predictions", f"vpr-eval matrix {{pairs}} --similarity {ALIGNED} "
            "--query in/walks/two --train in/walks/one -o out/e.json --pairs out/p.txt "
            "--outcomes-csv out/o.csv", "e.json", {"pairs": ("in/pairs1.txt", "in/pairs2.txt")},
-           (Reader(("p.txt",), f"vpr-eval --predictions out/p.txt --query in/walks/two --train "
+           (Reader(("p.txt",), f"vpr-eval matrix out/p.txt --query in/walks/two --train "
                    f"in/walks/one {ALIGNED}"),)),
-    Writer("eval --loops", "vpr-eval --loops {loops} --poses in/walks/one/poses.csv --radius 2 "
+    Writer("eval --loops", "vpr-eval loops {loops} --poses in/walks/one/poses.csv --radius 2 "
            "--gap 3 --similarity -o out/l.json --plot out/plots --html out/l.html", "l.json",
            {"loops": ("in/loops1.csv", "in/loops2.csv")}),
     Writer("eval report", "vpr-eval report {folder} -o out/t.json --html out/t.html", "t.json",

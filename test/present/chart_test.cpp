@@ -1,12 +1,14 @@
 #include "present/chart.h"
 
 #include <cmath>
+#include <set>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "present/charts.h"
-#include "present/tuning_report.h"
+#include "present/sweep_report.h"
 #include "support.h"
 
 using namespace vpr;
@@ -36,14 +38,99 @@ TEST_CASE("a heat map has a cell for every setting, darker for more recognitions
   CHECK(cv::countNonZero(found) > 1000);
 }
 
+TEST_CASE("counts of a heat map have at most four characters, and cells have room for them") {
+  CHECK(short_count(0) == "0");
+  CHECK(short_count(999) == "999");
+  CHECK(short_count(1000) == "1.0k");
+  CHECK(short_count(9940) == "9.9k");
+  CHECK(short_count(9960) == "10k");
+  CHECK(short_count(131'104) == "131k");
+  CHECK(short_count(999'499) == "999k");
+  CHECK(short_count(999'500) == "1.0M");
+  CHECK(short_count(1'049'767) == "1.0M");
+  Sweep sweep;
+  for (uint64_t window = 1; window <= 5; ++window)
+    for (int t = 0; t < 21; ++t) {
+      CellCounts cell;
+      cell.window = window;
+      cell.threshold = t;
+      sweep.cells.push_back(cell);
+    }
+  const cv::Mat image = pixels_of(heat_map_png({sweep}));
+  CHECK(image.cols > 2 * 5 * 100);
+  CHECK(image.cols < 2 * 5 * 150);
+  CHECK(image.rows > 21 * 22);
+}
+
 TEST_CASE("overlapping labels are omitted") {
   Chart chart{"c", "t"};
-  chart.series.push_back({"a", {{0, 100}, {0, 99}, {50, 100}}});
-  chart.series[0].labels = {"first", "second", "third"};
+  chart.series.push_back({"a", {{0, 100}, {0, 99}, {0, 98}, {50, 100}}});
+  chart.series[0].labels = {"first", "second", "hidden", "third"};
   const std::string svg = svg_of(chart);
   CHECK(has(svg, ">first<"));
-  CHECK_FALSE(has(svg, ">second<"));
+  CHECK(has(svg, ">second<"));  // below its point
+  CHECK_FALSE(has(svg, ">hidden<"));
   CHECK(has(svg, ">third<"));
+}
+
+TEST_CASE("labels cover neither points nor labels of other series") {
+  Chart chart{"c", "t"};
+  chart.series.push_back({"a", {{0, 0}, {100, 100}}});
+  chart.series.push_back({"b", {{50, 50}, {52, 51}, {52, 49}, {48, 51}, {48, 49}}});
+  chart.series[1].labels = {"surrounded", "", "", "free", ""};
+  const std::string svg = svg_of(chart);
+  CHECK_FALSE(has(svg, ">surrounded<"));
+  CHECK(has(svg, ">free<"));
+}
+
+TEST_CASE("lines without a meaning differ in dashes and marks, also in legends") {
+  Chart chart{"c", "t"};
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    chart.series.push_back({name, {{0, 0}, {1, 1}}});
+    chart.series.push_back({name, {{0, 0}, {1, 1}}, SeriesStyle::line});
+  }
+  std::set<std::string> dashes;
+  const std::string legend = legend_html(chart);
+  for (size_t at = legend.find("stroke-dasharray:"); at != std::string::npos;
+       at = legend.find("stroke-dasharray:", at + 1))
+    dashes.insert(legend.substr(at, legend.find('"', at) - at));
+  CHECK(dashes.size() == 4);  // and a solid line
+}
+
+TEST_CASE("an outline is the border of its boxes' union, row by row") {
+  Chart chart{"c", ""};
+  chart.x.range = chart.y.range = {0, 4};
+  chart.y.range = {4, 0};
+  chart.series.push_back({"",
+                          {{0, 0}, {2, 1}, {1, 1}, {3, 2}, {0, 3}, {1, 4}},
+                          SeriesStyle::outline,
+                          Meaning::truth_outline});
+  const ChartLayout layout = layout_of(chart, false);
+  const auto line = [&](double x, double y, char way, double end) {
+    return fmt::format("M{:.1f} {:.1f}{}{:.1f}", layout.x(x), layout.y(y), way,
+                       way == 'V' ? layout.y(end) : layout.x(end));
+  };
+  const std::string svg = svg_of(chart);
+  for (const std::string& part :
+       {line(0, 0, 'V', 1), line(2, 0, 'V', 1), line(0, 0, 'H', 2), line(0, 1, 'H', 1),
+        line(2, 1, 'H', 3), line(1, 2, 'H', 3), line(0, 3, 'H', 1), line(0, 4, 'H', 1)})
+    CHECK(has(svg, part));
+  CHECK_FALSE(has(svg, line(1, 1, 'H', 2)));  // inside
+}
+
+TEST_CASE("on a phone, ticks that would overlap are omitted") {
+  Chart chart{"c", "t"};
+  chart.series.push_back({"a", {{0, 0}, {20000, 1}}});
+  for (int at = 0; at <= 20000; at += 2000)
+    chart.x.ticks.push_back({double(at), std::to_string(at)});
+  CHECK(layout_of(chart, true).x_ticks.size() == 11);
+  chart.width = 360;
+  const ChartLayout narrow = layout_of(chart, true);
+  CHECK(narrow.x_ticks.size() > 3);
+  for (size_t i = 1; i < narrow.x_ticks.size(); ++i)
+    CHECK(narrow.x(narrow.x_ticks[i].at) - narrow.x(narrow.x_ticks[i - 1].at) >
+          (text_width(narrow.x_ticks[i].text, 13) + text_width(narrow.x_ticks[i - 1].text, 13)) /
+              2);
 }
 
 TEST_CASE("ranges are those of the values with a small margin") {
@@ -77,14 +164,14 @@ TEST_CASE("ticks are round numbers") {
 TEST_CASE("names of any length leave room for the plot") {
   Chart chart{"c", "t"};
   chart.series.push_back({"a", {{0, 0}, {1, 1}}});
-  chart.y.ticks = {{0, "short"}, {1, std::string(20000, 'x')}, {1, "äöü" + std::string(99, 'y')}};
+  chart.y.ticks = {{1, "short"}, {0.5, std::string(20000, 'x')}, {0, "äöü" + std::string(99, 'y')}};
   const ChartLayout layout = layout_of(chart, true);
   CHECK(layout.area.width > 100);
   CHECK(layout.x_ticks.size() < 10);
   CHECK(layout.y_ticks[0].text == "short");
   CHECK(layout.y_ticks[1].text.ends_with("xx…"));
   CHECK(layout.y_ticks[2].text.starts_with("äöüyy"));
-  CHECK(text_width(layout.y_ticks[1].text, 13) <= chart.width * 2 / 3.0);
+  CHECK(text_width(layout.y_ticks[1].text, 13) <= chart.width * 0.6);
   CHECK(text_width(layout.y_ticks[2].text, 13) == text_width(layout.y_ticks[1].text, 13));
 }
 
@@ -104,15 +191,15 @@ TEST_CASE("charts are drawn in rows and columns, also empty ones") {
 }
 
 TEST_CASE("every style and mark of a series has its color in the image") {
-  for (const SeriesStyle style : {SeriesStyle::line, SeriesStyle::wide_line, SeriesStyle::bar,
-                                  SeriesStyle::boxes, SeriesStyle::line_and_points}) {
+  for (const SeriesStyle style : {SeriesStyle::line, SeriesStyle::wide_line, SeriesStyle::boxes,
+                                  SeriesStyle::line_and_points, SeriesStyle::outline}) {
     Chart chart{"c", "t"};
     chart.series = {series_of(Meaning::wrong, style)};
     chart.series[0].points = {{0, 0}, {1, 1}};
     CHECK(count_of(pixels_of(chart_png({chart})), Meaning::wrong) > 100);
   }
   for (const SeriesMark mark : {SeriesMark::disc, SeriesMark::dot, SeriesMark::square,
-                                SeriesMark::cross, SeriesMark::circle}) {
+                                SeriesMark::cross, SeriesMark::circle, SeriesMark::triangle}) {
     Chart chart{"c", "t"};
     chart.series = {series_of(Meaning::wrong, SeriesStyle::points, mark)};
     chart.series[0].name.clear();

@@ -11,7 +11,7 @@
 #include "present/evaluation_report.h"
 #include "present/loops_report.h"
 #include "present/score_matrix.h"
-#include "present/tuning_report.h"
+#include "present/sweep_report.h"
 #include "support.h"
 
 using namespace vpr;
@@ -134,27 +134,32 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   CHECK(has(svg, ">recognized, incorrect</text>"));  // in the legend
   // A page has its own title, legend and colors.
   const std::string page = page_svg(chart);
-  CHECK(has(page, "<svg class=\"timeline\""));
+  CHECK(has(page, "<svg class=\"timeline wide\""));
+  CHECK(has(page, "<svg class=\"timeline narrow\""));
   CHECK_FALSE(has(page, ">recognized, incorrect</text>"));
   CHECK_FALSE(has(page, "<style>"));
-  CHECK(has(page, "id=\"here\""));
+  CHECK(has(page, "class=\"here\""));
+  CHECK(has(legend_html(chart), "recognized, incorrect"));
 }
 
 TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   const Judgment judgment = walk("rRwWrRRR");
   const GroundTruth truth = aligned(judgment);
-  Chart chart = matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {},
-                             {"training frame", "distance"}, {});
+  Chart chart = matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {}, "training frame",
+                             {"distance"}, {});
   CHECK(chart.x.ticks.front().text == "2");  // the first window's anchor
   CHECK(chart.x.bands[1].name == "friday");
   CHECK(chart.y.range == std::pair(8.0, 0.0));
   CHECK(chart.image->columns == 46);
   CHECK(chart.image->width == 46 * 14);  // pixels are enlarged by integers,
   CHECK(chart.image->height == 8 * 19);  // so that both sides are visible
-  CHECK(find(chart, Meaning::truth) != nullptr);
+  CHECK(find(chart, Meaning::truth_outline) != nullptr);
   CHECK_FALSE(has(svg_of(chart), "distance"));
   chart.image->grays = std::pair(3.0, 7.0);
+  chart.image->gray_label = "distance";
   CHECK(has(svg_of(chart), ">distance</text>"));
+  CHECK_FALSE(has(page_svg(chart), ">distance</text>"));  // in the page's legend
+  CHECK(has(legend_html(chart), "distance"));
   CHECK(has(svg_of(chart), ">7</text>"));
 }
 
@@ -173,29 +178,53 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   CHECK(scores[26] == 26);
   CHECK(std::isnan(scores[27]));  // no row came
   const Chart chart =
-      matrix_chart(judgment, truth, pixels.grid(), scores, {"training frame", "distance"}, {});
-  const cv::Mat image = pixels_of(chart.image->png);
-  const auto at = [&](int x, int y) {
-    return image.at<cv::Vec3b>(y * image.rows / 8 + 1, x * image.cols / 28 + 1);
+      matrix_chart(judgment, truth, pixels.grid(), scores, "training frame", {"z", 2}, {});
+  const cv::Mat drawn = pixels_of(chart_png({chart}));
+  const ChartLayout layout = layout_of(chart, false);
+  const auto at = [&](int x, int y) {  // the middle of a cell
+    return drawn.at<cv::Vec3b>(static_cast<int>(layout.y(y + 0.5)),
+                               static_cast<int>(layout.x(x + 0.5)));
   };
   CHECK(at(0, 0) == bgr_of(Meaning::right));
   CHECK(at(5, 1) == bgr_of(Meaning::wrong));
-  CHECK(at(3, 3) == bgr_of(Meaning::truth));
+  CHECK(at(3, 3)[0] == at(3, 3)[2]);      // the score is visible inside the outline,
+  CHECK(at(3, 3) == at(3, 7));            // as outside it
   CHECK(at(0, 7) == cv::Vec3b(0, 0, 0));  // the smallest distance is black
   CHECK(at(26, 0) == cv::Vec3b(255, 255, 255));
-  CHECK(at(10, 0)[0] > at(9, 0)[0]);
-  CHECK(at(27, 0) != cv::Vec3b(255, 255, 255));  // and none has a separate color
-  CHECK(at(27, 0)[0] != at(27, 0)[2]);
-  CHECK(meanings_of(chart) == std::vector<Meaning>{Meaning::right, Meaning::wrong, Meaning::truth});
-  CHECK(chart.image->grays == std::pair(0.0, 26.0));
-  // The file shows the same pixels.
-  const cv::Mat drawn = pixels_of(chart_png({chart}));
-  const ChartArea area = layout_of(chart, false).area;
-  for (const auto& [x, y] : {std::pair(0, 0), std::pair(5, 1), std::pair(9, 0)}) {
-    const auto column = static_cast<int>(area.left) + x * image.cols / 28 + 2;
-    CHECK(drawn.at<cv::Vec3b>(static_cast<int>(area.top) + y * image.rows / 8 + 2, column) ==
-          at(x, y));
-  }
+  CHECK(at(20, 0)[0] - at(10, 0)[0] == Approx(at(11, 0)[0] - at(1, 0)[0]).margin(1));  // linear
+  CHECK(at(27, 0)[0] != at(27, 0)[2]);  // no score has a separate color
+  CHECK(test::count_of(drawn, Meaning::truth_outline) > 100);
+  CHECK(chart.image->grays == std::pair(0.0, 26 / 2.0));  // in the unit; 1 % are clipped
+  CHECK(has(chart.image->gray_label, "the worst 1 % are clipped"));
+  REQUIRE(chart.series.size() == 3);  // the outline below recognized cells
+  CHECK(chart.series[0].meaning == Meaning::truth_outline);
+}
+
+TEST_CASE("charts and pages show scores per frame, in plain words") {
+  SequenceQuerySettings settings;
+  const auto unit = [](const QuerySettings& of_query, size_t window_length) {
+    const ScoreUnit found = score_unit(of_query, window_length);
+    return std::pair(found.words, found.divisor);
+  };
+  CHECK(unit(settings, 10) == std::pair(std::string("mean distance"), 10.0));
+  CHECK(unit(settings, 1) == std::pair(std::string("distance"), 1.0));
+  settings.score = Score::zscore;
+  CHECK(unit(settings, 10) == std::pair(std::string("mean z-score"), 10240.0));
+  settings.method = "filter";
+  CHECK(unit(settings, 1) == std::pair(std::string("path score"), 1024.0));
+  CHECK(unit(FabmapQuerySettings{}, 1) == std::pair(std::string("probability"), 1.0));
+}
+
+TEST_CASE("the outline of a ground truth leaves room in an image with small pixels") {
+  Judgment judgment = walk("rrrrrrrr");
+  judgment.layout.scope.sequences = {{{"a", 1000}, true}};
+  judgment.layout.columns = {{0, 0, 998}};
+  const GroundTruth truth = aligned(judgment);
+  const Chart chart =
+      matrix_chart(judgment, truth, PixelGrid(judgment.layout, 1000), {}, "training frame", {}, {});
+  REQUIRE(chart.series.size() == 1);
+  CHECK(chart.series[0].points[4].first == 0);  // cell 2, three cells before it, cut at 0
+  CHECK(chart.series[0].points[5].first == 6);
 }
 
 TEST_CASE("a pixel shows the closest of its cells, for any partition of rows") {
@@ -217,7 +246,7 @@ TEST_CASE("a pixel shows the closest of its cells, for any partition of rows") {
   CHECK(scores[5] == 1);
 }
 
-TEST_CASE("the chart of correct against incorrect starts at zero and names thresholds") {
+TEST_CASE("the chart of correct against incorrect is logarithmic, with 0, and names thresholds") {
   Sweep sweep;
   sweep.query.name = "walk";
   for (const double threshold : {0.4, 0.5, 0.6}) {
@@ -238,7 +267,10 @@ TEST_CASE("the chart of correct against incorrect starts at zero and names thres
   for (const std::string& label : chart.series[0].labels) order.push_back(label);
   CHECK(order == std::vector<std::string>{"t_r 0.4", "t_r 0.5", "t_r 0.6", "", "t_r auto"});
   CHECK(std::isnan(chart.series[0].points[3].first));
-  CHECK(layout_of(chart, false).x.from == 0);
+  CHECK(chart.x.is_log);
+  CHECK(chart.x.ticks.front().text == "0");
+  CHECK(chart.series[0].points[0].first == chart.x.ticks.front().at);
+  CHECK(chart.series[0].points[2] == std::pair(9.0, 60.0));
   CHECK(layout_of(chart, false).y.from == 0);
   const std::string svg = svg_of(chart);
   CHECK(has(svg, ">t_r 0.4</text>"));

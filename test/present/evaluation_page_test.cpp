@@ -213,11 +213,21 @@ std::string page_of(const Judgment& judgment, const GroundTruth& truth,
 }  // namespace
 
 TEST_CASE("a page begins with its summary and states the protocol once") {
-  const Judgment judgment = example("cwcwcwcw");
+  Judgment judgment = example("cwcwcwcw");
+  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
+  judgment.single_best = single_best_curve(judgment.outcomes);
   GroundTruth truth = example_truth(judgment);
   truth.protocol = "pairs from my desk";
   const std::string page = page_of(judgment, truth);
-  CHECK(page.find("<p class=\"summary\">Recognized in 2 of 8 frames.</p>") < page.find("<table"));
+  size_t at = 0;  // charts and images come before numbers
+  for (const char* part : {"<p class=\"summary\">Recognized in 2 of 8 frames.</p>",
+                           "<svg class=\"timeline wide\"", "<article class=\"card mistake\"",
+                           "<svg class=\"matrix wide\"", "<svg class=\"precision-recall any\"",
+                           "<dl class=\"facts\">", "<details><summary>What these numbers count"}) {
+    INFO(part);
+    CHECK(page.find(part) > at);
+    at = page.find(part);
+  }
   CHECK(count_of(page, "pairs from my desk") == 1);
   CHECK(page.find("best match incorrect, not recognized") != std::string::npos);
   CHECK(page.find("worst mistakes") != std::string::npos);
@@ -232,14 +242,14 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
   layout.columns = {{0, 0, 92}, {2, 92, 22}};
   const std::string page = page_of(judgment, example_truth(example("cccccccc", 20)));
   const std::string timeline =
-      page.substr(page.find("<svg class=\"timeline\""),
-                  page.find("</svg>", page.find("<svg class=\"timeline\"")) -
-                      page.find("<svg class=\"timeline\""));
+      page.substr(page.find("<svg class=\"timeline wide\""),
+                  page.find("</svg>", page.find("<svg class=\"timeline wide\"")) -
+                      page.find("<svg class=\"timeline wide\""));
   CHECK(timeline.find(">100</text>") != std::string::npos);
   CHECK(timeline.find(">monday</text>") != std::string::npos);
   CHECK(timeline.find(">&lt;tuesday&gt;</text>") != std::string::npos);
   CHECK(timeline.find("unused") == std::string::npos);
-  const std::string matrix = page.substr(page.find("<svg class=\"matrix\""));
+  const std::string matrix = page.substr(page.find("<svg class=\"matrix wide\""));
   CHECK(matrix.find(">19</text>") != std::string::npos);  // the first window's anchor
   CHECK(matrix.find(">monday</text>") != std::string::npos);
 }
@@ -250,7 +260,7 @@ TEST_CASE("the cost of a page depends on its content, not on the claimed number 
   judgment.layout.scope.sequences[0].sequence.frames = kClaimed;
   judgment.layout.columns = {{0, 0, kClaimed - 2}};
   const std::string page = page_of(judgment, example_truth(judgment));
-  CHECK(count_of(page, "2000000000</text>") == 2);  // on the axes of timeline and matrix
+  CHECK(count_of(page, "2000000000</text>") >= 2);  // on the axes of timeline and matrix
   CHECK(page.size() < 1000000);
 }
 
@@ -262,7 +272,7 @@ TEST_CASE("a page can be stopped during drawing") {
   monitor.stop = &stop;
   CHECK(test::error_kind([&] { page_of(judgment, truth, monitor); }) == ErrorKind::interrupted);
   CHECK(test::error_kind([&] {
-          matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {}, {}, monitor);
+          matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {}, "", {}, monitor);
         }) == ErrorKind::interrupted);
 }
 
@@ -281,20 +291,17 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
   CHECK(page.find("worst mistakes") == std::string::npos);
   CHECK(page.find("class=\"card mistake\"") == std::string::npos);
   CHECK(page.find("class=\"card recognition unjudged\"") != std::string::npos);
-  CHECK(page.find("wrong: query") == std::string::npos);
-  CHECK(page.find("right: query") == std::string::npos);
+  CHECK(page.find("correct: query") == std::string::npos);
   CHECK(page.find("; the ground truth has no match") == std::string::npos);
-  CHECK(page.find("<td>7</td>") != std::string::npos);
+  CHECK(page.find("<dd>7</dd>") != std::string::npos);
 }
 
-TEST_CASE("a page has risk against coverage, with the area of the metric") {
+TEST_CASE("a page has risk against coverage") {
   Judgment judgment = example("cwcwcw");
   for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
   judgment.single_best = single_best_curve(judgment.outcomes);
-  const auto area = risk_coverage_area(judgment.single_best).value;
-  REQUIRE(area);
   const std::string page = page_of(judgment, example_truth(judgment));
-  CHECK(page.find(fmt::format("Risk and coverage: area {:.3f}", *area)) != std::string::npos);
+  CHECK(page.find("<svg class=\"risk-coverage any\"") != std::string::npos);
   CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
 }
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "present/tuning_report.h"
+#include "present/sweep_report.h"
 
 using namespace vpr;
 
@@ -59,7 +59,7 @@ TEST_CASE(
     "tables have recognitions next to places, and the incorrect recognitions of correct places") {
   const std::vector<Table> tables = sweep_tables({example()});
   REQUIRE(tables.size() == 3);
-  CHECK(tables[0].columns == std::vector<std::string>{"t_r", "5 right", "5 wrong"});
+  CHECK(tables[0].columns == std::vector<std::string>{"t_r", "5 correct", "5 incorrect"});
   CHECK(tables[0].rows == std::vector<std::vector<std::string>>{
                               {"0.3", "4*", "0"}, {"0.4", "6", "0"}, {"0.5", "24", "8"}});
   CHECK(tables[1].rows[2] == std::vector<std::string>{"0.5", "2 (1)", "0"});
@@ -71,12 +71,35 @@ TEST_CASE(
 
 TEST_CASE("the recommendation names the first error") {
   const std::string text = recommendation_text(example());
-  CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct recognitions") !=
-        std::string::npos);
+  CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct") != std::string::npos);
   CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect recognitions, 24 correct") !=
         std::string::npos);
   Sweep short_grid = example();
   short_grid.cells.resize(1);
   short_grid.recommendation = recommend(short_grid.cells, ScoreOrder::distance);
   CHECK(recommendation_text(short_grid).find("the grid has no looser t_r") != std::string::npos);
+}
+
+TEST_CASE("a sweep names the filter if it recognizes more frames and no more incorrectly") {
+  Sweep sweep = example();
+  sweep.cells[0].path.frames = 111;
+  sweep.cells[0].path.correct = 36;
+  Localization filter;
+  filter.frames = 111;
+  filter.correct = 68;
+  const auto says = [&](const std::string& words) {
+    sweep.filter = filter;
+    return recommendation_text(sweep).find(words) != std::string::npos;
+  };
+  CHECK(says("It recognizes 36 of 111 frames correctly, 0 incorrectly."));
+  CHECK(says("the filter, recognizes 68 correctly and 0 incorrectly."));
+  filter.incorrect = 1;
+  CHECK_FALSE(says("filter"));
+  sweep.recommendation.cell.reset();
+  CHECK(says("The filter recognizes 68 of 111 frames correctly, 1 incorrectly."));
+  CHECK_FALSE(says("Use the filter"));
+  filter.incorrect = 0;
+  CHECK(says("Use the filter: vpr-query without flags of windows."));
+  filter.correct = 0;
+  CHECK(says("the query may show another place, or the way back."));
 }

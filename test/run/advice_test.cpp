@@ -82,6 +82,6 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
   CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
-        "At any speed, 0 of 100 frames are recognized: the query may show another place, or\nthe "
+        "At any speed, 0 of 100 frames are recognized: the query may show another place,\nor the "
         "opposite direction.");
 }

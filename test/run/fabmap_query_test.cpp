@@ -110,5 +110,6 @@ TEST_CASE("a resampled FAB-MAP query repeats the words of the recording") {
     }
   }
   settings.loop = true;
-  CHECK_THROWS_WITH(best_of(selected(recording, at_speed("2", 45, 1))), Catch::Contains("vpr-query loops"));
+  CHECK_THROWS_WITH(best_of(selected(recording, at_speed("2", 45, 1))),
+                    Catch::Contains("vpr-query loops"));
 }

@@ -1,6 +1,6 @@
 // Labels of best matches and anchors on the matrix, saved as files.
 (() => {
-  const { data, count, at, go, place, frameAt } = window.page;
+  const { data, count, charts, at, go, axis, pixel, set, place, frameAt } = window.page;
   const byId = (id) => document.getElementById(id);
   const words = { s: "same", d: "different", i: "ignore" };
   const labels = new Map();  // by query
@@ -43,24 +43,21 @@
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   };
 
-  const svg = document.querySelector("svg.matrix");
-  const make = (name) => document.createElementNS(svg.namespaceURI, name);
-  const layer = make("g");
-  svg.append(layer);
-  const pixel = ([from, to, begin, end], value) => begin + (value - from) / (to - from) * (end - begin);
+  const block = byId("labels");
+  const matrices = charts("matrix");
+  const make = (name) => document.createElementNS(matrices[0].namespaceURI, name);
+  const layers = matrices.map((svg) => svg.appendChild(make("g")));
   const positionOf = (bands, sequence, frame) => {
     const band = bands.find((one) => one.sequence === sequence && frame >= one.first && frame < one.first + one.count);
     return band && band.at + frame - band.first + 0.5;
   };
   const refresh = () => {
-    layer.replaceChildren(...anchors.map(([query, sequence, frame]) => {
+    layers.forEach((layer, i) => layer.replaceChildren(...anchors.map(([query, sequence, frame]) => {
       const circle = make("circle");
-      circle.setAttribute("class", "anchor");
-      circle.setAttribute("r", 6);
-      circle.setAttribute("cx", pixel(data.areas.matrix.x, positionOf(data.columns, sequence, frame)));
-      circle.setAttribute("cy", pixel(data.areas.matrix.y, positionOf(data.rows, 0, query)));
+      set(circle, { class: "anchor", r: 6, cx: pixel(axis(matrices[i], "x"), positionOf(data.columns, sequence, frame)),
+        cy: pixel(axis(matrices[i], "y"), positionOf(data.rows, 0, query)) });
       return circle;
-    }));
+    })));
     for (const card of document.querySelectorAll(".card")) {
       const label = labels.get(Number(card.dataset.at));
       if (label) card.dataset.label = label;
@@ -76,20 +73,21 @@
     anchors = [...anchors.filter((one) => one[0] !== query || one[1] !== sequence), [query, sequence, frame]];
     refresh();
   };
-  svg.addEventListener("click", (event) => {
+  matrices.forEach((svg, m) => svg.addEventListener("click", (event) => {
+    if (!block.open) return;
     const near = anchors.findIndex((one, i) => {
-      const box = layer.children[i].getBoundingClientRect();
+      const box = layers[m].children[i].getBoundingClientRect();
       return event.clientX >= box.left - 2 && event.clientX <= box.right + 2 && event.clientY >= box.top - 2 && event.clientY <= box.bottom + 2;
     });
     if (near >= 0) {
       anchors.splice(near, 1);
       return refresh();
     }
-    const [x, y] = place(event, svg, data.areas.matrix);
+    const [x, y] = place(event, svg);
     const column = frameAt(data.columns, x);
     const line = frameAt(data.rows, y);
     if (column && line) anchor(line[1], ...column);
-  });
+  }));
 
   const nextWrong = () => {
     for (let step = 1; step <= count; ++step)
@@ -109,7 +107,7 @@
   };
   if (!count) return;
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input[type=search]")) return;
+    if (!block.open || event.ctrlKey || event.metaKey || event.altKey) return;
     press(event.key, event.target);
   });
   for (const button of document.querySelectorAll("#tools [data-key]"))

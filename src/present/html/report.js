@@ -2,51 +2,33 @@
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const byId = (id) => document.getElementById(id);
-
-  // The gallery's filter.
-  const cards = [...document.querySelectorAll(".card")];
-  const filter = byId("filter");
-  const visible = () => cards.filter((card) => !card.hidden);
-  const show = () => {
-    const kind = filter.elements.kind.value;
-    const words = byId("words").value.toLowerCase().split(/\s+/).filter(Boolean);
-    for (const card of cards) {
-      const text = card.textContent.toLowerCase();
-      card.hidden = (kind !== "all" && card.dataset.kind !== kind) || !words.every((word) => text.includes(word));
-    }
-    byId("shown").textContent = `${visible().length} of ${cards.length}`;
+  const charts = (name) => [...document.querySelectorAll(`svg.${name}`)];  // for wide and for narrow screens
+  // Axes are from, to, begin and end: values at units of the SVG.
+  const axis = (svg, side) => svg.dataset[side].split(" ").map(Number);
+  const pixel = ([from, to, begin, end], value) => begin + (value - from) / (to - from) * (end - begin);
+  const set = (element, values) => { for (const [key, value] of Object.entries(values)) element.setAttribute(key, value); };
+  // The position of the pointer on the axes of a chart.
+  const place = (event, svg) => {
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const value = ([from, to, begin, end], unit) => from + (unit - begin) / (end - begin) * (to - from);
+    return [value(axis(svg, "x"), at.x), value(axis(svg, "y"), at.y)];
   };
-  if (cards.length) {
-    filter.hidden = false;
-    filter.addEventListener("input", show);
-    filter.addEventListener("submit", (event) => event.preventDefault());
-    show();
-  }
-  const onField = (target) => target.matches("input[type=search], input[type=range], input[type=radio], summary");
-  document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key === "/" && !onField(event.target) && cards.length) {
-      event.preventDefault();
-      byId("words").focus();
-    }
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    const at = visible().indexOf(event.target);
-    if (step && at >= 0) {
-      event.preventDefault();
-      visible()[Math.max(0, Math.min(visible().length - 1, at + step))].focus();
-    }
-  });
+  // The sequence and the frame at a position of an axis; undefined outside.
+  const frameAt = (bands, position) => {
+    const band = bands.find((one) => position >= one.at && position < one.at + one.count);
+    return band && [band.sequence, band.first + Math.floor(position) - band.at];
+  };
 
   // The outcome of one query.
   const verdicts = { c: "correct", w: "incorrect", n: "incorrect: the ground truth has no match", i: "ignored", u: "unreadable" };
   const slider = byId("at");
   const count = data.best.length;
-  const here = byId("here");
+  const { words, divisor } = data.unit;
   const describe = (i) => {
     const frame = data.first_frame + i;
     const match = data.matches[i];
     const parts = [];
-    if (match) parts.push(`best match ${data.sequences[match[0]]} ${match[1]}`, `${data.kind} ${data.scores[i]}`);
+    if (match) parts.push(`best match ${data.sequences[match[0]]} ${match[1]}`, `${words} ${Number((data.scores[i] / divisor).toPrecision(4))}`);
     else if (data.best[i] !== "u") parts.push("nothing found");
     if (data.judged || data.best[i] === "u") parts.push(verdicts[data.best[i]]);
     if (match) parts.push(data.recognized[frame] === "." ? "not recognized" : "recognized");
@@ -54,45 +36,64 @@
     return `Frame ${frame}: ${parts.join(", ")}.`;
   };
   const say = () => {
-    const frame = data.first_frame + Number(slider.value);
     byId("said").textContent = describe(Number(slider.value));
-    if (here) {
-      const [from, to, begin, end] = data.areas.timeline.x;
-      const x = begin + (end - begin) * (frame + 0.5 - from) / (to - from);
-      here.setAttribute("x1", x);
-      here.setAttribute("x2", x);
-      here.removeAttribute("visibility");
+    for (const here of document.querySelectorAll(".here")) {
+      const x = pixel(axis(here.ownerSVGElement, "x"), data.first_frame + Number(slider.value) + 0.5);
+      set(here, { x1: x, x2: x, visibility: "visible" });
     }
+  };
+  const go = (i) => {
+    slider.value = Math.max(0, Math.min(count - 1, i));
+    say();
   };
   if (count) {
     byId("inspector").hidden = false;
     slider.max = count - 1;
     slider.addEventListener("input", say);
+    for (const svg of [...charts("timeline"), ...charts("margins")])
+      svg.addEventListener("click", (event) => go(Math.floor(place(event, svg)[0]) - data.first_frame));
     say();
   }
-  // The interface for the other scripts.
-  window.page = {
-    data, count, describe,
-    at: () => Number(slider.value),
-    go: (i) => {
-      slider.value = Math.max(0, Math.min(count - 1, i));
-      say();
-    },
-    // The position of the pointer on the axes of a chart.
-    place: (event, svg, area) => {
-      const box = svg.getBoundingClientRect();
-      const unit = area.width / box.width;
-      const value = ([from, to, begin, end], at) => from + (at - begin) / (end - begin) * (to - from);
-      return [value(area.x, (event.clientX - box.left) * unit), value(area.y, (event.clientY - box.top) * unit)];
-    },
-    // The sequence and the frame at a position of an axis; undefined outside.
-    frameAt: (bands, position) => {
-      const band = bands.find((one) => position >= one.at && position < one.at + one.count);
-      return band && [band.sequence, band.first + Math.floor(position) - band.at];
-    },
+  for (const svg of charts("matrix"))
+    svg.addEventListener("pointermove", (event) => {
+      const [x, y] = place(event, svg);
+      const [column, row] = [frameAt(data.columns, x), frameAt(data.rows, y)];
+      if (column && row) byId("cell").textContent = `Query frame ${row[1]}, ${data.sequences[column[0]]} ${column[1]}.`;
+    });
+  window.page = { data, count, charts, axis, pixel, set, place, frameAt, go, at: () => Number(slider.value) };
+
+  // The slider selects a threshold, the strictest first. It starts at the margin of the decision,
+  // or at the loosest threshold without a mistake.
+  if (!data.steps.length) return;
+  const threshold = byId("threshold");
+  const draw = (svg, name) => {
+    const element = svg.appendChild(document.createElementNS(svg.namespaceURI, name));
+    element.setAttribute("class", "cut");
+    return [svg, element];
   };
-  document.querySelector("svg.timeline")?.addEventListener("click", (event) => {
-    const [x] = window.page.place(event, event.currentTarget, data.areas.timeline);
-    if (count) window.page.go(Math.floor(x) - data.first_frame);
-  });
+  const lines = charts("thresholds").map((svg) => draw(svg, "line"));
+  const rings = charts("precision-recall").map((svg) => draw(svg, "circle"));
+  const accept = () => {
+    const [value, right, wrong, unjudged] = data.steps[Number(threshold.value)];
+    const precision = right + wrong ? right / (right + wrong) : 1;
+    const recall = data.to_find ? right / data.to_find : 0;
+    const limit = Number(value.toPrecision(6));
+    const counts = data.judged ? [`${right} correct`, `${wrong} incorrect`] : [];
+    if (unjudged || !data.judged) counts.push(`${unjudged} not judged`);
+    const rates = data.judged ? `; precision ${(100 * precision).toFixed(1)} %, recall ${(100 * recall).toFixed(1)} %` : "";
+    byId("accepted").textContent = `${data.order === "distance" ? `Up to ${limit}` : `From ${limit} on`}: ${counts.join(", ")}${rates}.`;
+    for (const [svg, line] of lines) {
+      const x = pixel(axis(svg, "x"), value), [, , bottom, top] = axis(svg, "y");
+      set(line, { x1: x, x2: x, y1: bottom, y2: top });
+    }
+    for (const [svg, ring] of rings)
+      set(ring, { cx: pixel(axis(svg, "x"), recall), cy: pixel(axis(svg, "y"), precision), r: 6 });
+  };
+  threshold.max = data.steps.length - 1;
+  const clean = data.steps.filter((step) => step[2] === 0).length;
+  const asked = data.steps.filter((step) => step[0] >= data.asked).length;
+  threshold.value = (data.asked !== null ? asked || 1 : data.judged && clean ? clean : data.steps.length) - 1;
+  threshold.addEventListener("input", accept);
+  byId("cut").hidden = false;
+  accept();
 })();

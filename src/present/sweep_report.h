@@ -1,4 +1,4 @@
-// Sweeps (vpr.sweep/3) and calibrations (vpr.calibration/3) as JSON, charts, tables and text.
+// Sweeps (vpr.sweep/3) as JSON, charts, tables and text.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,6 @@
 #include "present/chart.h"
 #include "present/run_info.h"
 #include "present/table.h"
-#include "run/calibrate.h"
 
 namespace vpr {
 
@@ -21,6 +20,16 @@ Json sweep_json(std::string_view method, const QuerySettings& base,
 
 /// A file for vpr-query --config (vpr.config/3).
 std::string config_text(const QuerySettings& settings);
+
+/// c_l or c_w of a cell, and its threshold or "auto".
+std::string window_text(const CellCounts& cell);
+std::string threshold_text(const CellCounts& cell);
+
+/// Different values of one setting in order of first occurrence.
+std::vector<std::string> distinct_texts(const Sweep& sweep, std::string (*text)(const CellCounts&));
+
+/// A count in at most four characters: "847", "1.2k", "131k", "1.0M".
+std::string short_count(uint64_t count);
 
 /// Correct against incorrect recognitions, one line per window.
 Chart sweep_chart(const Sweep& sweep);
@@ -44,24 +53,5 @@ std::string recommendation_text(const Sweep& sweep);
 
 /// The counts of the recommended setting on the query of a validation (Sweep::validation).
 std::string validation_text(const ValidatedCell& validation);
-
-struct CalibrationRequest {
-  double precision = 1;
-  std::optional<double> fps;  ///< of the query, if known
-};
-
-/// "settings" is a configuration for vpr-query --config, or null.
-Json calibration_json(const CalibratedSequence& calibrated, const CalibrationRequest& request,
-                      const RunInfo& run, double seconds);
-
-/// A row per window length; the chosen one has a star.
-Table calibration_table(const CalibratedSequence& calibrated);
-
-/// The margin and the false recognitions to expect, or calibration_failure. Ends with a line feed.
-std::string calibration_text(const CalibratedSequence& calibrated,
-                             const CalibrationRequest& request);
-
-/// The reason for a missing margin, and a remedy.
-std::string calibration_failure(const CalibratedSequence& calibrated);
 
 }  // namespace vpr

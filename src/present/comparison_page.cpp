@@ -1,0 +1,158 @@
+// Pages and charts of a comparison of reports.
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "evaluate/metrics.h"
+#include "present/comparison_report.h"
+#include "present/evaluation_charts.h"
+#include "present/html_page.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kLaneHeight = 46;
+constexpr double kLaneTop = 0.45;  // of a lane; its name is above
+
+std::string title_of(const ComparisonReport& comparison) {
+  return fmt::format("{} on {}", counted(comparison.reports.size(), "method"), comparison.query());
+}
+
+constexpr size_t kMostNamed = 3;  // methods in the sentence
+
+// "Best matches of the 51 common queries are correct in 80.4 % by mine, 61.8 % by theirs.": the
+// best methods first.
+std::string sentence_of(const ComparisonReport& comparison) {
+  std::vector<const ComparedValue*> values;
+  for (const ComparedValue& value : comparison.found.values)
+    if (value.key == "recall_at_1" && value.value) values.push_back(&value);
+  if (values.empty()) return "The queries have nothing to find.";
+  std::ranges::stable_sort(values, std::greater(), [](const auto* value) { return *value->value; });
+  std::string text =
+      fmt::format("Best matches of the {} common queries are correct in ", comparison.found.judged);
+  for (size_t i = 0; i < std::min(values.size(), kMostNamed); ++i)
+    text += fmt::format("{}{:.1f} % by {}", i == 0 ? "" : ", ", 100 * *values[i]->value,
+                        comparison.names[values[i]->method]);
+  return text + (values.size() > kMostNamed ? ", less by others." : ".");
+}
+
+/// One curve per report, over its own queries; empty if no query has a match.
+Chart curves_overlay(const std::string& title, std::span<const Report> reports,
+                     const std::vector<std::string>& names) {
+  Chart chart = precision_recall_chart(title);
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const Curve curve = single_best_curve(reports[r].outcomes);
+    const auto area = find_metric("average_precision").of_curve(curve).value;
+    Series series{
+        fmt::format("{}: {}{}{}", names[r],
+                    counted(judged_queries(reports[r].outcomes), "query", "queries"),
+                    area ? fmt::format(", AP {:.4f}", *area) : "",
+                    reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : ""),
+        {},
+        SeriesStyle::line};
+    if (curve.to_find > 0) series.points = curve_points(curve, 1000);
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+/// The verdicts of all query frames, one lane per report. Lanes of different selections differ in
+/// length.
+Chart lanes_chart(const std::string& title, std::span<const Report> reports,
+                  const std::vector<std::string>& names) {
+  Chart chart{"lanes", title, {"query frame"}};
+  for (const Meaning meaning : {Meaning::unjudged, Meaning::wrong, Meaning::right})
+    chart.series.push_back(series_of(meaning, SeriesStyle::boxes));
+  size_t frames = 1;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const auto top = static_cast<double>(r);
+    for (const ChartRun& run : fix_runs(reports[r].verdicts)) {
+      Series& boxes = *std::ranges::find(chart.series, run.meaning, &Series::meaning);
+      boxes.points.emplace_back(run.begin, top + kLaneTop);
+      boxes.points.emplace_back(run.end, top + 0.95);
+    }
+    frames = std::max(frames, reports[r].verdicts.size());
+    chart.y.ticks.push_back({top + kLaneTop, names[r]});
+  }
+  erase_empty_series(chart);
+  chart.y.has_text_inside = true;
+  chart.x.range = {0, static_cast<double>(frames)};
+  chart.y.range = {static_cast<double>(reports.size()), 0};
+  chart.width = 1180;
+  chart.height = 90 + kLaneHeight * static_cast<double>(reports.size());
+  return chart;
+}
+
+constexpr std::array<std::string_view, 4> kCompared = {"recall_at_1", "average_precision",
+                                                       "recall_at_100_precision", "max_f1"};
+
+/// One row per method after the first: the differences of the main metrics with their intervals.
+Table difference_table(const ComparisonReport& comparison) {
+  const Comparison& found = comparison.found;
+  Table table;
+  table.title = fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
+                            comparison.names.front(),
+                            counted(found.common, "common query", "common queries"), found.block);
+  table.columns = {"method"};
+  std::map<size_t, size_t> rows;  // by method
+  for (size_t r = 1; r < comparison.reports.size(); ++r) {
+    if (!comparison.is_paired(r)) continue;
+    rows[r] = table.rows.size();
+    table.rows.push_back({comparison.names[r]});
+  }
+  for (const ComparedValue& value : found.values) {
+    if (std::ranges::find(kCompared, value.key) == kCompared.end()) continue;
+    if (value.method == 0) {
+      table.columns.push_back(value.metric->key == "recall_at" ? "R@1"
+                                                               : std::string(value.metric->symbol));
+      for (auto& row : table.rows) row.emplace_back("-");
+    } else if (value.difference && rows.contains(value.method)) {
+      std::string& cell = table.rows[rows[value.method]].back();
+      cell = fmt::format("{:+.4f}", *value.difference);
+      if (value.interval)
+        cell += fmt::format("\n{:+.4f} to {:+.4f}", value.interval->low, value.interval->high);
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+std::string comparison_page(const ComparisonReport& comparison) {
+  const Json json = comparison_json(comparison);
+  Json made = json["bootstrap"];
+  made.update(json["provenance"]);
+  std::string numbers = table_html(paper_table(comparison));
+  const Table differences = difference_table(comparison);
+  if (!differences.rows.empty())
+    numbers += table_html(differences) +
+               folded_html("Best matches by method", table_html(paired_table(comparison)));
+  return sections_page(
+      title_of(comparison), sentence_of(comparison),
+      "Ground truth: " + comparison.reports.front().protocol.ground_truth,
+      section_html("Paths and curves", methods_html(comparison.reports, comparison.names)) +
+          section_html("Numbers", numbers),
+      json["protocol"], made);
+}
+
+std::string methods_html(std::span<const Report> reports, const std::vector<std::string>& names) {
+  Chart curves = curves_overlay("Precision and recall of best matches, each over its own queries",
+                                reports, names);
+  curves.width = 650;
+  curves.height = 450;
+  return figure_html(lanes_chart("Recognitions along the path", reports, names)) +
+         figure_html(curves);
+}
+
+void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {
+  const std::string title = title_of(comparison);
+  draw_chart(curves_overlay(title, comparison.reports, comparison.names), folder);
+  draw_chart(lanes_chart(title, comparison.reports, comparison.names), folder);
+}
+
+}  // namespace vpr

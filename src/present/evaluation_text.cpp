@@ -1,0 +1,217 @@
+#include "present/evaluation_text.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.h"
+#include "match/match.h"
+#include "present/result_text.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kLabelWidth = 14;
+
+std::string line(const std::string& label, const std::string& value) {
+  const size_t indent = kLabelWidth + 2;
+  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent) + "\n";
+}
+
+const MetricValue& value_of(const CurveNumbers& numbers, std::string_view key) {
+  return numbers.values[static_cast<size_t>(&find_metric(key) - curve_metrics().data())];
+}
+
+std::string metric_text(const CurveNumbers& numbers, std::string_view key) {
+  const Metric& metric = find_metric(key);
+  return fmt::format("{} {}", metric.symbol, metric_cell(metric, value_of(numbers, key).value));
+}
+
+std::string curve_text(const CurveNumbers& numbers) {
+  return metric_text(numbers, "average_precision") + ", " +
+         metric_text(numbers, "recall_at_100_precision");
+}
+
+std::string best_match_text(const Report& report) {
+  const BestMatchCounts& best = report.counts.best_match;
+  const uint64_t queries = best.queries - best.ignored;
+  if (queries == 0) return "";
+  const bool has_windows = report.outcomes.window_length > 1;
+  return fmt::format("correct in {} of {}, R@1 {}", best.correct,
+                     counted(queries, has_windows ? "window" : "frame"),
+                     metric_cell(find_metric("recall_at"), best.rate()));
+}
+
+std::string recall_text(const Report& report) {
+  const Metric& metric = find_metric("recall_at");
+  std::vector<std::string> values;
+  for (const auto& [k, value] : report.metrics.recall_at)
+    values.push_back(fmt::format("{}{} {}", metric.symbol, k, metric_cell(metric, value)));
+  return fmt::format("{}", fmt::join(values, ", "));
+}
+
+/// A recognized range, and its errors.
+struct JudgedRange {
+  RecognizedRange range;
+  size_t frames = 0;          ///< whose closest recognition is in the range
+  size_t incorrect = 0;       ///< of these
+  bool is_incorrect = false;  ///< no recognition of the range is correct
+
+  std::string verdict() const {
+    if (is_incorrect) return frames > 0 ? ": incorrect" : ": incorrect, not the closest";
+    return incorrect == 0
+               ? ""
+               : fmt::format(": {} of {} incorrect", incorrect, counted(frames, "frame"));
+  }
+};
+
+bool is_in(const RecognizedRange& range, size_t query, uint32_t sequence, size_t train) {
+  return range.sequence == sequence && range.query_first <= query && query <= range.query_last &&
+         range.train_first <= train && train <= range.train_last;
+}
+
+std::vector<JudgedRange> judged_ranges(const Result& result, const GroundTruth& truth) {
+  std::vector<JudgedRange> judged;
+  for (const RecognizedRange& range : recognized_ranges(result))
+    judged.push_back({range, 0, 0, truth.is_known});
+  if (!truth.is_known) return judged;
+  const std::vector<const Match*> closest = recognitions_by_frame(result);
+  for (const Match& match : result.recognitions) {
+    const size_t query = anchor_of(match.query, result.window_length());
+    const size_t train = anchor_of(match.train, result.window_length());
+    const bool is_different =
+        label_of(truth, match, result.window_length()) == PlaceLabel::different;
+    for (JudgedRange& one : judged) {
+      if (!is_in(one.range, query, match.sequence, train)) continue;
+      if (!is_different) one.is_incorrect = false;
+      if (closest[query] != &match) continue;
+      ++one.frames;
+      if (is_different) ++one.incorrect;
+    }
+  }
+  return judged;
+}
+
+std::string ranges_text(const Result& result, const GroundTruth& truth, size_t most) {
+  std::vector<JudgedRange> ranges = judged_ranges(result, truth);
+  const size_t all = ranges.size();
+  const auto first = [](const JudgedRange& one) { return one.range.query_first; };
+  const auto length = [](const JudgedRange& one) {
+    return one.range.query_last - one.range.query_first;
+  };
+  const auto is_correct = [](const JudgedRange& one) {
+    return !one.is_incorrect && one.incorrect == 0;
+  };
+  if (all > most) {  // the longest, then the longest incorrect ones
+    std::ranges::stable_sort(ranges, std::ranges::greater{}, length);
+    std::stable_sort(ranges.begin() + 1, ranges.end(),
+                     [&](const auto& a, const auto& b) { return is_correct(a) < is_correct(b); });
+    ranges.resize(most);
+    std::ranges::stable_sort(ranges, {}, first);
+  }
+  std::string text;
+  for (const JudgedRange& one : ranges)
+    text += fmt::format("  {}{}\n", range_text(result, one.range), one.verdict());
+  if (all > most)
+    text += fmt::format("  and {} (-v lists all)\n", counted(all - most, "other range"));
+  return text;
+}
+
+// Empty if something is recognized, and all of it correctly.
+std::string next_step(const Evaluation& evaluation) {
+  if (!evaluation.result || !evaluation.truth.is_known || evaluation.doubts_truth) return "";
+  const Localization& path = evaluation.judgment.localization;
+  if (path.correct > 0 && path.incorrect == 0) return "";
+  if (evaluation.result->result.places)
+    return path.incorrect == 0 ? "" : "next: a larger --t-p of vpr-query accepts fewer places";
+  return "next: vpr-tune DB --query QUERY --ground-truth G compares methods";
+}
+
+/// The number of frames with a match, except ignored ones.
+double frames_to_find(const Report& report) {
+  return double(report.localization.frames_with_match) - double(report.counts.best_match.ignored);
+}
+
+constexpr std::array<std::string_view, 3> kOverviewMetrics = {"recall_at", "average_precision",
+                                                              "recall_at_100_precision"};
+
+// The metric, with frames without a window as misses.
+std::optional<double> over_frames(const Report& report, std::string_view key) {
+  const double frames = frames_to_find(report);
+  if (frames <= 0) return std::nullopt;
+  if (key == kOverviewMetrics[0]) return double(report.counts.best_match.correct) / frames;
+  const CurveNumbers& best = report.metrics.curves.single_best;
+  const auto value = value_of(best, key).value;
+  return value ? std::optional(*value * double(best.to_find) / frames) : std::nullopt;
+}
+
+}  // namespace
+
+std::string wrapped_text(const std::string& text, size_t indent) {
+  return wrapped_line(text, kTerminalWidth, indent, "");
+}
+
+std::string evaluation_text(const Evaluation& evaluation, const Report& report,
+                            const std::string& summary, size_t most_ranges) {
+  std::string text = wrapped_text(summary) + "\n";
+  const Result* result = evaluation.result ? &evaluation.result->result : nullptr;
+  if (result != nullptr) text += line("settings", settings_text(*result));
+  if (evaluation.truth.is_known) {
+    text += line("ground truth", report.protocol.ground_truth);
+    const std::string best = result != nullptr ? best_match_text(report) : "";
+    if (!best.empty()) text += line("best match", best);
+    if (report.outcomes.has_ranks) text += line("recall", recall_text(report));
+    const auto& curves = report.metrics.curves;
+    const bool by_margin = report.outcomes.confidence == Confidence::margin;
+    text += line("curve", curve_text(curves.single_best) + (by_margin ? ", by margin" : ""));
+    if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
+  }
+  if (result != nullptr) text += ranges_text(*result, evaluation.truth, most_ranges);
+  const std::string next = next_step(evaluation);
+  return text + (next.empty() ? "" : next + "\n");
+}
+
+std::string short_text(Table table) {
+  constexpr size_t kLongestName = 22;
+  for (auto& row : table.rows)
+    if (row[0].size() > kLongestName)
+      row[0] = fmt::format("{}...", row[0].substr(0, kLongestName - 3));
+  return render_table(table, TableFormat::text);
+}
+
+Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
+                     const std::string& key) {
+  const Report& first = reports.front();
+  const bool is_one_query = std::ranges::all_of(reports, [&](const Report& report) {
+    return report.provenance.ground_truth == first.provenance.ground_truth;
+  });
+  Table table;
+  table.title = is_one_query ? fmt::format("{}: R@1, AP and R@100P over {:.0f} frames with a match",
+                                           first.query, frames_to_find(first))
+                             : "R@1, AP and R@100P over all frames with a match";
+  table.label = "results";
+  table.columns = {key, "R@1", "AP", "R@100P", "correct", "incorrect", "first"};
+  if (!is_one_query) table.columns.insert(table.columns.begin() + 1, "n");
+  std::array<std::vector<std::optional<double>>, 3> values;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const Report& report = reports[r];
+    std::vector<std::string> cells = {names[r]};
+    if (!is_one_query) cells.push_back(fmt::format("{:.0f}", frames_to_find(report)));
+    for (size_t m = 0; m < values.size(); ++m) {
+      values[m].push_back(over_frames(report, kOverviewMetrics[m]));
+      cells.push_back(metric_cell(find_metric(kOverviewMetrics[m]), values[m].back()));
+    }
+    const Localization& path = report.localization;
+    for (const auto& count : {std::optional(path.correct), std::optional(path.incorrect),
+                              path.first_recognition_frames})
+      cells.push_back(count && !report.is_oracle ? fmt::format("{}", *count) : "-");
+    table.rows.push_back(std::move(cells));
+  }
+  if (is_one_query && reports.size() > 1)
+    for (size_t m = 0; m < values.size(); ++m) mark_best(table, m + 1, values[m], false);
+  return table;
+}
+
+}  // namespace vpr

@@ -1,0 +1,34 @@
+// Evaluations in a few lines for a terminal: at most 12 lines of 80 columns.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "present/evaluation_report.h"
+#include "present/table.h"
+
+namespace vpr {
+
+inline constexpr size_t kTerminalWidth = 80;
+
+/// wrapped_line for a terminal. Lines after the first are indented.
+std::string wrapped_text(const std::string& text, size_t indent = 0);
+
+/// The headline `summary`, then lines with settings, ground truth, best matches, metrics by the
+/// confidence of the decision, the recognized ranges with their errors, and the next step if
+/// nothing or something incorrect was recognized. `most_ranges`: the maximum number of ranges.
+std::string evaluation_text(const Evaluation& evaluation, const Report& report,
+                            const std::string& summary, size_t most_ranges);
+
+/// One row per report, `names` in the column `key`: R@1, AP and R@100P over all frames with a
+/// match, so that frames without a window count as misses; frames recognized correctly and
+/// incorrectly, and the first correct one. "-" for recognitions at a threshold from the ground
+/// truth. Reports with different ground truths have a column with their frames, and no best value.
+Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
+                     const std::string& key);
+
+/// The table as text, with the names in its first column cut to 22 characters.
+std::string short_text(Table table);
+
+}  // namespace vpr

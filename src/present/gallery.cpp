@@ -1,0 +1,269 @@
+#include "present/gallery.h"
+
+#include <algorithm>
+#include <mutex>
+#include <span>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "present/html_page.h"
+#include "sequence/frames.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kLeastApart = 5;
+
+// The middle one of the correct references from frame `earliest` on.
+std::optional<FrameMatch> middle_match(const GroundTruth& truth, const ScoreLayout& layout,
+                                       size_t frame, size_t earliest) {
+  struct Run {
+    uint32_t sequence;
+    size_t first;
+    size_t count;
+  };
+  std::vector<Run> runs;
+  size_t all = 0;
+  for (const GroundTruth::Pair& pair : truth.pairs[frame]) {
+    const size_t end = std::min<size_t>(size_t{pair.last()} + 1,
+                                        layout.scope.sequences[pair.sequence].sequence.frames);
+    const size_t first = std::max<size_t>(pair.first, earliest);
+    if (pair.label != PlaceLabel::same || first >= end) continue;
+    runs.push_back({pair.sequence, first, end - first});
+    all += end - first;
+  }
+  size_t before = all / 2;
+  for (const Run& run : runs) {
+    if (before < run.count) return FrameMatch{run.sequence, run.first + before};
+    before -= run.count;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::byte> small_jpeg(const cv::Mat& image, int side) {
+  const double scale = std::min(1.0, double(side) / std::max({image.cols, image.rows, 1}));
+  const cv::Size size(std::max(1, cvRound(image.cols * scale)),
+                      std::max(1, cvRound(image.rows * scale)));
+  cv::Mat resized;
+  cv::resize(image, resized, size, 0, 0, cv::INTER_AREA);
+  std::vector<uint8_t> jpeg;
+  cv::imencode(".jpg", resized, jpeg, {cv::IMWRITE_JPEG_QUALITY, 70});
+  const auto bytes = std::as_bytes(std::span(jpeg));
+  return {bytes.begin(), bytes.end()};
+}
+
+constexpr size_t kMostItems = 9;  // per kind
+constexpr size_t kStripFrames = 5;
+constexpr int kThumbnailSide = 128;  // pixels
+
+std::string strip(const std::string& title, const std::vector<size_t>& frames,
+                  const std::map<size_t, Thumbnail>& thumbnails) {
+  const auto last = thumbnails.find(frames.back());
+  const std::string name = last == thumbnails.end() ? "" : ": " + last->second.name;
+  std::string html = "<figure><figcaption>" + html_escaped(title + name) + "</figcaption>";
+  if (thumbnails.empty()) return html + "</figure>";
+  html += "<div class=\"strip\">";
+  for (const size_t frame : frames) {
+    const auto found = thumbnails.find(frame);
+    if (found == thumbnails.end() || found->second.jpeg.empty())
+      html += "<span class=\"gone\">no image</span>";
+    else
+      html += fmt::format("<img alt=\"frame {}\" title=\"{}\" src=\"data:image/jpeg;base64,{}\">",
+                          frame, html_escaped(found->second.name), base64(found->second.jpeg));
+  }
+  return html + "</div></figure>";
+}
+
+}  // namespace
+
+std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
+                                        size_t most) {
+  const auto& queries = judgment.outcomes.queries;
+  const size_t apart = std::max(kLeastApart, judgment.layout.window_length);
+  std::vector<GalleryItem> items;
+  const auto choose = [&](GalleryKind kind, Verdict verdict, bool is_best_first) {
+    std::vector<size_t> order;
+    for (size_t q = 0; q < queries.size(); ++q)
+      if (queries[q].verdict == verdict && queries[q].best) order.push_back(q);
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+      const uint64_t first = confidence_key(queries[a], judgment.outcomes.confidence);
+      const uint64_t second = confidence_key(queries[b], judgment.outcomes.confidence);
+      return is_best_first ? first < second : first > second;
+    });
+    const size_t begin = items.size();
+    for (const size_t q : order) {
+      if (items.size() - begin == most) break;
+      const bool is_near = std::any_of(items.begin(), items.end(), [&](const GalleryItem& item) {
+        const bool same_query = item.query == q;
+        const size_t away = item.query > q ? item.query - q : q - item.query;
+        return same_query || (item.kind == kind && away < apart);
+      });
+      if (is_near) continue;
+      const size_t frame = queries[q].frame;
+      auto match = middle_match(truth, judgment.layout, frame, judgment.layout.window_length - 1);
+      if (!match) match = middle_match(truth, judgment.layout, frame, 0);  // without a whole window
+      items.push_back({kind, q, match});
+    }
+  };
+  const Verdict good = truth.is_known ? Verdict::correct : Verdict::ignored;
+  choose(GalleryKind::mistake, Verdict::incorrect, true);
+  choose(GalleryKind::recognition, good, true);
+  choose(GalleryKind::weak, good, false);
+  return items;
+}
+
+std::vector<size_t> strip_frames(size_t anchor, size_t window_length, size_t most) {
+  const size_t length = std::min(window_length, anchor + 1);
+  const size_t count = std::min(length, most);
+  std::vector<size_t> frames;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t back = count == 1 ? 0 : (count - 1 - i) * (length - 1) / (count - 1);
+    frames.push_back(anchor - back);
+  }
+  return frames;
+}
+
+std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
+                                            const Selection& selection,
+                                            const std::set<size_t>& wanted, int side,
+                                            const Monitor& monitor) {
+  std::map<size_t, std::vector<size_t>> frames;  // by frame of the recording
+  for (const size_t frame : wanted)
+    frames[selection.is_all() ? frame : selection.sources[frame]].push_back(frame);
+  std::map<size_t, Thumbnail> found;
+  if (frames.empty()) return found;
+  std::mutex mutex;
+  const auto keep = [&](size_t source, const std::string& name, const cv::Mat& image) {
+    const Thumbnail thumbnail{name,
+                              image.empty() ? std::vector<std::byte>{} : small_jpeg(image, side)};
+    const std::scoped_lock lock(mutex);
+    for (const size_t frame : frames.at(source)) found[frame] = thumbnail;
+  };
+  if (recording.kind != SequenceKind::images) {
+    for_each_frame(recording, PixelFormat::bgr, Unreadable::skip, monitor,
+                   [&](size_t index, const cv::Mat& image) {
+                     if (frames.contains(index)) keep(index, fmt::format("#{}", index), image);
+                   });
+    return found;
+  }
+  std::vector<size_t> order;
+  for (const auto& [source, selected] : frames) order.push_back(source);
+  parallel_for(order.size(), monitor, [&](size_t i) {
+    if (order[i] >= recording.files.size()) return;
+    const auto& file = recording.files[order[i]];
+    cv::Mat image;
+    try {
+      image = decode_image(file, PixelFormat::bgr);
+    } catch (const Error&) {  // the page shows a gap
+    }
+    keep(order[i], file.filename().string(), image);
+  });
+  return found;
+}
+
+namespace {
+
+struct GalleryImages {
+  std::map<size_t, Thumbnail> query;
+  std::vector<std::map<size_t, Thumbnail>> references;  ///< by sequence
+};
+
+GalleryImages read_images(const std::vector<GalleryItem>& items, const Judgment& judgment,
+                          const FrameSources& sources, const Monitor& monitor) {
+  const GroundTruthScope& scope = judgment.layout.scope;
+  std::set<size_t> query;
+  std::vector<std::set<size_t>> references(scope.sequences.size());
+  const auto add = [&](std::set<size_t>& frames, size_t anchor) {
+    const auto strip = strip_frames(anchor, judgment.layout.window_length, kStripFrames);
+    frames.insert(strip.begin(), strip.end());
+  };
+  for (const GalleryItem& item : items) {
+    const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
+    add(query, outcome.frame);
+    add(references[outcome.best->sequence], outcome.best->reference);
+    if (item.truth) add(references[item.truth->sequence], item.truth->reference);
+  }
+  GalleryImages images{{}, std::vector<std::map<size_t, Thumbnail>>(references.size())};
+  if (sources.query)
+    images.query =
+        make_thumbnails(*sources.query, scope.query.selection, query, kThumbnailSide, monitor);
+  for (size_t s = 0; s < sources.references.size(); ++s)
+    if (sources.references[s])
+      images.references[s] =
+          make_thumbnails(*sources.references[s], scope.sequences[s].sequence.selection,
+                          references[s], kThumbnailSide, monitor);
+  return images;
+}
+
+/// The first kind of an item is selected.
+std::string kinds_html(const std::vector<GalleryItem>& items, bool is_judged) {
+  constexpr std::array<std::string_view, 3> kWords = {"worst mistakes", "strongest", "weakest"};
+  std::string html;
+  const auto add = [&](std::string_view kind, const std::string& words, bool is_selected) {
+    html += fmt::format("<label><input type=\"radio\" name=\"kind\" value=\"{}\"{}> {}</label>\n",
+                        kind, is_selected ? " checked" : "", words);
+  };
+  for (size_t k = 0; k < kWords.size(); ++k) {
+    const auto kind = static_cast<GalleryKind>(k);
+    const auto count = std::ranges::count(items, kind, &GalleryItem::kind);
+    if (count > 0)
+      add(enum_name(kind),
+          fmt::format("{}{} ({})", kWords[k], is_judged && k > 0 ? " correct" : "", count),
+          kind == items.front().kind);
+  }
+  add("all", "all", items.empty());
+  return html;
+}
+
+}  // namespace
+
+Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const ScoreUnit& unit,
+                     const FrameSources& sources, const Monitor& monitor) {
+  const std::vector<GalleryItem> items = choose_gallery(judgment, truth, kMostItems);
+  const GalleryImages images = read_images(items, judgment, sources, monitor);
+  const ScoreLayout& layout = judgment.layout;
+  const auto frames_at = [&](size_t anchor) {
+    return strip_frames(anchor, layout.window_length, kStripFrames);
+  };
+  Gallery gallery;
+  gallery.kinds = kinds_html(items, truth.is_known);
+  for (const GalleryItem& item : items) {
+    const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
+    const char* verdict = !truth.is_known                       ? ""
+                          : outcome.verdict == Verdict::correct ? "correct: "
+                                                                : "incorrect: ";
+    gallery.cards += fmt::format(
+        "<article class=\"card {0}{1}\" data-at=\"{4}\" "
+        "tabindex=\"0\"><h3>{2}query {3}</h3>",
+        enum_name(item.kind), truth.is_known ? "" : " unjudged", verdict, outcome.frame,
+        item.query);
+    gallery.cards +=
+        fmt::format("<p>{} {:.4g}{}{}</p>", unit.words,
+                    score_of_key(outcome.key, judgment.outcomes.kind) / unit.divisor,
+                    is_recognized(judgment, outcome) ? ", recognized" : ", not recognized",
+                    item.truth || !truth.is_known ? "" : "; the ground truth has no match");
+    const auto add_strip = [&](const char* title, const FrameMatch& match) {
+      gallery.cards +=
+          strip(fmt::format("{} {} {}", title, layout.scope.sequences[match.sequence].sequence.name,
+                            match.reference),
+                frames_at(match.reference), images.references[match.sequence]);
+    };
+    gallery.cards +=
+        strip(fmt::format("query {}", outcome.frame), frames_at(outcome.frame), images.query);
+    add_strip("best match", *outcome.best);
+    if (item.truth) add_strip("true place", *item.truth);
+    gallery.cards += "</article>\n";
+  }
+  if (items.empty())
+    gallery.note = truth.is_known ? "No query has a best match that can be judged."
+                                  : "No query has a best match.";
+  else if (!sources.query)
+    gallery.note = "Pass the sequences (--query and --train, or --dataset) for images.";
+  return gallery;
+}
+
+}  // namespace vpr

@@ -1,0 +1,71 @@
+// Selected queries of an evaluation with thumbnails, as HTML.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "evaluate/judgment.h"
+#include "present/score_matrix.h"
+#include "sequence/sequence_source.h"
+
+namespace vpr {
+
+enum class GalleryKind { mistake, recognition, weak };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<GalleryKind> = {"mistake",
+                                                                            "recognition", "weak"};
+
+/// A query whose best match is shown.
+struct GalleryItem {
+  GalleryKind kind = GalleryKind::mistake;
+  size_t query = 0;                 ///< index into Outcomes::queries; it has a best match
+  std::optional<FrameMatch> truth;  ///< a correct match by the ground truth, if it has one
+};
+
+/// Selects the most confident incorrect best matches, then the most and the least confident correct
+/// ones, at most `most` of each kind; without ground truth, the most and the least confident of all
+/// best matches. Queries of one kind are at least a window and five frames apart; the earlier in
+/// this order stays, and on ties the earlier query. A query has one kind only.
+std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
+                                        size_t most);
+
+/// At most `most` evenly spaced frames of the window that ends at `anchor`, including the anchor.
+std::vector<size_t> strip_frames(size_t anchor, size_t window_length, size_t most);
+
+struct Thumbnail {
+  std::string name;             ///< file name, or "#12" for frame 12 of a video
+  std::vector<std::byte> jpeg;  ///< empty if the frame is unreadable
+};
+
+/// Color images of at most `side` x `side` pixels for the `wanted` frames of a selection; frames
+/// that do not exist have none. Reads only these files of a folder or list, but all frames of a
+/// video. Throws as for_each_frame does.
+std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
+                                            const Selection& selection,
+                                            const std::set<size_t>& wanted, int side,
+                                            const Monitor& monitor);
+
+/// The images of an evaluation. References are the training sequences of the ground truth's scope,
+/// in its order. A missing sequence has no thumbnails.
+struct FrameSources {
+  std::optional<SequenceSource> query;
+  std::vector<std::optional<SequenceSource>> references;
+};
+
+struct Gallery {
+  std::string kinds;  ///< HTML elements to select cards
+  std::string note;   ///< a plain sentence
+  std::string cards;  ///< HTML elements
+};
+
+/// `unit`: of the scores. Throws as make_thumbnails does.
+Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const ScoreUnit& unit,
+                     const FrameSources& sources, const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,28 @@
+// Trials of different settings (vpr.tuning/3) as JSON, table and text.
+#pragma once
+
+#include <string>
+
+#include "base/json_fwd.h"
+#include "present/run_info.h"
+#include "present/table.h"
+#include "run/trials.h"
+
+namespace vpr {
+
+/// "settings": those of the choice, a configuration for vpr-query --config, or null.
+Json trials_json(const Trials& trials, const RunInfo& run, double seconds);
+
+/// A row per setting, or per setting and query: frames recognized correctly and incorrectly, the
+/// first correctly recognized frame, and the time per frame.
+Table trials_table(const Trials& trials, bool by_query);
+
+/// The choice and the number of frames that it rests on, or the reason why there is none. `advice`:
+/// filter_advice of a query without a recognized frame; empty if frames are recognized. Ends with a
+/// line feed.
+std::string choice_text(const Trials& trials, const std::string& advice);
+
+/// "52 of 111 frames correctly, 0 incorrectly".
+std::string path_text(const Localization& path);
+
+}  // namespace vpr

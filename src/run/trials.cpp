@@ -1,0 +1,202 @@
+#include "run/trials.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "evaluate/judgment.h"
+#include "run/plan.h"
+#include "run/train.h"
+
+namespace vpr {
+namespace {
+
+const std::vector<std::optional<double>> kDistanceThresholds = {0.4,  0.45, 0.5,  0.55, 0.6,
+                                                                0.65, 0.7,  0.75, 0.8};
+const Grid kFabmapGrid = {{1, 2, 3}, {0.5, 0.7, 0.9, 0.99}};
+
+double total_seconds(const std::map<std::string, double>& steps) {
+  double seconds = 0;
+  for (const auto& [step, one] : steps) seconds += one;
+  return seconds;
+}
+
+Localization sum_of(std::span<const Localization> paths) {
+  Localization sum;
+  sum.first_recognition_frames = 0;
+  for (const Localization& path : paths) {
+    sum.frames += path.frames;
+    sum.frames_with_match += path.frames_with_match;
+    sum.correct += path.correct;
+    sum.incorrect += path.incorrect;
+    if (sum.first_recognition_frames && path.first_recognition_frames)
+      sum.first_recognition_frames =
+          std::max(*sum.first_recognition_frames, *path.first_recognition_frames);
+    else
+      sum.first_recognition_frames.reset();
+  }
+  return sum;
+}
+
+// The index of the best cell over all queries. `sweep`: one query over the grid.
+template <class Query, class SweepQuery>
+size_t best_cell(const std::vector<Query>& queries, uint64_t max_incorrect,
+                 const SweepQuery& sweep) {
+  std::vector<std::vector<Localization>> by_cell;
+  for (const Query& query : queries) {
+    const std::vector<CellCounts> cells = sweep(query).cells;
+    by_cell.resize(cells.size());
+    for (size_t c = 0; c < cells.size(); ++c) by_cell[c].push_back(cells[c].path);
+  }
+  std::vector<Localization> sums;
+  for (const auto& paths : by_cell) sums.push_back(sum_of(paths));
+  return best_path(sums, max_incorrect);
+}
+
+template <class Query>
+TruthReader reader_of(const Query& query, const Monitor& monitor) {
+  return [&](const GroundTruthScope& scope) { return truth_of(query.by, scope, monitor); };
+}
+
+std::string name_of(const SequenceQuerySettings& settings) {
+  if (has_paths(settings.method)) return settings.method;
+  if (settings.decision == Decision::threshold)
+    return fmt::format("FastABLE, c_l {}, t_r {:g}", settings.window_length,
+                       *settings.distance_threshold);
+  return fmt::format("windows of {}{}, margin", settings.window_length,
+                     settings.rates.empty() ? "" : " at several speeds");
+}
+
+// The settings of the best cell over all queries.
+SequenceQuerySettings best_windows(const SequenceDatabase& database,
+                                   const std::vector<LabeledQuery>& queries,
+                                   SequenceQuerySettings settings, const Grid& grid,
+                                   uint64_t max_incorrect, const QueryResources& resources,
+                                   const Monitor& monitor) {
+  const ResolvedSettings base(settings, {kDatabaseChoice, kSweepChoice});
+  const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledQuery& query) {
+    return sweep_sequences(database, query.frames, query.name, base, grid,
+                           reader_of(query, monitor), resources, monitor);
+  });
+  settings.window_length = grid.windows[cell / grid.thresholds.size()];
+  settings.distance_threshold = grid.thresholds[cell % grid.thresholds.size()];
+  return settings;
+}
+
+}  // namespace
+
+Localization Trial::total() const { return sum_of(paths); }
+
+std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
+                                      const SequenceDatabase& database,
+                                      const std::vector<const DescriptorSet*>& queries) {
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  std::erase_if(lengths, [&](uint64_t length) {
+    const auto has_no_window = [&](const DescribedFrames& frames) {
+      return count_windows(readable_runs(frames), length) == 0;
+    };
+    return std::ranges::all_of(spans, has_no_window) ||
+           std::ranges::any_of(
+               queries, [&](const DescriptorSet* query) { return has_no_window(query->span()); });
+  });
+  return lengths;
+}
+
+Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
+                  const SequenceQuerySettings& settings, const QueryResources& resources,
+                  const Monitor& monitor, const Monitor& truth_monitor) {
+  const ResolvedSettings resolved(settings);
+  Trial trial{name_of(*resolved), *resolved, settings.distance_threshold.has_value(), {}, 0};
+  for (const LabeledQuery& query : queries) {
+    QueryRun run =
+        run_query(plan_query(database, query.frames, query.name, resolved, resources, monitor),
+                  resources, {}, monitor);
+    trial.seconds += total_seconds(run.seconds);
+    trial.paths.push_back(
+        evaluate_result(std::move(run.result), std::nullopt, query.by, truth_monitor)
+            .judgment.localization);
+  }
+  return trial;
+}
+
+Trials try_sequences(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
+                     const SequenceQuerySettings& base, uint64_t max_incorrect,
+                     const QueryResources& resources, const Monitor& monitor) {
+  std::set<std::string> reported;
+  Monitor once = monitor;  // most warnings are the same for every setting
+  once.warn = [&](const std::string& sentence) {
+    if (reported.insert(sentence).second) warn(monitor, sentence);
+  };
+  const Monitor silent = {monitor.progress, {}, monitor.stop};
+  Trials trials;
+  trials.max_incorrect = max_incorrect;
+  std::vector<const DescriptorSet*> frames;
+  for (const LabeledQuery& query : queries) {
+    trials.queries.push_back(query.frames.sequence);
+    trials.queries.back().name = query.name;
+    frames.push_back(&query.frames);
+  }
+  SequenceQuerySettings filter = base;
+  filter.method = "filter";
+  trials.all.push_back(try_setting(database, queries, filter, resources, once, once));
+
+  const std::vector<uint64_t> lengths = fitting_lengths({10, 20, 40}, database, frames);
+  const auto try_windows = [&](const SequenceQuerySettings& windows, const Grid& grid) {
+    if (lengths.empty()) return;
+    try {
+      const SequenceQuerySettings best =
+          best_windows(database, queries, windows, grid, max_incorrect, resources, silent);
+      trials.all.push_back(try_setting(database, queries, best, resources, silent, silent));
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::usage) throw;
+      warn(monitor, fmt::format("A setting is not tried: {}", error.what()));
+    }
+  };
+  SequenceQuerySettings windows = base;
+  windows.score = Score::zscore;
+  windows.decision = Decision::margin;
+  const Grid automatic = {lengths, {std::nullopt}};
+  try_windows(windows, automatic);
+  windows.rates = {"1/2", "2/3", "1", "3/2", "2"};
+  try_windows(windows, automatic);
+  try_windows(base, {lengths, kDistanceThresholds});
+  choose(trials);
+  return trials;
+}
+
+Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>& queries,
+                 const FabmapQuerySettings& base, uint64_t max_incorrect, uint64_t seed,
+                 const Monitor& monitor) {
+  const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledWords& query) {
+    return sweep_fabmap(database, query.frames, query.name, base, kFabmapGrid,
+                        reader_of(query, monitor), seed, monitor);
+  });
+  FabmapQuerySettings settings = base;
+  settings.window = kFabmapGrid.windows[cell / kFabmapGrid.thresholds.size()];
+  settings.place_threshold = *kFabmapGrid.thresholds[cell % kFabmapGrid.thresholds.size()];
+  Trial trial{fmt::format("FAB-MAP, c_w {}, t_p {:g}", settings.window, settings.place_threshold),
+              settings,
+              true,
+              {},
+              0};
+  for (const LabeledWords& query : queries) {
+    FabmapRun run = query_fabmap(database, query.frames, query.name, settings, seed, {}, monitor);
+    trial.seconds += total_seconds(run.seconds);
+    trial.paths.push_back(evaluate_result(std::move(run.result), std::nullopt, query.by, monitor)
+                              .judgment.localization);
+  }
+  return trial;
+}
+
+void choose(Trials& trials) {
+  std::vector<Localization> totals;
+  for (const Trial& trial : trials.all) totals.push_back(trial.total());
+  const size_t best = best_path(totals, trials.max_incorrect);
+  trials.chosen.reset();
+  if (totals[best].correct > 0 && totals[best].incorrect <= trials.max_incorrect)
+    trials.chosen = best;
+}
+
+}  // namespace vpr

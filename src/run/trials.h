@@ -1,0 +1,80 @@
+// Trials of different settings on queries with ground truth, and the setting to use. Counts are
+// query frames along the path: a frame is recognized by its closest recognition.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluate/sweep.h"
+#include "run/evaluate.h"
+#include "run/fabmap_query.h"
+#include "run/query.h"
+#include "run/sweep.h"
+
+namespace vpr {
+
+/// A query with ground truth, described for a database of sequences.
+struct LabeledQuery {
+  std::string name;
+  DescriptorSet frames;
+  EvaluationSettings by;
+};
+
+/// A query with ground truth, described for a database of FAB-MAP.
+struct LabeledWords {
+  std::string name;
+  SequenceWords frames;
+  EvaluationSettings by;
+};
+
+/// One setting on all queries.
+struct Trial {
+  std::string name;  ///< for tables: "windows of 40, margin"
+  QuerySettings settings;
+  bool is_tuned = false;            ///< its threshold is chosen by the ground truth
+  std::vector<Localization> paths;  ///< by query
+  double seconds = 0;               ///< matching and decision, without the description of frames
+
+  /// Counts of all queries; the first recognition is the latest one, unset if a query has none.
+  Localization total() const;
+};
+
+/// The trials of all settings, and the choice.
+struct Trials {
+  std::vector<Sequence> queries;
+  std::vector<Trial> all;  ///< the simplest and most general rule first
+  uint64_t max_incorrect = 0;
+  std::optional<size_t> chosen;  ///< best_path() of the totals; nullopt without a correct frame, or
+                                 ///< if all trials with one have more incorrect ones
+};
+
+/// Tries a setting on all queries. Only the first trial of a program needs warnings of the ground
+/// truth: `truth_monitor`.
+Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
+                  const SequenceQuerySettings& settings, const QueryResources& resources,
+                  const Monitor& monitor, const Monitor& truth_monitor);
+
+/// Tries the filter, windows of z-scores by automatic margin, the same at several speeds, and
+/// FastABLE's raw distances by t_r, each at its best cell of a small grid (best_path). Windows are
+/// omitted if no c_l of the grid fits, or, with a warning, if their recognitions exceed the memory.
+/// `base`: skip_unreadable and the training sequences to search. The database has statistics
+/// (ensure_statistics). Throws what plan_query and sweep_sequences throw.
+Trials try_sequences(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
+                     const SequenceQuerySettings& base, uint64_t max_incorrect,
+                     const QueryResources& resources, const Monitor& monitor);
+
+/// Tries FAB-MAP at its best cell of a small grid of c_w and t_p. Throws what sweep_fabmap throws.
+Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>& queries,
+                 const FabmapQuerySettings& base, uint64_t max_incorrect, uint64_t seed,
+                 const Monitor& monitor);
+
+/// Sets the choice.
+void choose(Trials& trials);
+
+/// Those of `lengths` with a window in every query and in a training sequence.
+std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
+                                      const SequenceDatabase& database,
+                                      const std::vector<const DescriptorSet*>& queries);
+
+}  // namespace vpr

@@ -1,0 +1,84 @@
+// Trials of settings, and the choice among them.
+#include "run/trials.h"
+
+#include <catch2/catch.hpp>
+
+#include "examples.h"
+#include "run/plan.h"
+
+using namespace vpr;
+
+namespace {
+
+Localization path(size_t correct, size_t incorrect) {
+  Localization path;
+  path.frames = 100;
+  path.correct = correct;
+  path.incorrect = incorrect;
+  return path;
+}
+
+std::optional<size_t> chosen(const std::vector<Localization>& paths, uint64_t max_incorrect = 0) {
+  Trials trials;
+  trials.max_incorrect = max_incorrect;
+  for (const Localization& one : paths) trials.all.push_back({"", {}, false, {one}, 0});
+  choose(trials);
+  return trials.chosen;
+}
+
+}  // namespace
+
+TEST_CASE("the best counts are the most correct frames with few enough incorrect ones") {
+  const std::vector<Localization> paths = {path(10, 0), path(40, 2), path(30, 1), path(30, 0)};
+  CHECK(best_path(paths, 0) == 3);
+  CHECK(best_path(paths, 1) == 3);
+  CHECK(best_path(paths, 2) == 1);
+  // Without such counts: the fewest incorrect frames, then the most correct ones.
+  CHECK(best_path(std::vector{path(50, 9), path(4, 3), path(5, 3)}, 2) == 2);
+}
+
+TEST_CASE("of equal counts the first is chosen, and none without a correct frame") {
+  CHECK(chosen({path(20, 0), path(20, 0)}) == 0u);
+  CHECK(chosen({path(20, 1), path(21, 0)}, 1) == 1u);
+  CHECK(chosen({path(20, 1), path(20, 0)}, 1) == 1u);
+  CHECK_FALSE(chosen({path(0, 0), path(90, 1)}));
+  CHECK_FALSE(chosen({path(0, 0), path(0, 5)}));
+  CHECK(chosen({path(0, 0), path(90, 1)}, 1) == 1u);
+}
+
+TEST_CASE("totals add the queries, and have the latest first recognition") {
+  Trial trial;
+  trial.paths = {path(3, 1), path(4, 0)};
+  trial.paths[0].first_recognition_frames = 7;
+  CHECK(trial.total().frames == 200);
+  CHECK(trial.total().correct == 7);
+  CHECK(trial.total().incorrect == 1);
+  CHECK_FALSE(trial.total().first_recognition_frames);
+  trial.paths[1].first_recognition_frames = 2;
+  CHECK(trial.total().first_recognition_frames == 7u);
+}
+
+TEST_CASE(
+    "a query at twice the speed is recognized by the filter, and short ones without windows") {
+  const test::Example walk = test::make_example({160}, 0, 3);
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  const auto trials_of = [&](size_t frames, size_t step) {
+    std::vector<LdbCode> codes;
+    for (size_t f = 0; f < frames; ++f) codes.push_back(walk.train[0][f * step]);
+    std::vector<LabeledQuery> queries;
+    EvaluationSettings by;
+    by.ground_truth = parse_ground_truth_argument("aligned", 2);
+    by.ground_truth->options.train_step = static_cast<double>(step);
+    queries.push_back({"q", test::make_query(codes), by});
+    return try_sequences(database, queries, {}, 0, resources, {});
+  };
+  const Trials twice = trials_of(80, 2);
+  REQUIRE(twice.all.size() == 4);
+  CHECK(twice.chosen.has_value());
+  CHECK(twice.all[0].name == "filter");
+  CHECK(twice.all[0].paths[0].correct > twice.all[1].paths[0].correct);
+  CHECK(trials_of(9, 1).all.size() == 1);
+}
