@@ -297,8 +297,8 @@ std::string reason_text(const Sweep& sweep) {
       return fmt::format("every setting with a correct recognition also has an incorrect one{}",
                          knows_untrained(sweep) ? ", or would if its place were not trained" : "");
     case Advice::next_errs:
-      return fmt::format("{}, but the next looser {} of the grid, {}, has one; add steps between",
-                         near_miss, symbol, threshold_text(sweep.cells[*choice.first_error]));
+      return fmt::format("{}, but the next looser {} of the grid, {}, has one", near_miss, symbol,
+                         threshold_text(sweep.cells[*choice.first_error]));
     case Advice::grid_ends:
       return fmt::format("{}, but the grid has no looser {} that shows how near the first error is",
                          near_miss, symbol);
