@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
-"""The effect of margins, as the tables of docs/experiments/margins.md: margins.py DATA [BIN]. DATA:
-folder with corridor/, nordland/ and tower/; the small building is rendered. One thread."""
+"""Windows by the default margin, as the tables of docs/experiments/margins.md: margins.py DATA [BIN [SCORE]].
+DATA: folder with corridor/, loop/, nordland/ and tower/; three buildings are rendered. SCORE: zscore or raw
+(default: both). A cell has correct + incorrect recognitions, and the largest incorrect margin times sqrt(c_l).
+Two programs run at a time, with one thread each."""
+import concurrent.futures
 import itertools
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -11,84 +15,100 @@ import tempfile
 here = pathlib.Path(__file__).resolve().parent
 data = pathlib.Path(sys.argv[1]).resolve()
 binaries = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else here.parent / "build/release/bin")
-out = pathlib.Path(tempfile.mkdtemp())
-lengths = (10, 20, 40)
-scores = ("raw", "zscore")
+titles = {"zscore": "z-scores", "raw": "raw distances"}
+LENGTHS = (5, 10, 20, 40, 80)
 
 
-def run(program, *words):
-    command = [binaries / program, *words, "--threads", "1"]
-    return subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE).stdout
-
-
-def database(*sequences):
-    path = out / ("-".join(s.name for s in sequences) + f"-{len(sequences)}.vprdb")
-    if not path.exists():
-        trains = [word for s in sequences for word in ("--train", s)]
-        run("vpr-train", "fastable", *trains, "-o", path, "--quiet")
-    return path
-
-
-def query(train, walk, length, score, *more):
-    words = ["--query", walk, "--c-l", length, "--score", score, "-o", out / "r.json"]
-    run("vpr-query", train, *words, "--force", "--quiet", *more)
-    return json.loads((out / "r.json").read_text())
-
-
-def evaluate(truth, *more):
-    return json.loads(run("vpr-eval", out / "r.json", *truth, "--json", *more))
+def run(program, *words, fails=False):
+    command = [str(word) for word in (binaries / program, *words, "--threads", 1)]
+    done = subprocess.run(command, check=not fails, capture_output=True)
+    return done.stdout if done.returncode == 0 else None
 
 
 def aligned(tolerance):
     return ["--ground-truth", "aligned", "--tolerance", tolerance]
 
 
-world = out / "building"
-run("vpr-synth", here.parent / "configs/worlds/small.json", "-o", world, "--quiet")
-corridor, nordland = data / "corridor", data / "nordland"
-rooms = [world / name for name in ("corridor", "hall", "upstairs")]
-building = ["--ground-truth", world / "query.ground_truth.csv"]
-pairs = building[1].read_text().splitlines(keepends=True)
-(out / "corridor.csv").write_text("".join(p for p in pairs if "hall" not in p))
-sets = [
-    ("corridor", [corridor / "ref"], corridor / "query", aligned(3)),
-    ("corridor, the other way round", [corridor / "query"], corridor / "ref", aligned(3)),
-    ("small building, three walks trained", rooms, world / "query", building),
-    ("small building, the corridor trained", rooms[:1], world / "query",
-     ["--ground-truth", out / "corridor.csv"]),
-    ("Nordland, summer trained", [nordland / "summer"], nordland / "winter", aligned(2)),
-    ("Nordland, winter trained", [nordland / "winter"], nordland / "summer", aligned(2)),
-]
+def pairs(name, lines):
+    (out / name).write_text("\n".join(["query,reference,label", *lines]) + "\n")
+    return ["--ground-truth", out / name]
 
-head = "| | " + " | ".join(f"{score}, {length}" for score in scores for length in lengths) + " |"
-rule = "|---|" + "---:|" * len(scores) * len(lengths)
-cases = list(itertools.product(scores, lengths))
-print(head, rule, sep="\n")
-for name, trains, walk, truth in sets:
-    cells = []
-    for score, length in cases:
-        query(database(*trains), walk, length, score, "--t-r", "-60" if score != "raw" else "0")
-        metrics = evaluate(truth)["metrics"]
-        shown = [100 * (metrics[key]["recall_at_100_precision"] or 0)
-                 for key in ("single_best", "by_margin")]
-        cells.append("{:.0f} → {:.0f}".format(*shown))
-    print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
 
-print("", head, rule, sep="\n")
-for name, trains, walk, truth in sets:
-    cells = []
-    for score, length in cases:
-        result = query(database(*trains), walk, length, score, "--decide", "margin")
-        recognitions = evaluate(truth)["counts"]["recognitions"]
-        cells.append(f"{recognitions['correct']} + {recognitions['incorrect']} of {result['query']['windows']}")
-    print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
-floors = sorted((data / "tower").iterdir())
-cells = []
-for score, length in cases:
-    recognitions = windows = 0
-    for train, walk in itertools.permutations(floors, 2):
-        result = query(database(train), walk, length, score, "--decide", "margin")
-        recognitions += result["totals"]["recognitions"]
-        windows += result["query"]["windows"]
-    cells.append(f"{recognitions} of {windows} ({100 * recognitions / windows:.1f} %)")
-print("| tower, 30 pairs of floors, all wrong | " + " | ".join(cells) + " |")
+def render(name, seed, resemblance):
+    world = json.loads((here.parent / "configs/worlds/speeds.json").read_text())
+    plan = world["floors"][0]
+    halls = [("corridor", 0, 0, 40, 3), ("hall", 10, 3, 20, 8), ("corridor", 37, 3, 3, 15)]
+    other = [dict(zip(("kind", "x", "y", "width", "depth"), hall)) for hall in halls]
+    world["floors"] += [dict(plan, name="upper"), {"name": "other", "rooms": other}]
+    route = [[1.5, 1.25], [28.75, 1.25], [28.75, 15], [2, 15]]
+    detour = [route[0], [11.25, 1.25], [11.25, 8], [15.25, 8], [15.25, 1.25], *route[1:]]
+    added = [("upstairs", "upper", route), ("leaves", "ground", detour),
+             ("elsewhere", "other", [[1, 1.5], [38.5, 1.5], [38.5, 17]])]
+    light = {"daylight": 0.7, "warmth": 0.2, "noise": 4}
+    world["walks"] += [{"name": walk, "use": "query", "floor": floor, "path": path, "conditions": light}
+                       for walk, floor, path in added]
+    path = out / f"{name}.json"
+    path.write_text(json.dumps(dict(world, name=name, seed=seed, resemblance=resemblance)))
+    run("vpr-synth", path, "-o", out / name, "--quiet")
+    return out / name
+
+
+def sets():
+    corridor, nordland = data / "corridor", data / "nordland"
+    laps = [f"{data}/loop/images@{lap}" for lap in ("0:40", "40:80")]
+    for name, trained, query, truth in [("corridor", corridor / "ref", corridor / "query", aligned(3)),
+                                        ("loop", *laps, aligned(3)),
+                                        ("Nordland", nordland / "summer", nordland / "winter", aligned(2))]:
+        yield name, [(trained, query, truth), (query, trained, truth)]
+    floors = itertools.permutations(sorted((data / "tower").iterdir()), 2)
+    yield "tower, 30 pairs", [(*floor, pairs("none.csv", [])) for floor in floors]
+    worlds = [render("a", 21, 0.3), render("b", 22, 0.8), render("c", 23, 0.5)]
+    for title, walks in [("rendered, equal speed", ["same"]), ("rendered, other speeds", ["slow", "fast", "varying"]),
+                         ("rendered, leaves the map", ["detour", "carried", "leaves"]),
+                         ("rendered, way back or other rooms", ["back", "elsewhere"]),
+                         ("rendered, look-alike floor", ["upstairs"])]:
+        yield title, [(world / "trained", world / walk, ["--ground-truth", world / f"{walk}.ground_truth.csv"])
+                      for world in worlds for walk in walks]
+
+
+def database(sequence):
+    path = out / (str(sequence).replace("/", "_") + ".vprdb")
+    if not path.exists():
+        run("vpr-train", "fastable", "--train", sequence, "-o", path, "--quiet")
+    return path
+
+
+def judge(case, length, score):
+    """Counts of correct and incorrect recognitions and of windows, and the largest incorrect margin."""
+    trained, query, truth = case
+    with tempfile.TemporaryDirectory(dir=out) as folder:
+        result = f"{folder}/r.json"
+        if run("vpr-query", database(trained), "--query", query, "--c-l", length, "--score", score, "--decide",
+               "margin", "-o", result, "--quiet", fails=True) is None:
+            return 0, 0, 0, 0.0  # shorter than a window
+        report = json.loads(run("vpr-eval", result, *truth, "--json"))
+    counts, outcomes = report["counts"]["recognitions"], report["outcomes"]
+    scale = math.sqrt(length)
+    if score == "raw":
+        manifest = json.loads((database(trained) / "manifest.json").read_text())
+        scale /= manifest["sequences"][0]["typical_distance"]
+    margins = [scale * float(margin) for best, margin in zip(outcomes["best"], outcomes["margins"].split())
+               if best in "wnb" and margin not in ("-", "nan")]
+    return counts["correct"], counts["incorrect"], len(outcomes["best"]), max(margins, default=0.0)
+
+
+def cell(cases, length, score):
+    *counts, margins = zip(*pool.map(judge, cases, itertools.repeat(length), itertools.repeat(score)))
+    correct, incorrect, windows = map(sum, counts)
+    return f"{correct} + {incorrect} of {windows} ({max(0.0, *margins):.2g})" if windows >= 10 else ""
+
+
+with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
+    out = pathlib.Path(folder)
+    cases = list(sets())
+    list(pool.map(database, {trained for _, runs in cases for trained, _, _ in runs}))
+    for score in sys.argv[3:] or titles:
+        print(f"| {titles[score]} | " + " | ".join(f"c_l {length}" for length in LENGTHS) + " |")
+        print("|---|" + "---:|" * len(LENGTHS))
+        for name, runs in cases:
+            print(f"| {name} | " + " | ".join(cell(runs, length, score) for length in LENGTHS) + " |", flush=True)

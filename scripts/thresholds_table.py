@@ -2,7 +2,7 @@
 """Thresholds of one walk, or half of one, applied to another: thresholds_table.py DATA [BIN] [--jobs N].
 DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
 configs/worlds/speeds.json. Prints the tables of docs/experiments/calibration.md: thresholds of
-vpr-tune fastable and of vpr-tune calibrate, and automatic thresholds and margins on whole walks."""
+vpr-tune fastable and of vpr-tune calibrate."""
 import argparse
 import array
 import collections
@@ -19,7 +19,7 @@ parser.add_argument("data", type=pathlib.Path)
 parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "build/release/bin")
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
-parser.add_argument("--tables", default="walks,hours,auto")
+parser.add_argument("--tables", default="walks,hours")
 parser.add_argument("--decisions", help="some of the decisions, separated by ';' (--decisions filter)")
 parser.add_argument("--seed", type=int, default=201, help="seed of the first rendered world")
 parser.add_argument("--work", type=pathlib.Path, help="folder of an earlier run, whose worlds are used")
@@ -240,56 +240,6 @@ def hour_table(pool):
               f"{'' if low <= found <= high else ' (outside)'} | {right:.0f} % |")
 
 
-def automatic(job):
-    group, name, database, frames, tolerance, walk, decision, length = job
-    key = f"auto-{name}-{pathlib.Path(walk.path).name}-{decision}-{length}".replace(" ", "").replace(",", "")
-    truth, config = cut_truth(walk, key, frames, tolerance), out / f"{key}.config.json"
-    words = DECISIONS[decision]
-    config.write_text(json.dumps({"score": words[1], "decide": words[3], "c_l": length}))
-    if group == "tower":  # every match is incorrect
-        truth.write_text("query,reference,label\n")
-    report = count(database, walk, truth, config, key)
-    known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
-    share = right_windows(key, truth) / known if known else None
-    return group, decision, report["counts"]["recognitions"]["incorrect"] == 0, share
-
-
-def auto_jobs(pairs):
-    seen = set()
-    for group, name, database, frames, tolerance, *walks in pairs:
-        for walk in walks:
-            frames_of = {"loop": (40, 80), "loopback": (0, 40)}.get(name, (0, walk.frames))
-            whole = part(walk, *frames_of)
-            if (name, whole.path) not in seen:
-                seen.add((name, whole.path))
-                yield group, name, database, frames, tolerance, whole
-    floors = sorted((options.data / "tower").iterdir())
-    for floor in floors:
-        database = train(floor, floor.name)
-        for other in floors:
-            if other != floor:
-                yield "tower", floor.name, database, 0, 0, walk_of(other)
-
-
-def auto_table(pool, pairs):
-    decisions = [decision for decision in DECISIONS if decision != "filter"]
-    todo = [(*job, decision, length) for job in auto_jobs(pairs) for decision in decisions
-            for length in (10, 20, 40) if job[-1].last - job[-1].first >= length + 4]
-    safe, shares = collections.defaultdict(list), collections.defaultdict(list)
-    for group, decision, is_safe, share in pool.map(automatic, todo):
-        safe[group, decision].append(is_safe)
-        shares[group, decision] += [share] if share is not None else []
-    print("\n| automatic, set | " + " | ".join(decisions) + " |")
-    print("|---|" + "---:|" * len(decisions))
-    for group in ("real", "rendered", "tower"):
-        cells = []
-        for decision in decisions:
-            found, share = safe[group, decision], shares[group, decision]
-            recognized = f", {100 * sum(share) / len(share):.0f} %" if share else ""
-            cells.append(f"{sum(found)} of {len(found)}{recognized}")
-        print(f"| {group} | " + " | ".join(cells) + " |", flush=True)
-
-
 def walk_table(pool, pairs):
     trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS
               for rule in ("recommended", "new")]
@@ -315,5 +265,3 @@ with concurrent.futures.ThreadPoolExecutor(options.jobs) as workers:
         walk_table(workers, walk_pairs)
     if "hours" in options.tables:
         hour_table(workers)
-    if "auto" in options.tables:
-        auto_table(workers, walk_pairs)

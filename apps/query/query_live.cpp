@@ -89,6 +89,8 @@ struct Follower {
     }
   }
 
+  LineFrame last = {};  ///< the latest frame
+
   void take(const LiveFrame& frame) {
     const auto described = describe(frame);
     const DescriptorShape shape = database.descriptors.rows().shape;
@@ -96,8 +98,13 @@ struct Follower {
     ArrivedFrame row{described ? described->rows()[0] : DescriptorRow(none), described.has_value()};
     if (described && !described->words.empty()) row.words = described->words.front();
     const std::optional<Result> result = query.take(row);
-    session.print_line(
-        live_line({frames++, frame.name, described.has_value()}, result ? &*result : nullptr, 0));
+    last = {frames++, frame.name, described.has_value()};
+    session.print_line(live_line(last, result ? &*result : nullptr, 0));
+  }
+
+  void finish() {
+    if (const std::optional<Result> result = query.finish())
+      session.print_line(live_line(last, &*result, 0));
   }
 };
 
@@ -126,8 +133,10 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
       follower.take(*frame);
       times_ms.push_back(static_cast<float>(1e3 * watch.elapsed_s()));
     }
+    follower.finish();
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::interrupted) throw;
+    follower.finish();
     report();
     throw Error(ErrorKind::interrupted, "interrupted");
   }

@@ -97,9 +97,9 @@ void add_window_flags(const Command& command, QueryOptions& options,
   add_score_settings(command, settings, kWindowGroup);
   add_decision_settings(command, settings, kWindowGroup);
   add_setting(command, "--margin", settings.margin,
-              "minimum difference of best match and runner-up in score per frame: a number, or "
-              "auto, from margins of training sequences that show different places (default: "
-              "auto; filter: 3)")
+              "minimum difference of best match and runner-up in score per frame (default: 5.1 / "
+              "sqrt(c_l) deviations; for raw distances 0.75 / sqrt(c_l) of the typical distance; "
+              "filter: 15)")
       .group(kWindowGroup);
   add_memory_flag(command, options.memory_limit,
                   "memory for rings and recognitions in bytes, as in 512M; beyond it, values are "

@@ -107,8 +107,9 @@ void add_sequence_grid(const Command& command, GridFlags& flags) {
           "(default: {}; in bits {}; for z-scores {})",
           kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]));
   command.add_option("--margin", flags.margins,
-                     fmt::format("margins for --decide margin, as in 0.2:1:0.1,auto; in score per "
-                                 "frame (default: {}; for z-scores {})",
+                     fmt::format("margins for --decide margin, as in 0.2:1:0.1,auto, where auto is "
+                                 "the default margin; in score per frame (default: {}; for "
+                                 "z-scores {})",
                                  kDistanceMargins, kScoreMargins));
 }
 

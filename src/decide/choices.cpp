@@ -211,7 +211,7 @@ constexpr std::array kChoices = {
            .needs = kMargin,
            .instead = "Use --decide margin.",
            .is_implied = is_set<&Settings::margin>},
-    Choice{.flag = "--margin auto",
+    Choice{.flag = "a default --margin",
            .needs = kTrainingDistances,
            .instead = "Use a number, as in --margin 20, with --exclusion-frames.",
            .is_implied =
@@ -289,7 +289,7 @@ void check_margin(const Settings& settings) {
   if (!settings.margin) return;
   const ScoreKind& kind = score_kind(settings.score);
   require(*settings.margin >= 0 && *settings.margin <= kind.most_margin,
-          fmt::format("margin must be auto or from 0 to {} {}, found {}", kind.most_margin,
+          fmt::format("margin must be from 0 to {} {}, found {}", kind.most_margin,
                       kind.margin_unit, *settings.margin));
 }
 

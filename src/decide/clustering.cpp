@@ -178,30 +178,30 @@ Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequenc
   return all;
 }
 
-Clusters cluster_tracks(std::span<const Match> recognitions, std::span<const uint32_t> tracks) {
+Clusters cluster_paths(std::span<const Match> recognitions, std::span<const uint32_t> paths) {
   Clusters clusters;
   for (size_t r = 0; r < recognitions.size(); ++r) {
-    const uint32_t track = tracks[recognitions[r].query];
-    const bool continues = r > 0 && track != 0 && track == tracks[recognitions[r - 1].query] &&
+    const uint32_t path = paths[recognitions[r].query];
+    const bool continues = r > 0 && path != 0 && path == paths[recognitions[r - 1].query] &&
                            recognitions[r].sequence == recognitions[r - 1].sequence;
     if (!continues) clusters.all.emplace_back();
     clusters.of_recognition.push_back(static_cast<uint32_t>(clusters.all.size() - 1));
     add_recognition(clusters.all.back(), recognitions[r]);
   }
   size_t first = 0;
-  for (Cluster& track : clusters.all) {
-    const Match& middle = recognitions[first + track.recognitions / 2];
-    track.query_window = middle.query;
-    track.train_window = middle.train;
-    first += track.recognitions;
+  for (Cluster& path : clusters.all) {
+    const Match& middle = recognitions[first + path.recognitions / 2];
+    path.query_window = middle.query;
+    path.train_window = middle.train;
+    first += path.recognitions;
   }
   return clusters;
 }
 
-std::optional<double> mean_rate(const Cluster& track) {
-  if (track.query_first == track.query_last) return std::nullopt;
-  return static_cast<double>(track.train_last - track.train_first) /
-         static_cast<double>(track.query_last - track.query_first);
+std::optional<double> mean_rate(const Cluster& path) {
+  if (path.query_first == path.query_last) return std::nullopt;
+  return static_cast<double>(path.train_last - path.train_first) /
+         static_cast<double>(path.query_last - path.query_first);
 }
 
 std::vector<PlaceRun> place_runs(std::span<const Match> recognitions, size_t reach,

@@ -1,5 +1,5 @@
-// Clusters of recognitions: connected components (DBSCAN with min_points 1), confirmed tracks, and
-// runs of places.
+// Clusters of recognitions: connected components (DBSCAN with min_points 1), recognized paths,
+// and runs of places.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ VPR_FIELDS(ClusterSettings, eps, eps_inclusive)
 /// A cluster of recognitions: one distinct recognition. Means are rounded half up.
 struct Cluster {
   uint32_t sequence = 0;
-  uint32_t query_window = 0;  ///< mean of the recognitions; for a track, the middle one
+  uint32_t query_window = 0;  ///< mean of the recognitions; for a path, the middle one
   uint32_t query_first = 0;
   uint32_t query_last = 0;
   uint32_t train_window = 0;  ///< likewise
@@ -64,15 +64,15 @@ Clusters cluster_recognitions(std::span<const Match> recognitions, const Cluster
 Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequences,
                              const ClusterSettings& settings, const Monitor& monitor = {});
 
-/// Consecutive recognitions of one confirmed track in one training sequence are a cluster. A
-/// recognition without a track is a cluster of its own. `recognitions`: sorted by query frame.
-/// `tracks`: track number by query frame; 0: no track. query_window and train_window of a cluster
-/// are from its middle recognition (of two, the later one). Clusters are in the order of their
-/// first recognition.
-Clusters cluster_tracks(std::span<const Match> recognitions, std::span<const uint32_t> tracks);
+/// Consecutive recognitions of one path in one training sequence are a cluster. A recognition
+/// without a path is a cluster of its own. `recognitions`: sorted by query frame. `paths`: number
+/// of the path by query frame; 0: none. query_window and train_window of a cluster are from its
+/// middle recognition (of two, the later one). Clusters are in the order of their first
+/// recognition.
+Clusters cluster_paths(std::span<const Match> recognitions, std::span<const uint32_t> paths);
 
-/// Training frames per query frame along a track; nullopt for a track of one query frame.
-std::optional<double> mean_rate(const Cluster& track);
+/// Training frames per query frame along a path; nullopt for a path of one query frame.
+std::optional<double> mean_rate(const Cluster& path);
 
 /// Recognitions of nearby places in nearby frames.
 struct PlaceRun {

@@ -37,15 +37,15 @@ double deviations_per_frame(double sum, size_t window_length) {
 }
 
 // The deviation of a mean of c_l independent distances, or z, is proportional to 1 / sqrt(c_l).
-// Measured on the corridor against itself and on rendered buildings (docs/methods.md).
-constexpr double kMarginShare = 0.45;
-constexpr double kMarginDeviations = 3;
+// Above every margin between floors that look alike (docs/experiments/margins.md).
+constexpr double kMarginShare = 0.75;
+constexpr double kMarginDeviations = 5.1;
 
-double least_distance_margin(double typical_distance, size_t window_length) {
+double default_distance_margin(double typical_distance, size_t window_length) {
   return kMarginShare * typical_distance / std::sqrt(static_cast<double>(window_length));
 }
 
-double least_score_margin(double, size_t window_length) {
+double default_score_margin(double, size_t window_length) {
   return kMarginDeviations / std::sqrt(static_cast<double>(window_length));
 }
 
@@ -65,7 +65,7 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .frame_value = distance_per_frame,
                             .margin_unit = "bits per frame",
                             .most_margin = 65535,
-                            .least_margin = least_distance_margin};
+                            .default_margin = default_distance_margin};
 
 constexpr ScoreKind zscore_row(bool is_offline) {
   return {.order = ScoreOrder::distance,
@@ -84,7 +84,7 @@ constexpr ScoreKind zscore_row(bool is_offline) {
           .frame_value = deviations_per_frame,
           .margin_unit = "deviations",
           .most_margin = 64,
-          .least_margin = least_score_margin};
+          .default_margin = default_score_margin};
 }
 
 constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,

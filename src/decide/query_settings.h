@@ -85,8 +85,8 @@ struct ScoreKind {
 
   std::string_view margin_unit = {};  ///< of a margin per frame, in sentences: "bits per frame"
   double most_margin = {};            ///< upper bound of margins per frame
-  /// Lower bound of the automatic margin per frame, from the typical distance of training frames.
-  double (*least_margin)(double typical_distance, size_t window_length) = nullptr;
+  /// The default margin per frame, from the typical distance of training frames.
+  double (*default_margin)(double typical_distance, size_t window_length) = nullptr;
 };
 
 /// All entries; FAB-MAP's is the last.
@@ -144,7 +144,7 @@ struct SequenceQuerySettings {
   ZScoreSettings zscore;
   std::vector<std::string> rates;  ///< of windows, "3/2": training per query frames; empty: 1
   Decision decision = Decision::threshold;
-  std::optional<double> margin;              ///< X, in score per frame; nullopt: automatic
+  std::optional<double> margin;              ///< X, in score per frame; nullopt: default_margin
   std::optional<uint64_t> exclusion_frames;  ///< exclusion radius w; nullopt: one per sequence
   /// "A=B": sequences of the same place. Empty: detected; "none": all places differ.
   std::vector<std::string> same_place;
@@ -222,8 +222,8 @@ void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
 /// The settings of any method.
 using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 
-/// The default margin of the method filter, in standard deviations.
-inline constexpr double kFilterMargin = 3;
+/// The default margin of the filter, in standard deviations.
+inline constexpr double kFilterMargin = 15;
 
 /// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
 void check_window_length(uint64_t window_length);

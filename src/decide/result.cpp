@@ -5,9 +5,7 @@
 namespace vpr {
 
 ResultPath::ResultPath(size_t frames)
-    : off_map(frames, std::numeric_limits<double>::quiet_NaN()),
-      rates(off_map),
-      tracks(frames, 0) {}
+    : rates(frames, std::numeric_limits<double>::quiet_NaN()), numbers(frames, 0), decided(rates) {}
 
 std::optional<double> frame_margin(const Result& result, size_t query_window) {
   if (query_window >= result.margins.size() || !result.margins[query_window]) return std::nullopt;
@@ -16,7 +14,7 @@ std::optional<double> frame_margin(const Result& result, size_t query_window) {
 
 void cluster(Result& result, const Monitor& monitor) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  result.clusters = result.path ? cluster_tracks(result.recognitions, result.path->tracks)
+  result.clusters = result.path ? cluster_paths(result.recognitions, result.path->numbers)
                                 : cluster_by_sequence(result.recognitions, result.sequences.size(),
                                                       settings.clustering, monitor);
 }

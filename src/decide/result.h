@@ -53,9 +53,9 @@ struct ResultPlaces {
 
 /// The reports of the filter, by query frame.
 struct ResultPath {
-  std::vector<double> off_map;   ///< score of the off-map state; NaN: unreadable frame
-  std::vector<double> rates;     ///< training frames per query frame; NaN: not yet known
-  std::vector<uint32_t> tracks;  ///< number of the confirmed track, from 1 on; 0: no track
+  std::vector<double> rates;      ///< training frames per query frame; NaN: not yet known
+  std::vector<uint32_t> numbers;  ///< of the path, from 1 on; 0: an unreadable frame
+  std::vector<double> decided;    ///< query frame at which it was recognized; NaN: it was not
 
   /// Unknown values for this number of query frames.
   explicit ResultPath(size_t frames = 0);
@@ -75,7 +75,7 @@ struct Result {
   /// Empty: unknown, as for approximate methods and FAB-MAP.
   std::vector<std::optional<double>> margins;
   std::optional<Clusters> clusters;    ///< of the recognitions: by sequence, first recognition;
-                                       ///< tracks by first recognition
+                                       ///< paths by first recognition
   std::optional<SearchRecall> recall;  ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of z-scores
   std::optional<ResultPath> path;            ///< of the filter
@@ -89,7 +89,7 @@ struct Result {
 /// The margin of a query window, in score per frame.
 std::optional<double> frame_margin(const Result& result, size_t query_window);
 
-/// Clusters the recognitions of a sequence method by distance, or by track for the filter.
+/// Clusters the recognitions of a sequence method by distance, or by path for the filter.
 void cluster(Result& result, const Monitor& monitor = {});
 
 /// The anchor of a window: its last frame, where the user is.

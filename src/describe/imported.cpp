@@ -265,10 +265,11 @@ double coordinate_unit(std::string_view kind, std::span<const SequenceSource> se
       if (is_missing_vector(row)) return;
       check_numbers(row, rows.where(i));
       lengths[i] = length_of(row);
+    });
+    for (size_t i = 0; i < lengths.size(); ++i)
       if (!std::isfinite(2 * lengths[i]))
         throw Error(ErrorKind::data,
                     fmt::format("{}: is too long for Euclidean distances", rows.where(i)));
-    });
     const double longest = *std::max_element(lengths.begin(), lengths.end());
     unit = std::max(unit, 2 * longest / longest_point(rows.length()));
   }

@@ -13,8 +13,8 @@ void set_pairs(Judgment& judgment, MatrixScan scan) {
 }
 
 void set_verdicts(Judgment& judgment, std::vector<FrameVerdict> verdicts, const GroundTruth& truth,
-                  std::span<const double> traveled_m) {
-  judgment.localization = localize(verdicts, traveled_m);
+                  std::span<const double> traveled_m, std::span<const double> decided = {}) {
+  judgment.localization = localize(verdicts, traveled_m, decided);
   judgment.verdicts = std::move(verdicts);
   for (size_t frame = 0; frame < truth.pairs.size(); ++frame)
     judgment.localization.frames_with_match += truth.has_match(frame);
@@ -71,7 +71,8 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
     judgment.recognized.push_back(
         {recognition.query, column_of(judgment.layout, recognition.sequence, recognition.train)});
   }
-  set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m);
+  set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m,
+               result.path ? result.path->decided : std::vector<double>{});
   return judgment;
 }
 

@@ -277,7 +277,8 @@ std::optional<double> Localization::share() const {
   return static_cast<double>(correct) / static_cast<double>(frames);
 }
 
-Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m) {
+Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
+                      std::span<const double> decided) {
   assert(traveled_m.empty() || traveled_m.size() == verdicts.size());
   Localization found;
   found.frames = verdicts.size();
@@ -295,8 +296,9 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
     if (verdicts[frame] != FrameVerdict::correct) continue;
     const double here_m = has_meters ? traveled_m[frame] : 0;
     if (found.correct == 0) {
-      found.first_recognition_frames = frame;
-      if (has_meters) found.first_recognition_m = here_m - traveled_m.front();
+      const size_t known = decided.empty() ? frame : static_cast<size_t>(decided[frame]);
+      found.first_recognition_frames = known;
+      if (has_meters) found.first_recognition_m = traveled_m[known] - traveled_m.front();
     }
     ++found.correct;
     end_gap(frame, here_m);

@@ -143,16 +143,18 @@ struct Localization {
   size_t longest_gap_frames = 0;        ///< consecutive frames without a correct recognition
   std::optional<double> longest_gap_m;  ///< traveled between two correct recognitions; the ends of
                                         ///< the path count as verdicts here
-  std::optional<size_t>
-      first_recognition_frames;  ///< frames before the first correct recognition; unset: none
-  std::optional<double> first_recognition_m;  ///< traveled before the first correct recognition
+  std::optional<size_t> first_recognition_frames;  ///< frames before the decision on the first
+                                                   ///< correct recognition; unset: none
+  std::optional<double> first_recognition_m;       ///< traveled before it
 
   /// right / frames; unset for an empty path.
   std::optional<double> share() const;
 };
 
-/// `traveled_m`: the distance from the start to each frame, or empty.
-Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m);
+/// `traveled_m`: the distance from the start to each frame, or empty. `decided`: the frame at which
+/// each recognized frame was decided; empty: at once.
+Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
+                      std::span<const double> decided = {});
 
 /// A row of the table of metrics; exactly one of the functions is set.
 struct Metric {

@@ -105,7 +105,6 @@ struct FusedViews {
   Vocabulary vocabulary;        ///< of the FAB-MAP database, to describe frames
   std::vector<size_t> frames;   ///< frame count of each training sequence
   std::vector<uint32_t> views;  ///< view of each training frame, sequence after sequence
-  std::vector<WordSet> words;   ///< words of each training frame
 };
 
 }  // namespace vpr

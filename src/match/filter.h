@@ -1,10 +1,9 @@
-// A Bayes filter over places and rates, its cells, and the re-scoring of a track.
+// The filter over places and rates: the evidence of the paths that end at each place.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <span>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "match/filter_kernels.h"
 #include "match/filter_settings.h"
 #include "match/frame_distances.h"
+#include "match/score_kernels.h"
 
 namespace vpr {
 
@@ -55,10 +55,19 @@ struct FilterRate {
 };
 const std::array<FilterRate, kRates>& filter_rates();
 
-/// The state after some keyframes of a query: masses of all cells and rates, up to a factor. 60
-/// bytes per place, and 4 for its value.
+/// The model: a place supports a path by kSharpness * (kUnrelated - z), in nats. A path keeps its
+/// rate for a keyframe with probability 1 - kRateChange. kMostEvidence bounds the evidence of a
+/// path, in nats.
+inline constexpr double kSharpness = 0.3;
+inline constexpr double kUnrelated = -0.75;
+inline constexpr double kRateChange = 0.05;
+inline constexpr double kMostEvidence = 8;
+
+/// The state after some keyframes of a query: the mass of each cell and rate is the sum over all
+/// paths that end there, each the product of its likelihood ratios to unrelated places. At each
+/// keyframe a path of mass 1 begins at every place. 64 bytes per place, and 4 for each of the
+/// earlier values.
 struct FilterState {
-  FilterSettings settings;
   FilterCells cells;
   FilterKernels kernels;
   std::vector<float> likelihood_of;  ///< by score / kScoresPerLikelihood
@@ -69,10 +78,9 @@ struct FilterState {
   std::array<std::vector<float>, kRates> before;  ///< by rate: after changes of the rate
   std::array<std::vector<float>, kRates> after;
   std::vector<float> masses;     ///< of every cell, summed over rates
-  double off_map = 0;            ///< mass of the off-map state
-  double total = 1;              ///< total mass
-  std::vector<uint32_t> values;  ///< of every cell: kScoreBias and -log(mass / total) / sharpness
-  uint32_t nowhere_value = 0;
+  double kept = 1;               ///< factor of all masses: no evidence exceeds kMostEvidence
+  std::vector<uint32_t> values;  ///< of every cell: kScoreBias - log(kept * mass) / kSharpness
+  std::vector<std::vector<uint32_t>> earlier;  ///< values of earlier keyframes, the latest first
 };
 
 /// Scores that differ by less have equal likelihoods: 1/64 of a deviation.
@@ -81,60 +89,21 @@ inline constexpr uint32_t kScoresPerLikelihood = 16;
 /// The value of a cell that is not a place.
 inline constexpr uint32_t kNoValue = std::numeric_limits<uint32_t>::max();
 
-/// The state before the first keyframe: half off the map, half uniform over places, with the rates'
-/// priors. Throws Error(usage) for settings out of range. `least_change`: frame distance between
-/// keyframes.
+/// The value of a path that begins: evidence 0.
+inline constexpr uint32_t kNewPathValue = kScoreBias;
+
+/// The state before the first keyframe: no path. Throws Error(usage) for settings out of range.
+/// `least_change`: frame distance between keyframes.
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,
                          double least_change);
-
-/// Replaces the places and forgets all keyframes.
-void place_filter(FilterState& state, FilterCells cells);
 
 /// Forgets all keyframes.
 void restart_filter(FilterState& state);
 
 /// Adds a keyframe of the query: its z-scores to all training frames, in the format of
-/// ScoreKernels::to_zscores. Values, also of the off-map state, are integers in units of 1/1024
-/// deviations; smaller is likelier. Time O(cells). Unspecified without places.
+/// ScoreKernels::to_zscores. Values are integers in units of 1/1024 deviations; smaller is
+/// likelier. The last path_keyframes / 2 values are kept. Time O(cells). Unspecified without
+/// places.
 void advance_filter(FilterState& state, std::span<const uint16_t> scores);
-
-/// The maximum number of keyframes of a path that are re-scored.
-inline constexpr size_t kRescoredKeyframes = 48;
-
-/// The re-scored keyframes of a path.
-struct RescoredPath {
-  /// -z at the best places of its keyframes, in scores; oldest first
-  std::vector<int32_t> supports;
-  uint32_t margin = 0;  ///< over the off-map state, in scores
-};
-
-/// A keyframe of a path, and its distances to the places around its best one.
-struct PathKeyframe {
-  size_t best = 0;                ///< cell
-  size_t first = 0;               ///< cell
-  std::vector<double> distances;  ///< centered, to the cells from `first` on, which are in one run
-};
-
-/// The early keyframes of a query are scored mainly with training statistics. Later statistics are
-/// better: the z-scores of a path are recomputed with them, and a filter over its places and the
-/// off-map state processes them from the first keyframe to the last.
-struct Rescoring {
-  FilterState filter;  ///< its cells are those around the path
-  std::deque<PathKeyframe> views;
-};
-
-/// `filter`: the filter over all places.
-Rescoring start_rescoring(const FilterState& filter);
-
-/// Adds a keyframe of the path, whose best place is `cell`, and its scores to all training frames.
-/// `scale`: the statistics of the scores.
-void add_keyframe(Rescoring& rescoring, const FilterCells& cells, std::span<const uint16_t> scores,
-                  const std::function<ScoreScale(size_t)>& scale, size_t cell);
-
-/// Re-scores the keyframes with the statistics `scale`. The margin is the margin of the likeliest
-/// place within near_keyframes of the last best one; keyframes before an unreadable training frame
-/// add nothing to it. There must be a keyframe. Time O(keyframes * near_keyframes).
-RescoredPath rescore(Rescoring& rescoring, const FilterCells& cells,
-                     const std::function<ScoreScale(size_t)>& scale);
 
 }  // namespace vpr

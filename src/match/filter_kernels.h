@@ -21,7 +21,7 @@ using ConstRateArrays = std::array<const float*, kRates>;
 struct FilterStep {
   /// By rate and step: its probability, times the normalization of masses.
   std::array<std::array<float, kSteps>, kRates> weights;
-  std::array<float, kRates> entering;  ///< mass that enters each cell by jumps and from off the map
+  std::array<float, kRates> entering;  ///< mass of the paths that begin at each cell
   std::array<float, kRates> change;    ///< share of a cell's mass that changes to the rate
   float stay = 0;                      ///< share of a rate's mass that stays with it
 };

@@ -12,10 +12,11 @@ namespace {
 struct FilteredQuery {
   FilterState filter;
   PathTrack track;
-  Rescoring rescoring;
-  std::vector<uint16_t> scores;  ///< of the last frame to all training frames
-  std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
-  std::vector<uint8_t> view;     ///< descriptor of the last keyframe; empty after a gap
+  double least_change = 0;         ///< frame distance between keyframes
+  std::vector<uint16_t> scores;    ///< of the last frame to all training frames
+  std::vector<uint32_t> row;       ///< of the last frame: values of all training frames
+  std::vector<uint8_t> view;       ///< descriptor of the last keyframe; empty after a gap
+  std::vector<PathMatch> matches;  ///< of the report
 };
 
 // Also computes the scores of frames that are not keyframes, because statistics may be updated.
@@ -27,38 +28,10 @@ void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t f
   });
 }
 
-// The change since the last keyframe.
-double change_since(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
+bool is_keyframe(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
   const DescriptorRows& rows = distances.query.rows;
-  return query.view.empty() ? 0 : distance_of(rows.shape.element).pair(query.view, rows[frame]);
-}
-
-double in_typical(double change, double typical_distance) {
-  return typical_distance > 0 ? change / typical_distance : 0;
-}
-
-// The change of the training sequence between two places of a sequence.
-double train_change(const FilterCells& cells, const FrameDistances& distances, size_t from,
-                    size_t to) {
-  const auto index = static_cast<size_t>(&run_of(cells, to) - cells.runs.data());
-  const FrameRun& run = distances.train_runs[index];
-  const size_t first = run.first - run.first_in_sequence;
-  return frame_distance(distances.train[run.sequence].rows, cells.frames[from] - first,
-                        cells.frames[to] - first);
-}
-
-QueryKeyframe query_view(FilteredQuery& query, const FrameDistances& distances, size_t number,
-                         double change) {
-  const double typical = distances.typical_distance;
-  const auto rescore_path = [&query, &distances](size_t cell, bool begins) {
-    if (begins) query.rescoring.views.clear();
-    add_keyframe(query.rescoring, query.filter.cells, query.scores, distances.scale, cell);
-    return rescore(query.rescoring, query.filter.cells, distances.learned_scale);
-  };
-  const auto walked = [&query, &distances, typical](size_t from, size_t to) {
-    return in_typical(train_change(query.filter.cells, distances, from, to), typical);
-  };
-  return {number, in_typical(change, typical), rescore_path, walked};
+  return query.view.empty() ||
+         distance_of(rows.shape.element).pair(query.view, rows[frame]) >= query.least_change;
 }
 
 void write_views(FilteredQuery& query) {
@@ -76,21 +49,54 @@ void write_views(FilteredQuery& query) {
 }
 
 // One frame of the best keyframe is better than the others.
-void write_best(FilteredQuery& query, const PathFrame& path) {
+void write_best(FilteredQuery& query, size_t position) {
   const FilterCells& cells = query.filter.cells;
-  const uint32_t value = query.filter.values[path.cell];
-  const size_t end = view_end(cells, run_of(cells, path.cell), path.cell);
-  std::fill(query.row.begin() + cells.frames[path.cell],
-            query.row.begin() + static_cast<ptrdiff_t>(end), value + 1);
-  query.row[path.frame] = value;
+  const PathKeyframe& best = query.track.recent.back();
+  const size_t end = view_end(cells, run_of(cells, best.cell), best.cell);
+  std::fill(query.row.begin() + cells.frames[best.cell],
+            query.row.begin() + static_cast<ptrdiff_t>(end), best.value + 1);
+  query.row[position] = best.value;
+}
+
+// The matches of the query frames of a keyframe before `end`.
+void add_matches(FilteredQuery& query, const FrameDistances& distances,
+                 const PathKeyframe& keyframe, size_t first, size_t end, double rate) {
+  const FilterCells& cells = query.filter.cells;
+  const auto run = static_cast<size_t>(&run_of(cells, keyframe.cell) - cells.runs.data());
+  const FrameRun& frames = distances.train_runs[run];
+  for (size_t frame = first; frame < end; ++frame) {
+    const size_t position = position_at(cells, keyframe, frame, rate);
+    query.matches.push_back(
+        {static_cast<uint32_t>(frame), static_cast<uint32_t>(frames.sequence),
+         static_cast<uint32_t>(position - frames.first + frames.first_in_sequence),
+         keyframe.value});
+  }
+}
+
+PathReport report_at(FilteredQuery& query, const FrameDistances& distances, size_t frame,
+                     bool is_new) {
+  const PathTrack& track = query.track;
+  const std::optional<double> rate = recent_rate(track, query.filter.cells);
+  const size_t open = open_keyframes(track);
+  const size_t keyframes = track.recent.size();
+  const size_t first = keyframes - std::min(keyframes, is_new ? open + 1 : 1);
+  query.matches.clear();
+  for (size_t k = first; k < keyframes; ++k) {
+    const size_t end = k + 1 < keyframes ? track.recent[k + 1].frame : frame + 1;
+    const size_t begin = is_new ? track.recent[k].frame : frame;
+    // A path with few keyframes is assumed to have the speed of the training sequence.
+    add_matches(query, distances, track.recent[k], begin, end, rate.value_or(1));
+  }
+  const size_t settled = open == 0 ? frame + 1 : track.recent[keyframes - open].frame;
+  return {track.number, track.margin, track.recent.front().frame, settled, rate, query.matches};
 }
 
 FilteredQuery start_filtered(const FrameDistances& distances, const MatchSettings& settings) {
   assert(distances.is_in_order());
   FilteredQuery query;
-  query.filter = start_filter(distances, settings.filter,
-                              settings.filter.keyframe_change * distances.typical_distance);
-  query.rescoring = start_rescoring(query.filter);
+  query.least_change = settings.filter.keyframe_change * distances.typical_distance;
+  query.filter = start_filter(distances, settings.filter, query.least_change);
+  query.track.settings = settings.filter;
   query.track.kernels = settings.kernels;
   query.track.shared = settings.overlapping_sequences;
   query.scores.resize(distances.train_frames + kBlockFrames);
@@ -101,7 +107,7 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
 // Restarts, as after an unreadable frame.
 void restart(FilteredQuery& query) {
   restart_filter(query.filter);
-  query.track.views = 0;
+  query.track.keyframes = 0;
   query.view.clear();
 }
 
@@ -110,18 +116,18 @@ PathReport add_frame(FilteredQuery& query, const FrameDistances& distances,
                      const QueryFrame& frame) {
   if (frame.in_a_row == 1) restart(query);
   find_scores(query, distances, frame.row);
-  const double change = change_since(query, distances, frame.row);
-  if (query.view.empty() ||
-      change >= query.filter.settings.keyframe_change * distances.typical_distance) {
+  const bool is_new = is_keyframe(query, distances, frame.row);
+  if (is_new) {
     const DescriptorRow view = distances.query.rows[frame.row];
     query.view.assign(view.begin(), view.end());
     advance_filter(query.filter, query.scores);
-    follow_keyframe(query.track, query.filter, query_view(query, distances, frame.number, change));
+    follow_keyframe(query.track, query.filter, frame.number);
     write_views(query);
   }
-  const PathFrame path = path_at(query.track, query.filter.cells, frame.number);
-  write_best(query, path);
-  return {path.margin, path.off_map, path.rate, path.track};
+  const PathReport report = report_at(query, distances, frame.number, is_new);
+  write_best(query, position_at(query.filter.cells, query.track.recent.back(), frame.number,
+                                report.rate.value_or(1)));
+  return report;
 }
 
 }  // namespace

@@ -2,40 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-
-#include "match/score_kernels.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kRecentViews = 16;
-constexpr size_t kFewViews = 6;  // fewer keyframes do not determine the rate
-constexpr size_t kSupportViews = 24;
-constexpr size_t kMarginViews = 16;
-
-struct BestPlace {
-  size_t cell = 0;
-  uint32_t value = kNoValue;
-};
+constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 
 uint32_t least_of(const PathTrack& track, const FilterState& state, size_t first, size_t last) {
   return first < last ? track.kernels.minimum(state.values.data() + first, last - first) : kNoValue;
 }
 
-BestPlace find_best(const PathTrack& track, const FilterState& state) {
+size_t best_cell(const PathTrack& track, const FilterState& state) {
   const std::vector<uint32_t>& values = state.values;
-  BestPlace best;
-  best.value = track.kernels.minimum(values.data(), values.size());
-  best.cell = track.kernels.find_below(values.data(), 0, values.size(), best.value + 1);
-  return best;
+  const uint32_t least = track.kernels.minimum(values.data(), values.size());
+  return track.kernels.find_below(values.data(), 0, values.size(), least + 1);
 }
 
+bool continues_path(const PathTrack& track, const FilterState& state, size_t cell) {
+  if (track.keyframes == 0) return false;
+  const size_t last = track.recent.back().cell;
+  const size_t gap = std::max(cell, last) - std::min(cell, last);
+  return gap <= track.settings.near_keyframes &&
+         run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
+}
+
+// The smallest value of a runner-up and of a new path.
 uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_t cell) {
   const size_t sequence = run_of(state.cells, cell).sequence;
-  const size_t near = state.settings.near_keyframes;
+  const size_t near = track.settings.near_keyframes;
   const size_t before = cell - std::min(cell, near);  // the first near cell
-  uint32_t least = kNoValue;
+  uint32_t least = kNewPathValue;
   for (const CellRun& run : state.cells.runs) {
     const size_t end = run.first + run.count;
     if (run.sequence == sequence) {
@@ -48,131 +44,63 @@ uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_
   return least;
 }
 
-bool continues_path(const PathTrack& track, const FilterState& state, size_t cell) {
-  if (track.views == 0) return false;
-  const size_t last = track.last.cell;
-  const size_t gap = std::max(cell, last) - std::min(cell, last);
-  return gap <= state.settings.near_keyframes &&
-         run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
+// The place before a step to `cell`. kLongestStep cells before a run are not places.
+size_t place_before(const std::vector<uint32_t>& values, size_t cell) {
+  const auto first = values.begin() + static_cast<ptrdiff_t>(cell - kLongestStep);
+  return cell - kLongestStep +
+         static_cast<size_t>(std::min_element(first, first + kLongestStep + 1) - first);
 }
 
-int64_t in_scores(double deviations) { return std::llround(deviations * kScoreUnit); }
-
-// The mean of the last 24 keyframes.
-double usual_support(const PathTrack& track) {
-  const auto views = static_cast<ptrdiff_t>(std::min(track.supports.size(), kSupportViews));
-  const auto sum = std::accumulate(track.supports.end() - views, track.supports.end(), int64_t{0});
-  return static_cast<double>(sum) / static_cast<double>(views);
-}
-
-// The mean of the earlier keyframes.
-double usual_margin(const PathTrack& track, uint32_t margin) {
-  if (track.margins.empty()) return margin;
-  const auto sum = std::accumulate(track.margins.begin(), track.margins.end(), uint64_t{0});
-  return static_cast<double>(sum) / static_cast<double>(track.margins.size());
-}
-
-// A kidnapped camera loses the support and margin of the path, and its images change more than the
-// training sequence. `excess`: this difference, in typical distances.
-bool is_present(const PathTrack& track, uint32_t margin, double excess, double least) {
-  const double usual = usual_support(track);
-  if (usual <= 0 || margin == 0) return false;
-  const double margins = margin / usual_margin(track, margin);
-  return track.support / usual + std::min(margins, kMostMarginShare) -
-             kChangeWeight * std::max(excess, 0.0) >=
-         least;
-}
-
-bool is_as_long(const PathTrack& track, size_t views) {
-  const size_t cell = track.last.cell;
-  return track.views + cell - std::min(cell, track.start) >= 2 * views;  // twice the length
-}
-
-// Similar places support a path as well, but less; a longer path needs less.
-bool is_confirmable(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
-  const auto has = [&](double share) {
-    return margin >= in_scores(share * settings.confirm_margin) &&
-           usual_support(track) >= share * settings.support * kScoreUnit;
-  };
-  const bool has_evidence = track.evidence >= in_scores(settings.confirm_evidence) &&
-                            margin >= in_scores(settings.confirm_margin);
-  return has_evidence || (is_as_long(track, settings.confirm_keyframes) && has(1)) ||
-         (is_as_long(track, 2 * settings.confirm_keyframes) && has(kLongShare));
-}
-
-// `margin` is the margin of the place, confirmed or not.
-void update_confirmation(PathTrack& track, const FilterSettings& settings, uint32_t margin,
-                         double excess) {
-  if (track.views == 1 || margin == 0 || track.support < 0) track.is_confirmed = false;
-  const bool is_now = is_present(track, margin, excess, settings.present_support);
-  if (is_now && !track.is_confirmed && is_confirmable(track, settings, margin)) {
-    track.is_confirmed = true;
-    ++track.number;
-  }
-  track.last.track = track.is_confirmed ? track.number : 0;
-  const bool is_enough = is_as_long(track, 2 * settings.confirm_keyframes) ||
-                         margin >= in_scores(settings.confirm_margin);
-  track.last.margin = track.is_confirmed && is_now && is_enough ? margin : 0;
-  track.margins.push_back(margin);
-  if (track.margins.size() > kMarginViews) track.margins.pop_front();
-}
-
-void begin_path(PathTrack& track, size_t cell) {
-  track.views = 0;
-  track.start = cell;
-  track.margins.clear();
-  track.recent.clear();
-}
-
-void update_support(PathTrack& track, std::vector<int32_t> supports) {
-  const int64_t most = in_scores(kMostEvidence);
-  track.supports = std::move(supports);
-  track.support = 0;
-  track.evidence = 0;
-  for (const int32_t support : track.supports) {
-    track.support = (track.support + support) >> 1;  // rounded down, also below 0
-    const int64_t added = support - in_scores(kUnrelatedSupport);
-    track.evidence = std::max<int64_t>(0, track.evidence + std::clamp(added, -most, most));
+void trace_back(PathTrack& track, const FilterState& state) {
+  size_t cell = track.recent.back().cell;
+  for (size_t k = 1; k < open_keyframes(track) + 1 && k < track.recent.size(); ++k) {
+    const std::vector<uint32_t>& values = state.earlier[k - 1];
+    cell = place_before(values, cell);
+    PathKeyframe& keyframe = track.recent[track.recent.size() - 1 - k];
+    keyframe.cell = cell;
+    keyframe.value = values[cell];
   }
 }
 
 }  // namespace
 
-void follow_keyframe(PathTrack& track, const FilterState& state, const QueryKeyframe& view) {
-  const BestPlace best = find_best(track, state);
-  double excess = 0;
-  const bool begins = !continues_path(track, state, best.cell);
-  if (begins) {
-    begin_path(track, best.cell);
-  } else if (view.train_change) {
-    excess = view.change - view.train_change(track.last.cell, best.cell);
-  }
-  const size_t frame = state.cells.frames[best.cell];
-  ++track.views;
-  RescoredPath reading = view.rescore_path(best.cell, begins);
-  update_support(track, std::move(reading.supports));
-  track.recent.push_back({view.frame, frame});
-  if (track.recent.size() > kRecentViews) track.recent.pop_front();
-  track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt, 0};
-  if (track.recent.size() >= kFewViews) {
-    const PathTrack::Point& from = track.recent.front();
-    const size_t passed = frame - std::min(frame, from.train_frame);
-    track.last.rate =
-        static_cast<double>(passed) / static_cast<double>(view.frame - from.query_frame);
-  }
-  const uint32_t elsewhere = runner_up_value(track, state, best.cell);
-  const uint32_t ahead = elsewhere - std::min(elsewhere, best.value);
-  update_confirmation(track, state.settings, std::min(ahead, reading.margin), excess);
+size_t open_keyframes(const PathTrack& track) {
+  return std::min<size_t>(track.keyframes, track.settings.path_keyframes / 2);
 }
 
-PathFrame path_at(const PathTrack& track, const FilterCells& cells, size_t query_frame) {
-  PathFrame now = track.last;
-  const size_t elapsed = query_frame - track.recent.back().query_frame;
-  const double passed = std::floor(static_cast<double>(elapsed) * now.rate.value_or(1) + 0.5);
-  const size_t end = view_end(cells, run_of(cells, now.cell), now.cell);
-  const size_t rest = end - 1 - now.frame;
-  now.frame += static_cast<size_t>(std::min(passed, static_cast<double>(rest)));
-  return now;
+void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame) {
+  const size_t cell = best_cell(track, state);
+  if (!continues_path(track, state, cell)) {
+    track.keyframes = 0;
+    track.recent.clear();
+    ++track.number;
+  }
+  ++track.keyframes;
+  track.recent.push_back({query_frame, cell, state.values[cell]});
+  if (track.recent.size() > track.settings.path_keyframes * 3 / 2 + 1) track.recent.pop_front();
+  trace_back(track, state);
+  track.margin = 0;
+  if (track.keyframes < track.settings.path_keyframes) return;
+  const uint32_t runner_up = runner_up_value(track, state, cell);
+  track.margin = runner_up - std::min(runner_up, state.values[cell]);
+}
+
+std::optional<double> recent_rate(const PathTrack& track, const FilterCells& cells) {
+  if (track.recent.size() < kFewKeyframes) return std::nullopt;
+  const size_t before = std::min<size_t>(track.recent.size() - 1, track.settings.path_keyframes);
+  const PathKeyframe& from = track.recent[track.recent.size() - 1 - before];
+  const PathKeyframe& to = track.recent.back();
+  const size_t first = cells.frames[from.cell];
+  const size_t passed = std::max<size_t>(cells.frames[to.cell], first) - first;
+  return static_cast<double>(passed) / static_cast<double>(to.frame - from.frame);
+}
+
+size_t position_at(const FilterCells& cells, const PathKeyframe& keyframe, size_t query_frame,
+                   double rate) {
+  const size_t first = cells.frames[keyframe.cell];
+  const double passed = std::floor(static_cast<double>(query_frame - keyframe.frame) * rate + 0.5);
+  const size_t rest = view_end(cells, run_of(cells, keyframe.cell), keyframe.cell) - 1 - first;
+  return first + static_cast<size_t>(std::min(passed, static_cast<double>(rest)));
 }
 
 }  // namespace vpr

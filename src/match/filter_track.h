@@ -1,9 +1,7 @@
-// Confirmation of tracks: the best place must be the end of one path for some time. The window
-// stage of the filter.
+// The path of the best places, traced back. The window stage of the filter.
 #pragma once
 
 #include <deque>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -15,86 +13,51 @@ namespace vpr {
 /// Which training sequences overlap, [a][b]; empty: none.
 using SharedPlaces = std::vector<std::vector<uint8_t>>;
 
-/// A keyframe of the query.
-struct QueryKeyframe {
-  size_t frame = 0;   ///< its first frame
-  double change = 0;  ///< since the last keyframe, in typical distances
-  /// Re-scores this keyframe and the previous ones of the path to its best place; `begins`: a new
-  /// path.
-  std::function<RescoredPath(size_t cell, bool begins)> rescore_path;
-  /// The change of the training sequence between two places, in the same unit; not set: the change
-  /// of the query.
-  std::function<double(size_t from, size_t to)> train_change;
+/// A keyframe of the query on a path.
+struct PathKeyframe {
+  size_t frame = 0;  ///< its first frame
+  size_t cell = 0;
+  uint32_t value = 0;  ///< of the cell
 };
 
-/// The state at a query frame.
-struct PathFrame {
-  size_t cell = 0;             ///< of the best place; ties: the smallest
-  size_t frame = 0;            ///< position within its keyframe, in all training frames
-  uint32_t margin = 0;         ///< 0: not confirmed
-  uint32_t off_map = 0;        ///< the value of the off-map state
-  std::optional<double> rate;  ///< recent training frames per query frame
-  uint32_t track = 0;          ///< number of the confirmed track, from 1 on; 0: not confirmed
-};
-
-/// The path of the best places of the last keyframes.
+/// The path that ends at the best place of the last keyframe.
 struct PathTrack {
+  FilterSettings settings;
   RowKernels kernels;
   SharedPlaces shared;
-  bool is_confirmed = false;
-  /// of confirmed tracks so far: increases whenever is_confirmed becomes true
-  uint32_t number = 0;
-  size_t views = 0;  ///< of the query; 0 before the first one
-  size_t start = 0;  ///< the first cell of the path
-  /// -z at the places of its last keyframes, in scores (RescoredPath)
-  std::vector<int32_t> supports;
-  int32_t support = 0;  ///< their mean, weighted 1/2, 1/4, ... into the past
-  /// The sum of -z - kUnrelatedSupport at these places, in scores, never below 0 (the CUSUM
-  /// statistic); each keyframe changes it by at most kMostEvidence.
-  int64_t evidence = 0;
-  std::deque<uint32_t> margins;  ///< of the keyframes before the last one, confirmed or not
-  PathFrame last;
-
-  struct Point {
-    size_t query_frame = 0;
-    size_t train_frame = 0;
-  };
-  std::deque<Point> recent;  ///< first frames of associated keyframes
+  uint32_t number = 0;              ///< of the path, from 1 on
+  size_t keyframes = 0;             ///< of the path; 0 before the first one
+  uint32_t margin = 0;              ///< 0: the path has fewer than path_keyframes
+  std::deque<PathKeyframe> recent;  ///< its last keyframes, at most path_keyframes * 3 / 2 + 1
 };
 
-/// In deviations: the support of a path by places that only appear similar, and the limit per
-/// keyframe.
-inline constexpr double kUnrelatedSupport = 1.25;
-inline constexpr double kMostEvidence = 3;
+/// Adds the filter's state for the next keyframe. The best place has the smallest value (ties: the
+/// first cell). It continues the path if it is at most near_keyframes from the last place, in the
+/// same sequence. The path is then traced back over path_keyframes / 2 keyframes: each place is the
+/// best one (ties: the first cell) of those from which a step leads to the next. The margin is the
+/// smallest value of a place outside near_keyframes around the best one in its sequence, of a place
+/// in a sequence of another place, and of a new path, minus the best value.
+void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame);
 
-/// The sufficient share of margin and support for a path of twice the length.
-inline constexpr double kLongShare = 0.8;
+/// The number of recent keyframes whose places may still change.
+size_t open_keyframes(const PathTrack& track);
 
-/// The largest share of the usual margin that counts, and the decrease of the shares per typical
-/// distance by which the query changes more than the training sequence.
-inline constexpr double kMostMarginShare = 1.5;
-inline constexpr double kChangeWeight = 1.5;
+/// Training frames per query frame over the last path_keyframes; nullopt after too few keyframes.
+std::optional<double> recent_rate(const PathTrack& track, const FilterCells& cells);
 
-/// Adds the filter's state for the next keyframe. The path continues if the best place is at most
-/// near_keyframes from the last one, in the same sequence; otherwise a new path begins. The margin
-/// is the smallest value of a place outside near_keyframes around the best one in its sequence, or
-/// in a sequence of another place, minus the best value; but at most the margin of the path's
-/// re-scoring, and 0 unless the path is confirmed (FilterSettings).
-void follow_keyframe(PathTrack& track, const FilterState& state, const QueryKeyframe& view);
-
-/// The position of the query at a frame of the last keyframe, if it moves through the training
-/// keyframe at its rate, at most to the end of the keyframe. A path with few keyframes is assumed
-/// to have the speed of the training sequence.
-PathFrame path_at(const PathTrack& track, const FilterCells& cells, size_t query_frame);
+/// The training frame of a query frame of this keyframe, among all training frames, if the query
+/// moves through the training keyframe at this rate, at most to its end.
+size_t position_at(const FilterCells& cells, const PathKeyframe& keyframe, size_t query_frame,
+                   double rate);
 
 /// The method filter. Every readable query frame has a row, of windows of one frame, with its
 /// report: for every training frame the value of its keyframe (FilterState), where smaller is
-/// likelier; the frame at the query's position within the best keyframe (path_at) has this value,
-/// and the other frames of this keyframe one more. The value of an unreadable training frame is
-/// unspecified. A frame that is not a keyframe repeats the last row except for this position. The
-/// filter restarts after an unreadable frame. Supports only z-scores and a window length of 1.
-/// Throws Error(usage) for settings out of range. Memory: 68 bytes per training keyframe, and 6 per
-/// training frame. Threads share long databases.
+/// likelier; the frame at the query's position within the best keyframe (position_at) has this
+/// value, and the other frames of this keyframe one more. The value of an unreadable training frame
+/// is unspecified. A frame that is not a keyframe repeats the last row except for this position.
+/// The filter restarts after an unreadable frame. Supports only z-scores and a window length of 1.
+/// Throws Error(usage) for settings out of range. Memory: 68 + 4 (path_keyframes / 2) bytes per
+/// training keyframe, and 6 per training frame. Threads share long databases.
 WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings);
 

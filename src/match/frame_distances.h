@@ -57,12 +57,6 @@ struct DistanceUnit {
   double size = 1;        ///< 2/65535 of a cosine distance, 1/1024 of a deviation
 };
 
-/// The normalization of a training frame's centered distance x: z = (x - mean) / deviation.
-struct ScoreScale {
-  double mean = 0;
-  double deviation = 1;
-};
-
 /// Frame distances, from 0 to `largest`, between any frame of a query and any range of training
 /// frames; smaller is closer. Tiles are computed with one indirect call each. Descriptors must
 /// outlive them.
@@ -92,11 +86,6 @@ struct FrameDistances {
   /// and then request each range of the row once. Query frames must come in order. Not set if any
   /// tile can be computed at any time.
   std::function<void(size_t query)> start_row;
-
-  /// For z-scores: the statistics of the last row, and those with a small weight of the training
-  /// data. Not set for distances.
-  std::function<ScoreScale(size_t train_frame)> scale;
-  std::function<ScoreScale(size_t train_frame)> learned_scale;
 
   /// For distances in order: the distance of unrelated training frames before normalization.
   double typical_distance = 0;

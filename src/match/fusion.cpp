@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "match/score_kernels.h"
@@ -40,31 +39,6 @@ std::vector<int32_t> likelihoods_of(const FusionBasis& basis, const WordSet& wor
   return likelihoods;
 }
 
-// Excludes a training frame and its neighbors.
-void exclude(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size_t own) {
-  const std::vector<size_t>& frames = basis.evidence->of->frames;
-  size_t own_sequence = 0;
-  while (own >= frames[own_sequence]) own -= frames[own_sequence++];
-  size_t first = 0;
-  for (const FusedSequence& sequence : basis.sequences) {
-    if (sequence.sequence == own_sequence) {
-      const size_t from = own - std::min(own, sequence.neighbors);
-      const size_t to = std::min(own + sequence.neighbors + 1, sequence.frames);
-      for (size_t i = from; i < to; ++i) likelihoods[first + i] = kNothing;
-    }
-    first += sequence.frames;
-  }
-}
-
-// The training frame of a frame's words.
-std::optional<size_t> own_frame(const FusionBasis& basis, const WordSet& words) {
-  const std::vector<WordSet>& trained = basis.evidence->of->words;
-  const std::less<> before;
-  if (before(&words, trained.data()) || !before(&words, trained.data() + trained.size()))
-    return std::nullopt;
-  return static_cast<size_t>(&words - trained.data());
-}
-
 struct FusedRows {
   FrameDistances scores;
   FusionBasis basis;
@@ -86,10 +60,8 @@ void compute_fused_row(FusedRows& rows, size_t query) {
   rows.scores.start_row(query);
   compute_row(rows.scores, query, rows.row);
   const WordSet& words = rows.scores.query.words[query];
-  const std::optional<size_t> own = own_frame(rows.basis, words);
-  const double weight = own ? rows.basis.weight / 2 : fusion_weight(rows.basis, *rows.state);
-  const FusionRow fusion = fusion_row(rows.basis, words, weight, own);
-  if (!own) rows.state->count({fusion.likeliest, closest_frame(rows)}, rows.basis.sequences);
+  const FusionRow fusion = fusion_row(rows.basis, words, fusion_weight(rows.basis, *rows.state));
+  rows.state->count({fusion.likeliest, closest_frame(rows)}, rows.basis.sequences);
   if (!fusion.likeliest) return;
   for_each_chunk(fusion.added.size(), [&](size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
@@ -132,10 +104,9 @@ double chance(size_t frame, std::span<const FusedSequence> sequences) {
 FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double weight,
                               const StatisticsSettings& neighbors) {
   FusionBasis basis{nullptr, weight, views->views, {}};
-  for (size_t s = 0; s < views->frames.size(); ++s) {
-    const size_t frames = views->frames[s];
+  for (const size_t frames : views->frames) {
     const auto share = static_cast<size_t>(neighbors.neighbor_share * static_cast<double>(frames));
-    basis.sequences.push_back({s, frames, std::max<size_t>(neighbors.neighbor_frames, share)});
+    basis.sequences.push_back({frames, std::max<size_t>(neighbors.neighbor_frames, share)});
   }
   const FabmapDatabase& database = views->fabmap;
   FabmapModel model = make_fabmap_model(database.tree, {}, WordModel::tree);
@@ -145,26 +116,10 @@ FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double we
   return basis;
 }
 
-FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep) {
-  FusionBasis basis{all.evidence, all.weight, {}, {}};
-  auto view = all.views.begin();
-  for (const FusedSequence& sequence : all.sequences) {
-    const auto end = view + static_cast<ptrdiff_t>(sequence.frames);
-    if (keep[sequence.sequence] != 0) {
-      basis.views.insert(basis.views.end(), view, end);
-      basis.sequences.push_back(sequence);
-    }
-    view = end;
-  }
-  return basis;
-}
-
-FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weight,
-                     std::optional<size_t> own) {
+FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weight) {
   FusionRow row{std::vector<double>(basis.views.size(), 0), 1, std::nullopt};
   if (words.empty()) return row;
   std::vector<int32_t> likelihoods = likelihoods_of(basis, words);
-  if (own) exclude(likelihoods, basis, *own);
   const auto likeliest = std::ranges::max_element(likelihoods);
   if (likeliest == likelihoods.end() || *likeliest == kNothing) return row;
   row.likeliest = static_cast<size_t>(likeliest - likelihoods.begin());

@@ -24,7 +24,6 @@ struct ViewEvidence {
 
 /// A training sequence whose frames are matched.
 struct FusedSequence {
-  size_t sequence = 0;  ///< of the database
   size_t frames = 0;
   size_t neighbors = 0;  ///< frames within this distance may show the same place
 };
@@ -71,9 +70,6 @@ struct FusionBasis {
 FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double weight,
                               const StatisticsSettings& neighbors);
 
-/// The fusion basis of the sequences whose `keep` is not 0.
-FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep);
-
 /// The effect of a frame's words on its scores: (z + added) * scale.
 struct FusionRow {
   /// In deviations, one value per training frame: -w (gap - mean gap), where the gap is the
@@ -87,19 +83,14 @@ struct FusionRow {
 };
 
 /// `weight`: w, in deviations per nat.
-///
-/// `own`: if a training sequence is the query, the training frame of the words; it and its
-/// neighbors then count as undecodable, because a query of another place has no view of its own.
-FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weight,
-                     std::optional<size_t> own = std::nullopt);
+FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weight);
 
 /// w of the next frame: beta * ratio^1.5, at most 1.
 double fusion_weight(const FusionBasis& basis, const FusionState& state);
 
 /// Scores (score_kernels.h) with fusion_row, rounded to nearest, ties up, and clamped like scores,
-/// with the weight determined by earlier frames. `scores` are in order; the query has words. If its
-/// words are those of FusedViews themselves (not copies), it is a training sequence, from which
-/// nothing is learned: w is beta / 2. Without a `state`, a new query begins.
+/// with the weight determined by earlier frames. `scores` are in order; the query has words.
+/// Without a `state`, a new query begins.
 FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
                      std::shared_ptr<FusionState> state = nullptr);
 

@@ -69,8 +69,8 @@ constexpr std::array<SequenceMethod, 4> kMethods = {{
      false, false, fastable_stage},
     {"openable", "every window distance by definition (slow)", false, false, false, false,
      openable_stage},
-    {"filter", "tracks a path at any speed; accepts matches once the track is confirmed", true,
-     false, true, false, filter_stage},
+    {"filter", "follows a path at any speed; accepts matches that the path confirms", true, false,
+     true, false, filter_stage},
 }};
 
 const SequenceMethod& method_of(const MatchSettings& settings) {

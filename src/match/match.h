@@ -19,14 +19,27 @@
 
 namespace vpr {
 
-/// The filter's state at a query frame in addition to its row, in units of the row's values.
+/// The match of a query frame on a path; the training frame is counted within its sequence.
+struct PathMatch {
+  uint32_t query = 0;
+  uint32_t sequence = 0;
+  uint32_t train = 0;
+  uint32_t value = 0;
+
+  bool operator==(const PathMatch&) const = default;
+};
+
+/// The path of the filter at a query frame, in units of the row's values.
 struct PathReport {
-  /// The margin of the best match over the runner-up and the off-map state; 0: not confirmed.
-  uint32_t margin = 0;
-  uint32_t off_map = 0;  ///< the value of the off-map state
-  /// recent training frames per query frame; unset after too few frames
-  std::optional<double> rate;
-  uint32_t track = 0;  ///< number of the confirmed track, from 1 on; 0: not confirmed
+  uint32_t path = 0;    ///< number of the path, from 1 on
+  uint32_t margin = 0;  ///< of the path over any other; 0: it has too few keyframes
+  /// The margin recognizes the query frames of the path in [first, settled): their matches are
+  /// final.
+  size_t first = 0;
+  size_t settled = 0;
+  std::optional<double> rate;  ///< recent training frames per query frame; unset after few frames
+  /// Matches of the last frames of the path, up to this one; they replace those of earlier reports.
+  std::span<const PathMatch> matches = {};
 };
 
 /// Adjacent cells of one row: scores[x] = D(query_window, train_window + x), the sum of the frame

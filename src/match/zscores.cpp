@@ -50,7 +50,6 @@ ComponentTerm component_term(const ZScoreState& state, size_t frame, size_t firs
 void plan_update(ZScoreState& state, size_t keyframe) {
   const double forgetting = state.basis.offline ? 1 : state.basis.settings.forgetting;
   state.weight = forgetting * state.weight + 1;
-  state.start_weight *= forgetting;
   state.update = {keyframe, static_cast<float>(1 / state.weight)};
 }
 
@@ -122,28 +121,6 @@ void score_frames(ZScoreState& state, size_t first, size_t last, uint16_t* out) 
   }
 }
 
-double deviation_of(const ZScoreState& state, double variance) {
-  return std::sqrt(std::clamp<double>(variance, state.least_variance, state.most_variance));
-}
-
-ScoreScale scale_of(const ZScoreState& state, size_t frame) {
-  return {state.mean[frame], deviation_of(state, state.variance[frame])};
-}
-
-// Replaces the initial part of the accumulated sums by the same values with a small weight.
-ScoreScale learned_scale(const ZScoreState& state, size_t frame) {
-  const double start = state.basis.mean[frame];
-  const double start_square = state.basis.variance + start * start;
-  const double mean = state.mean[frame];
-  const double added = state.basis.settings.offline_start_weight - state.start_weight;
-  const double weight = state.weight + added;
-  if (weight <= 0) return scale_of(state, frame);
-  const double light_mean = (state.weight * mean + added * start) / weight;
-  const double light_square =
-      (state.weight * (state.variance[frame] + mean * mean) + added * start_square) / weight;
-  return {light_mean, deviation_of(state, light_square - light_mean * light_mean)};
-}
-
 }  // namespace
 
 void check_zscore_settings(const ZScoreSettings& settings) {
@@ -179,28 +156,6 @@ ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
       std::accumulate(statistics.variance.begin(), statistics.variance.end(), double{0});
   const double frames = std::max<double>(1, static_cast<double>(statistics.variance.size()));
   basis.variance = static_cast<float>(sum / frames);
-  return basis;
-}
-
-ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescribedFrames> sequences,
-                    const std::vector<uint8_t>& keep) {
-  ScoreBasis basis = all;
-  if (all.fusion.evidence != nullptr) basis.fusion = fusion_of(all.fusion, keep);
-  basis.mean.clear();
-  for (std::vector<int8_t>& loadings : basis.components.loadings) loadings.clear();
-  ptrdiff_t first = 0;
-  for (size_t s = 0; s < sequences.size(); ++s) {
-    const auto end = first + static_cast<ptrdiff_t>(sequences[s].rows.size());
-    if (keep[s] != 0) {
-      basis.mean.insert(basis.mean.end(), all.mean.begin() + first, all.mean.begin() + end);
-      for (size_t k = 0; k < kMaxComponents; ++k) {
-        const std::vector<int8_t>& from = all.components.loadings[k];
-        std::vector<int8_t>& to = basis.components.loadings[k];
-        to.insert(to.end(), from.begin() + first, from.begin() + end);
-      }
-    }
-    first = end;
-  }
   return basis;
 }
 
@@ -248,7 +203,6 @@ std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const Score
   state->mean = basis.mean;
   state->variance.assign(basis.mean.size(), basis.variance);
   state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
-  state->start_weight = state->weight;
   if (settings.components > 0 && !basis.components.landmarks.empty())
     state->project = make_projector(basis.components);
   state->terms.resize(distances.query_frames);
@@ -271,8 +225,6 @@ FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
   scores.typical_distance = state->basis.typical_distance;
   scores.row_total = nullptr;
   scores.of_query = nullptr;
-  scores.scale = [state](size_t frame) { return scale_of(*state, frame); };
-  scores.learned_scale = [state](size_t frame) { return learned_scale(*state, frame); };
   scores.start_row = [state](size_t query) { begin_frame(*state, query); };
   scores.tile = [state]([[maybe_unused]] std::span<const uint32_t> queries, size_t first,
                         size_t last, uint16_t* out, size_t) {

@@ -77,11 +77,6 @@ struct ScoreBasis {
 ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
                             const TrainStatistics& statistics);
 
-/// The basis for the training sequences whose `keep` is not 0; the others have no frames. `all` is
-/// the basis of all sequences together.
-ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescribedFrames> sequences,
-                    const std::vector<uint8_t>& keep);
-
 /// The minimum standard deviation, in units of distances whose largest is `largest`.
 double deviation_floor(const ZScoreSettings& settings, uint16_t largest);
 
@@ -122,8 +117,7 @@ struct ZScoreState {
   ScoreBasis basis;          ///< the statistics before any learning
   std::vector<float> mean;
   std::vector<float> variance;
-  double weight = 0;        ///< of both, in keyframes
-  double start_weight = 0;  ///< the remaining weight of the basis
+  double weight = 0;  ///< of both, in keyframes
   KeyframeQueue views;
   std::vector<uint8_t> readable;  ///< per query frame
   Projector project;              ///< not set: no component is subtracted

@@ -43,7 +43,7 @@ void define_windows(Definitions& define, const Result& result) {
       {{"anchor", kAnchorProtocol},
        {"recognitions",
         fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
-       {"places", result.path ? "confirmed tracks, judged at their middle frame"
+       {"places", result.path ? "paths, judged at their middle frame"
                               : "clusters of recognitions, judged at their mean"},
        {"mixed_places", "correct places with incorrect recognitions"},
        {"distinct", "correct places"},

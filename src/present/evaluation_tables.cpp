@@ -56,14 +56,16 @@ size_t count_of(const Judgment& judgment, FrameVerdict verdict) {
 
 std::string first_of(const Judgment& judgment, bool is_judged,
                      std::optional<double> frames_per_second) {
-  const auto& verdicts = judgment.verdicts;
-  const auto first = std::find_if(verdicts.begin(), verdicts.end(), [&](FrameVerdict verdict) {
-    return is_judged ? verdict == FrameVerdict::correct : verdict != FrameVerdict::none;
-  });
-  if (first == verdicts.end()) return "";
-  const auto frame = first - verdicts.begin();
-  return fmt::format("; the first {}one at frame {}{}", is_judged ? "correct " : "", frame,
-                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(frame) /
+  std::optional<size_t> frame = judgment.localization.first_recognition_frames;
+  if (!is_judged) {
+    const auto& verdicts = judgment.verdicts;
+    const auto first = std::ranges::find_if(
+        verdicts, [](FrameVerdict verdict) { return verdict != FrameVerdict::none; });
+    if (first != verdicts.end()) frame = static_cast<size_t>(first - verdicts.begin());
+  }
+  if (!frame) return "";
+  return fmt::format("; the first {}one at frame {}{}", is_judged ? "correct " : "", *frame,
+                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(*frame) /
                                                                         *frames_per_second)
                                        : "");
 }

@@ -39,12 +39,12 @@ struct MatchColumns {
   }
 };
 
-// A row per query frame: the score of being off the map, the rate, and the number of the track.
+// A row per query frame: the rate, the number of the path, and the frame that decided.
 std::vector<double> path_rows(const ResultPath& path) {
   std::vector<double> rows;
-  for (size_t frame = 0; frame < path.off_map.size(); ++frame)
+  for (size_t frame = 0; frame < path.rates.size(); ++frame)
     rows.insert(rows.end(),
-                {path.off_map[frame], path.rates[frame], static_cast<double>(path.tracks[frame])});
+                {path.rates[frame], static_cast<double>(path.numbers[frame]), path.decided[frame]});
   return rows;
 }
 
@@ -242,21 +242,17 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
   Json line = {{"schema", "vpr.live/3"}, {"frame", frame.number},
                {"name", frame.name},     {"readable", frame.is_readable},
                {"match", nullptr},       {"margin", nullptr},
-               {"off_map", nullptr},     {"rate", nullptr},
-               {"recognitions", 0},      {"recognized", false}};
+               {"rate", nullptr},        {"recognized", Json::array()}};
   if (result == nullptr) return line;
-  const size_t length = result->window_length();
   if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
   if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
-  if (result->path) {
-    const double off_map = result->path->off_map[window];
-    line["off_map"] = number_or_null(
-        std::isnan(off_map) ? off_map : result->score().frame_value(off_map, length));
-    line["rate"] = number_or_null(result->path->rates[window]);
+  if (result->path) line["rate"] = number_or_null(result->path->rates[window]);
+  for (const Match& match : result->recognitions) {
+    if (!result->path && match.query != window) continue;
+    Json recognized = match_json(*result, match);
+    recognized["query"] = result->path ? match.query : frame.number;
+    line["recognized"].push_back(std::move(recognized));
   }
-  const auto recognitions = std::ranges::count(result->recognitions, window, &Match::query);
-  line["recognitions"] = recognitions;
-  line["recognized"] = recognitions > 0;
   return line;
 }
 

@@ -243,20 +243,22 @@ void read_margins(const ResultSource& source, Result& result) {
 
 void read_path(const ResultSource& source, Result& result) {
   if (!source.has("path")) return;
-  const auto file = source.open<double>("path", 3, result.query.frames);
-  ResultPath& path = result.path.emplace(result.query.frames);
-  for (size_t frame = 0; frame < result.query.frames; ++frame) {
-    const double off_map = file.values[3 * frame];
-    const double rate = file.values[3 * frame + 1];
-    const double track = file.values[3 * frame + 2];
-    const bool is_valid = (std::isnan(off_map) || is_score(off_map, result)) &&
-                          (std::isnan(rate) || (rate >= 0 && rate <= kMostSum)) && track >= 0 &&
-                          track <= static_cast<double>(result.query.frames) &&
-                          track == std::floor(track);
+  const size_t frames = result.query.frames;
+  const auto file = source.open<double>("path", 3, frames);
+  ResultPath& path = result.path.emplace(frames);
+  const auto is_whole = [](double value, double least, size_t most) {
+    return value >= least && value <= static_cast<double>(most) && value == std::floor(value);
+  };
+  for (size_t frame = 0; frame < frames; ++frame) {
+    const double* row = file.values.data() + 3 * frame;
+    const bool is_valid =
+        (std::isnan(row[0]) || (row[0] >= 0 && row[0] <= kMostSum)) &&
+        is_whole(row[1], 0, frames) &&
+        (std::isnan(row[2]) || is_whole(row[2], static_cast<double>(frame), frames));
     if (!is_valid) source.refuse("path", "has a number out of range");
-    path.off_map[frame] = off_map;
-    path.rates[frame] = rate;
-    path.tracks[frame] = static_cast<uint32_t>(track);
+    path.rates[frame] = row[0];
+    path.numbers[frame] = static_cast<uint32_t>(row[1]);
+    path.decided[frame] = row[2];
   }
 }
 

@@ -22,7 +22,7 @@ CalibrationWindow evidence_at(const Result& result, const std::optional<uint32_t
   if (unknown_place) evidence.unknown_place = *unknown_place;
   if (!result.best[window] || !result.margins[window]) return evidence;
   const auto margin = static_cast<int64_t>(*result.margins[window]);
-  // Without a confirmed track the margin of the filter is 0.
+  // A short path has a margin of 0.
   if (result.path && margin == 0) return evidence;
   const PlaceLabel label = label_of(truth, *result.best[window], result.window_length());
   if (label == PlaceLabel::same) evidence.correct = margin;
@@ -33,7 +33,7 @@ CalibrationWindow evidence_at(const Result& result, const std::optional<uint32_t
 // `plan` accepts all best matches.
 CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, double precision,
                                   const QueryResources& resources, const Monitor& monitor) {
-  constexpr size_t kPathBlock = 40;  // query frames with dependent positions on a track
+  constexpr size_t kPathBlock = 40;  // query frames with dependent positions on a path
   const bool has_path = plan.match.method->has_paths;
   const size_t window_length = plan.match.window_length;
   CalibratedLength length;

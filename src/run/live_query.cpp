@@ -40,21 +40,53 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
                             "--max-memory",
                             length, distances.train_frames));
   windows_ = window_stage(distances, {&length, 1}, match);
+  if (match.method->has_paths) decisions_.emplace(least_margin(plan_));
 }
 
 std::optional<Result> LiveQuery::take(const ArrivedFrame& frame) {
   add_frame(frames_, frame);
   readable_frames_ = frame.is_readable ? readable_frames_ + 1 : 0;
+  const QueryFrame next{frames_.last_row(), frames_.frames - 1, readable_frames_};
+  if (decisions_) return take_path(next);
   ResultRows rows(plan_, resources_);
   const Sinks sinks = rows.sinks();
-  windows_(frames_.distances, {frames_.last_row(), frames_.frames - 1, readable_frames_},
-           [&](size_t, std::span<const ScoreRow> row) {
-             std::vector<ScoreRow> only(row.begin(), row.end());
-             for (ScoreRow& piece : only) piece.query_window = 0;
-             send_row(sinks, only);
-           });
+  windows_(frames_.distances, next, [&](size_t, std::span<const ScoreRow> row) {
+    std::vector<ScoreRow> only(row.begin(), row.end());
+    for (ScoreRow& piece : only) piece.query_window = 0;
+    send_row(sinks, only);
+  });
   if (readable_frames_ < plan_.match.window_length) return std::nullopt;
   return rows.result();
+}
+
+std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
+  last_.reset();
+  if (frame.in_a_row == 0) decisions_->end_path();
+  windows_(frames_.distances, frame, [&](size_t, std::span<const ScoreRow> row) {
+    const PathReport& report = *row.front().path;
+    Cell match = cell_of(report.matches.back());
+    match.query_window = 0;
+    last_ = make_result(plan_, {{}, {match}}, {report.margin});
+    last_->path.emplace(1);
+    if (report.rate) last_->path->rates[0] = *report.rate;
+    last_->path->numbers[0] = report.path;
+    last_->recognitions = recognitions_of(decisions_->take(report));
+  });
+  return last_;
+}
+
+std::vector<Match> LiveQuery::recognitions_of(const std::vector<PathMatch>& recognized) const {
+  std::vector<std::optional<Cell>> cells;
+  for (const PathMatch& match : recognized) cells.emplace_back(cell_of(match));
+  std::vector<Match> recognitions;
+  for (const auto& match : make_result(plan_, {{}, cells}, {}).best) recognitions.push_back(*match);
+  return recognitions;
+}
+
+std::optional<Result> LiveQuery::finish() {
+  if (!decisions_ || !last_) return std::nullopt;
+  last_->recognitions = recognitions_of(decisions_->finish());
+  return last_->recognitions.empty() ? std::nullopt : std::move(last_);
 }
 
 LiveDistances start_live(FrameDistances raw, const ScoreBasis* basis) {

@@ -54,8 +54,13 @@ class LiveQuery {
             const Monitor& monitor);
 
   /// Adds the next frame. Returns the result of the window that ends with it, without clusters;
-  /// nullopt if the last c_l frames are not all readable.
+  /// nullopt if the last c_l frames are not all readable. With the filter, recognitions are those
+  /// of the frames that this frame decides, by query frame.
   std::optional<Result> take(const ArrivedFrame& frame);
+
+  /// With the filter: the last match, and the recognitions that the end of the query decides;
+  /// nullopt without recognitions.
+  std::optional<Result> finish();
 
   const QueryPlan& plan() const { return plan_; }
 
@@ -65,6 +70,12 @@ class LiveQuery {
   LiveDistances frames_;
   WindowStage windows_;
   size_t readable_frames_ = 0;  ///< consecutive ones, up to the latest frame
+
+  // With the filter:
+  std::optional<Result> take_path(const QueryFrame& frame);
+  std::vector<Match> recognitions_of(const std::vector<PathMatch>& recognized) const;
+  std::optional<PathDecisions> decisions_;
+  std::optional<Result> last_;  ///< of the latest frame
 };
 
 }  // namespace vpr

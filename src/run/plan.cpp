@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "decide/automatic_margin.h"
+#include "decide/overlapping_sequences.h"
 #include "evaluate/loops.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
@@ -159,22 +159,18 @@ SequencePairs declared_pairs(const SequenceDatabase& database,
   return pairs;
 }
 
-// The margin of every sequence: the setting, or the automatic one.
+// The margin of every sequence: the setting, or the default of the score.
 void plan_margins(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
   const auto& setting = plan.settings.margin;
-  std::vector<uint32_t> wrong;
-  if (!setting)
-    wrong = false_margins(plan.train, *plan.exclusion_zones, plan.basis.get(),
-                          {plan.match.window_length, plan.match.memory_limit, plan.match.kernels},
-                          monitor);
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
     ComparedSequence& compared = plan.sequences[s];
     if (!compared.searched || compared.windows == 0) continue;
     compared.margin =
-        setting ? *setting
-                : automatic_margin(wrong, score_kind(plan.settings.score),
-                                   typical_distance(database.sequences[s], plan.train[s], monitor),
-                                   plan.match.window_length);
+        setting
+            ? *setting
+            : score_kind(plan.settings.score)
+                  .default_margin(typical_distance(database.sequences[s], plan.train[s], monitor),
+                                  plan.match.window_length);
   }
 }
 
@@ -330,7 +326,9 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* statistics,
     throw Error(ErrorKind::usage,
                 "the database has no training statistics for z-scores. Train it again.");
   assert(statistics->components);
-  ScoreBasis basis = make_score_basis(settings.zscore, kind.is_offline, *statistics);
+  ZScoreSettings zscore = settings.zscore;
+  if (has_paths(settings.method)) zscore.start_weight = settings.filter.start_weight;
+  ScoreBasis basis = make_score_basis(zscore, kind.is_offline, *statistics);
   if (settings.fusion_weight) {
     if (statistics->fused == nullptr) throw Error(ErrorKind::usage, kNoFabmap);
     basis.fusion =
@@ -355,12 +353,6 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
     fuse_views(database, read_fabmap_database(fabmap), fabmap);
   else if (settings->fusion_weight)
     throw Error(ErrorKind::usage, kNoFabmap);
-  if (!is_swept && settings->fusion_weight && settings->decision == Decision::margin &&
-      !settings->margin)
-    warn(monitor,
-         "the automatic margin was made for scores that are not fused: with --fuse it accepts more "
-         "wrong places if places look alike. Use the number that vpr-tune fastable --fuse finds on "
-         "a sequence with ground truth.");
   return database;
 }
 

@@ -62,10 +62,10 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* statistics,
                                       const SequenceQuerySettings& settings);
 
 /// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
-/// with the FAB-MAP database at `fabmap` unless this is empty. Warns of an automatic margin of
-/// fused scores. Throws what read_sequence_database, read_fabmap_database, check_automatic and
-/// fuse_views throw, Error(usage) for fused scores without a FAB-MAP database, and Error(data) for
-/// a database of imported descriptors that cannot describe frames as they arrive.
+/// with the FAB-MAP database at `fabmap` unless this is empty. Throws what read_sequence_database,
+/// read_fabmap_database, check_automatic and fuse_views throw, Error(usage) for fused scores
+/// without a FAB-MAP database, and Error(data) for a database of imported descriptors that cannot
+/// describe frames as they arrive.
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
                                const std::string& fabmap, const Monitor& monitor);
 

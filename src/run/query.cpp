@@ -144,37 +144,66 @@ QueryRun query_lsh(const QueryPlan& plan, const QueryResources& resources, const
 
 }  // namespace
 
+PathRows::PathRows(const QueryPlan& plan)
+    : plan_(plan),
+      decisions_(least_margin(plan)),
+      steps_(plan.query_sequence.frames),
+      best_(plan.query_sequence.frames),
+      path_(plan.query_sequence.frames) {}
+
+void PathRows::operator()(std::span<const ScoreRow> row) {
+  const PathReport& report = *row.front().path;
+  const size_t frame = row.front().query_window;
+  steps_[frame] = {report.path, report.margin, report.first, report.settled};
+  for (const PathMatch& match : report.matches) best_[match.query] = cell_of(match);
+  if (report.rate) path_.rates[frame] = *report.rate;
+  path_.numbers[frame] = report.path;
+  decide(decisions_.take(report), frame);
+}
+
+void PathRows::decide(const std::vector<PathMatch>& recognized, size_t frame) {
+  for (const PathMatch& match : recognized) path_.decided[match.query] = static_cast<double>(frame);
+}
+
+Result PathRows::result() {
+  if (!steps_.empty() && steps_.back().path != 0) decide(decisions_.finish(), steps_.size() - 1);
+  const std::vector<uint32_t> settled = settled_margins(std::move(steps_));
+  std::vector<std::optional<uint32_t>> margins(best_.size());
+  for (size_t frame = 0; frame < best_.size(); ++frame)
+    if (best_[frame]) margins[frame] = settled[frame];
+  Result result = make_result(plan_, {{}, best_}, margins);
+  result.path = std::move(path_);
+  return result;
+}
+
+uint32_t least_margin(const QueryPlan& plan) {
+  const double per_unit = score_kind(plan.settings.score).frame_value(1, 1);
+  return static_cast<uint32_t>(std::ceil(*plan.sequences.front().margin / per_unit));
+}
+
+Cell cell_of(const PathMatch& match) {
+  return {match.query, match.sequence, match.train, match.value};
+}
+
 ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
     : plan_(plan), recognitions_(scan_settings(plan, resources)) {
-  if (plan.match.method->has_paths) {
-    path_.emplace(plan.query_sequence.frames);
-    margins_.resize(plan.query_sequence.frames);
-  } else if (plan.exclusion_zones) {
+  if (plan.match.method->has_paths)
+    paths_.emplace(plan);
+  else if (plan.exclusion_zones)
     scan_.emplace(*plan.exclusion_zones, plan.query_windows, resources.kernels);
-  }
 }
 
 Sinks ResultRows::sinks() {
+  if (paths_) return {{}, {std::ref(*paths_)}};
   Sinks sinks{{std::ref(recognitions_)}, {}};
   if (scan_) sinks.rows.push_back(std::ref(*scan_));
-  if (path_) sinks.rows.push_back([this](std::span<const ScoreRow> row) { take_path(row); });
   return sinks;
 }
 
-void ResultRows::take_path(std::span<const ScoreRow> row) {
-  const PathReport& report = *row.front().path;
-  const size_t frame = row.front().query_window;
-  margins_[frame] = report.margin;
-  path_->off_map[frame] = static_cast<double>(int64_t{report.off_map} - plan_.score_offset());
-  if (report.rate) path_->rates[frame] = *report.rate;
-  path_->tracks[frame] = report.track;
-}
-
 Result ResultRows::result() {
-  if (scan_) margins_ = scan_->result().margins;
-  Result result = make_result(plan_, recognitions_.result(), margins_);
-  result.path = std::move(path_);
-  return result;
+  if (paths_) return paths_->result();
+  return make_result(plan_, recognitions_.result(),
+                     scan_ ? scan_->result().margins : std::vector<std::optional<uint32_t>>{});
 }
 
 std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,

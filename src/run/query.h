@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "decide/path_decisions.h"
 #include "run/plan.h"
 
 namespace vpr {
@@ -15,6 +16,29 @@ struct QueryRun {
   std::map<std::string, double> seconds;  ///< by step
   size_t verified_cells = 0;
 };
+
+/// Collects the reports of a planned query by the filter, which must outlive it, into a result.
+class PathRows {
+ public:
+  explicit PathRows(const QueryPlan& plan);
+  void operator()(std::span<const ScoreRow> row);
+  Result result();
+
+ private:
+  void decide(const std::vector<PathMatch>& recognized, size_t frame);
+
+  const QueryPlan& plan_;
+  PathDecisions decisions_;
+  std::vector<PathStep> steps_;  ///< by query frame
+  std::vector<std::optional<Cell>> best_;
+  ResultPath path_;
+};
+
+/// The least margin of the filter, in units of its values.
+uint32_t least_margin(const QueryPlan& plan);
+
+/// A match of the filter as a cell.
+Cell cell_of(const PathMatch& match);
 
 /// Collects the rows of a planned query, which must outlive it, into a result: recognitions, best
 /// matches and their margins, and the reports of the filter.
@@ -27,13 +51,10 @@ class ResultRows {
   Result result();
 
  private:
-  void take_path(std::span<const ScoreRow> row);
-
   const QueryPlan& plan_;
   RecognitionScan recognitions_;
-  std::optional<MarginScan> scan_;  ///< nullopt: the filter reports margins, or there are none
-  std::vector<std::optional<uint32_t>> margins_;
-  std::optional<ResultPath> path_;
+  std::optional<MarginScan> scan_;  ///< nullopt: there are no margins, or the filter reports them
+  std::optional<PathRows> paths_;   ///< of the filter
 };
 
 /// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to

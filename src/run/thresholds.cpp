@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "decide/automatic_margin.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "run/train.h"
@@ -149,6 +148,12 @@ void check_automatic(const SequenceDatabase& database, const SequenceQuerySettin
                 "--score zscore --decide margin, or a number, as in --t-r 0.6.");
 }
 
+bool is_same_place(double frame_distance, double mean_distance, size_t window_length) {
+  constexpr double kDepth = 1.2;
+  const double share = 1 - kDepth / std::sqrt(static_cast<double>(window_length));
+  return frame_distance < share * mean_distance;
+}
+
 std::optional<std::string> overlap_warning(const ThresholdTable& table,
                                            std::span<const TrainSequence> sequences,
                                            std::span<const DescribedFrames> spans) {
@@ -163,7 +168,7 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
         static_cast<double>(closest.score) / static_cast<double>(table.window_length);
     const FrameDistances between = frame_distances(spans.subspan(s, 1), spans[other]);
     const double mean = mean_distance_between(between);
-    if (!is_same_place(distance, mean, table.window_length, kPairDepth)) continue;
+    if (!is_same_place(distance, mean, table.window_length)) continue;
     if (!pairs.insert(std::minmax(s, other)).second || pairs.size() > kNamedPairs) continue;
     const Sequence& a = sequences[s].sequence;
     const Sequence& b = sequences[other].sequence;

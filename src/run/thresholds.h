@@ -75,8 +75,12 @@ std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& datab
 /// Throws Error(usage) if the settings need an automatic t_r and the database has one sequence.
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings);
 
-/// The pairs of sequences whose closest windows probably show the same place (is_same_place,
-/// kPairDepth), and advice. The first three pairs are named, with the first and last frames of
+/// Whether two windows with this distance per frame are too close for different places: distance <
+/// (1 - 1.2 / sqrt(c_l)) * mean, the mean distance of all frames. Never true for one frame.
+bool is_same_place(double frame_distance, double mean_distance, size_t window_length);
+
+/// The pairs of sequences whose closest windows probably show the same place (is_same_place), and
+/// advice. The first three pairs are named, with the first and last frames of
 /// their windows. Nullopt if there are no such pairs.
 std::optional<std::string> overlap_warning(const ThresholdTable& table,
                                            std::span<const TrainSequence> sequences,

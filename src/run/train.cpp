@@ -212,11 +212,8 @@ void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::st
     const size_t first_view = first_view_of(fabmap, sequence, name);
     const size_t first = fused.views.size();
     fused.frames.push_back(sequence.frames);
-    for (size_t i = 0; i < sequence.frames; ++i) {
-      const auto words = fabmap.views.view(first_view + i);
+    for (size_t i = 0; i < sequence.frames; ++i)
       fused.views.push_back(static_cast<uint32_t>(first_view + i));
-      fused.words.emplace_back(words.begin(), words.end());
-    }
     for (const size_t frame : sequence.unreadable) fused.views[first + frame] = FusedViews::kNoView;
   }
   fused.fabmap = std::move(fabmap);
@@ -257,14 +254,12 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
 std::vector<DescribedFrames> descriptor_spans(const SequenceDatabase& database) {
   std::vector<DescribedFrames> spans;
   const DescriptorRows rows = database.descriptors.rows();
-  const FusedViews* fused = fused_views(database);
   size_t first = 0;
   for (const TrainSequence& train : database.sequences) {
     const size_t frames = train.sequence.frames;
     DescribedFrames& span = spans.emplace_back();
     span.rows = rows.subspan(first, frames);
     span.unreadable = train.sequence.unreadable;
-    if (fused != nullptr) span.words = std::span(fused->words).subspan(first, frames);
     first += frames;
   }
   return spans;

@@ -157,10 +157,10 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
   SequenceQuerySettings windows = base;
   windows.score = Score::zscore;
   windows.decision = Decision::margin;
-  const Grid automatic = {lengths, {std::nullopt}};
-  try_windows(windows, automatic);
+  const Grid by_margin = {lengths, {std::nullopt}};
+  try_windows(windows, by_margin);
   windows.rates = {"1/2", "2/3", "1", "3/2", "2"};
-  try_windows(windows, automatic);
+  try_windows(windows, by_margin);
   try_windows(base, {lengths, kDistanceThresholds});
   choose(trials);
   return trials;

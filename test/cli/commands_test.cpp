@@ -212,7 +212,7 @@ TEST_CASE("a database and a query are sufficient") {
   check_failure("vpr-tune", {"threshold", out / "one.vprdb"}, 2, "two or more training sequences");
 }
 
-TEST_CASE("by default, places are recognized at any speed, and other places are not") {
+TEST_CASE("by default, places are recognized at any speed, and the answer says why they are not") {
   const TemporaryFolder out;
   run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "-o", out / "one.vprdb"});
   const auto query = [&](const std::string& walk, Words more = {}) {
@@ -224,7 +224,7 @@ TEST_CASE("by default, places are recognized at any speed, and other places are 
   const auto is_answer = [&](const std::string& text, const std::string& part) {
     INFO(text);
     CHECK(has(text, part));
-    CHECK(has(text, "\nSettings: filter, margin 3\n"));
+    CHECK(has(text, "\nSettings: filter, margin 15\n"));
     CHECK(lines_of(text).size() <= 12);
     for (const std::string& line : lines_of(text))
       CHECK(line.size() <= 80 + out.path().string().size());
@@ -232,8 +232,8 @@ TEST_CASE("by default, places are recognized at any speed, and other places are 
   is_answer(query("one"), ", 1.0x\n");
   is_answer(query("one"), "Next: vpr-eval ");
   is_answer(query("one", {"--speed", "2"}), ", 2.0x\n");
-  is_answer(query("one", {"--speed", "reversed"}), "In reverse order (--speed reversed), ");
-  is_answer(query("other"), " may show another place,\nor the opposite direction.");
+  is_answer(query("again", {"--speed", "reversed"}), "In reverse order (--speed reversed), ");
+  is_answer(query("other@0:12"), " may show another place,\nor the opposite direction.");
   // A result repeats its run.
   query("one");
   const Json settings = file_json(out / "r.json")["settings"];
@@ -254,8 +254,9 @@ TEST_CASE("if nothing or everything is recognized, no looser threshold is sugges
     CHECK_FALSE(has(none.out, "--t-r "));
     CHECK_FALSE(has(none.out, "--margin "));
   }
-  const auto other = run_program("vpr-query", {world().database(), "--query", world().walk("other"),
-                                               "--c-l", "10", "--t-r", "0.01"});
+  const auto other =
+      run_program("vpr-query", {world().database(), "--query", world().walk("other") + "@0:12",
+                                "--c-l", "10", "--t-r", "0.01"});
   INFO(other.out);
   CHECK(has(other.out, "may show another place,\nor the opposite direction"));
   CHECK_FALSE(has(other.out, "use --method filter"));

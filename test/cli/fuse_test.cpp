@@ -44,17 +44,6 @@ TEST_CASE("a fused query reports its FAB-MAP database") {
   CHECK(weak["clusters"] == alone["clusters"]);
 }
 
-TEST_CASE("an automatic margin of fused scores causes a warning") {
-  const auto said = [](Words words) {
-    const auto outcome = ok(query(joined({"--fuse", world().fabmap()}, words)));
-    return has(outcome.err, "was made for scores that are not fused");
-  };
-  CHECK(said({"--c-l", "10", "--decide", "margin"}));
-  CHECK_FALSE(said({"--c-l", "10", "--t-r", "-2"}));
-  CHECK_FALSE(said({"--c-l", "10", "--decide", "margin", "--margin", "1"}));
-  CHECK_FALSE(said({"--method", "filter"}));
-}
-
 TEST_CASE("a result as settings selects the same database again") {
   const TemporaryFolder folder;
   const std::string result = folder / "r.json";

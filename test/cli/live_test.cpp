@@ -65,21 +65,41 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
       list_of(walk, folder / "list.txt", "off_map.png\n" + (walk / "00003.png").string() + "\n");
   Words names = images_of(walk);
   names.insert(names.end(), {"off_map.png", "00003.png"});
-  for (const Words& words : std::vector<Words>{
-           {"--c-l", "10"},
-           {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
-           {"--c-l", "5", "--t-r", "150", "--t-r-scale", "bits"},
-           {"--c-l", "5", "--score", "zscore", "--t-r", "-1.5"},
-           {"--c-l", "5", "--score", "zscore", "--decide", "margin", "--threads", "3"},
-           {"--method", "filter"}}) {
+  for (const Words& words :
+       std::vector<Words>{{"--c-l", "10"},
+                          {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
+                          {"--c-l", "5", "--t-r", "150", "--t-r-scale", "bits"},
+                          {"--c-l", "5", "--score", "zscore", "--t-r", "-1.5"},
+                          {"--c-l", "5", "--score", "zscore", "--margin", "0.5", "--decide",
+                           "margin", "--threads", "3"}}) {
     INFO(words.back());
     const Words all = joined(words, {"--skip-unreadable"});
     const auto expected = offline_lines(list, all, names);
     const auto live = run_ok("vpr-query", live_words(list, all));
     CHECK(lines_of(live.out) == expected);
-    CHECK(has(live.out, "\"recognized\":true"));
+    CHECK(has(live.out, "\"recognized\":[{"));
     CHECK(has(live.err, "from frame to line"));
   }
+}
+
+TEST_CASE("the filter decides the same frames of a recording as they arrive and as a whole") {
+  const TemporaryFolder folder;
+  const std::string walk = world().walk("back");
+  ok(query({walk, "-o", folder / "r.json"}));
+  const StoredResult whole = read_result(folder / "r.json");
+  const std::string list = list_of(walk, folder / "list.txt", "");
+  const Words lines = lines_of(run_ok("vpr-query", live_words(list, {"--method", "filter"})).out);
+  CHECK(lines.size() == whole.result.query.frames + 1);  // the last line is of the end
+  std::vector<Match> decided;
+  for (const std::string& text : lines) {
+    const Json line = Json::parse(text);
+    for (const Json& match : line["recognized"]) {
+      decided.push_back({match["query"], 0, match["frame"], 0, match["sum"]});
+      CHECK(whole.result.path->decided[decided.back().query] == line["frame"]);
+    }
+  }
+  CHECK(decided == whole.result.recognitions);
+  CHECK(decided.size() > 20);
 }
 
 TEST_CASE("a growing folder is followed until Ctrl-C") {
@@ -87,9 +107,10 @@ TEST_CASE("a growing folder is followed until Ctrl-C") {
   const fs::path walk = world().walk("back");
   Words names = images_of(walk);
   names.resize(20);
-  const auto expected = offline_lines(walk.string() + "@0:20", {"--method", "filter"}, names);
+  const Words windows = {"--c-l", "3", "--score", "zscore", "--decide", "margin"};
+  const auto expected = offline_lines(walk.string() + "@0:20", windows, names);
   fs::create_directory(folder / "frames");
-  Running live("vpr-query", live_words(folder / "frames", {"--method", "filter"}));
+  Running live("vpr-query", live_words(folder / "frames", windows));
   for (size_t frame = 0; frame < names.size(); ++frame) {
     const std::string picture = read_text(walk / names[frame]);
     if (frame % 2 == 0) {  // in two halves; or at once under another name
@@ -183,11 +204,11 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     CHECK(json["settings"]["c_l"] == 1);
     CHECK(json["settings"]["score"] == "zscore");
     CHECK(json["settings"]["decide"] == "margin");
-    CHECK(json["settings"]["margin"] == 3);
-    CHECK(json["settings"]["filter"]["sharpness"] == 0.5);
+    CHECK(json["settings"]["margin"] == 15);
+    CHECK(json["settings"]["filter"]["path_keyframes"] == 16);
     CHECK(json["totals"]["recognitions"] > 0);
     CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
-    CHECK(json["clusters"].size() == 1);  // one track at any rate
+    CHECK(json["clusters"].size() == 1);  // one path at any rate
     if (!range.empty()) continue;
     const Json report =
         printed_json("vpr-eval", {path, "--ground-truth", world().truth("back"), "--json"});
@@ -199,7 +220,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
           "margin");
     // The last frame's rate: both sequences have the same speed.
     const auto values = read_array<double>(folder / "r0.path.npy");
-    CHECK(values[values.size() - 2] == Approx(1).epsilon(0.3));
+    CHECK(values[values.size() - 3] == Approx(1).epsilon(0.3));
     // The result's settings reproduce it, also with other threads and another SIMD target.
     const auto again = query({back, "--config", path, "--threads", "3", "--json"},
                              {"VPR_SIMD=" + simd_targets().back()});
@@ -229,6 +250,6 @@ TEST_CASE("settings that contradict the filter are refused") {
     check_failure(query(joined({back}, words)), 2, named);
   }
   const TemporaryFolder folder;
-  write_text(folder / "c.json", R"({"filter": {"jump": 2}})");
-  check_failure(query({back, "--config", folder / "c.json"}), 2, "filter.jump");
+  write_text(folder / "c.json", R"({"filter": {"keyframe_change": -2}})");
+  check_failure(query({back, "--config", folder / "c.json"}), 2, "filter.keyframe_change");
 }

@@ -127,14 +127,14 @@ TEST_CASE(
   CHECK(cluster_by_sequence({}, 3, {}).all.empty());
 }
 
-TEST_CASE("recognitions on one track are one place, for any steps and gaps between them") {
-  // Query frames 3 to 6 on track 1, where frame 5 is not recognized; 8 and 9 on track 2; and 10 on
-  // no track.
-  const std::vector<uint32_t> tracks = {0, 0, 0, 1, 1, 1, 1, 0, 2, 2, 0, 0};
+TEST_CASE("recognitions on one path are one place, for any steps and gaps between them") {
+  // Query frames 3 to 6 on path 1, where frame 5 is not recognized; 8 and 9 on path 2; and 10 on
+  // no path.
+  const std::vector<uint32_t> paths = {0, 0, 0, 1, 1, 1, 1, 0, 2, 2, 0, 0};
   const std::vector<Match> recognitions = {{3, 1, 40, 0, -5}, {4, 1, 43, 0, -9}, {6, 1, 47, 0, -2},
                                            {8, 0, 9, 0, -4},  {9, 0, 9, 0, -4},  {10, 0, 9, 0, -4},
                                            {11, 0, 9, 0, -4}};
-  const Clusters clusters = cluster_tracks(recognitions, tracks);
+  const Clusters clusters = cluster_paths(recognitions, paths);
   REQUIRE(clusters.all.size() == 4);
   CHECK(clusters.all[0] == Cluster{1, 4, 3, 6, 43, 40, 47, 3, -9});
   CHECK(clusters.all[1] == Cluster{0, 9, 8, 9, 9, 9, 9, 2, -4});
@@ -143,7 +143,7 @@ TEST_CASE("recognitions on one track are one place, for any steps and gaps betwe
   CHECK(mean_rate(clusters.all[0]) == 7 / 3.0);
   CHECK(mean_rate(clusters.all[1]) == 0);
   CHECK_FALSE(mean_rate(clusters.all[2]));
-  CHECK(cluster_tracks({}, tracks).all.empty());
+  CHECK(cluster_paths({}, paths).all.empty());
 }
 
 TEST_CASE("a place is one run while it is recognized in consecutive frames") {

@@ -197,3 +197,9 @@ TEST_CASE("a margin must be a finite number, not negative, and below the largest
   scored.margin = 65;
   CHECK(is_refused(scored));
 }
+
+TEST_CASE("the default margin is a share of 1 / sqrt(c_l)") {
+  CHECK(score_kind(Score::raw).default_margin(600, 9) == Approx(150));
+  CHECK(score_kind(Score::zscore).default_margin(600, 1) == Approx(5.1));
+  CHECK(score_kind(Score::zscore_offline).default_margin(100, 16) == Approx(1.275));
+}

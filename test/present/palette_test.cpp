@@ -121,6 +121,7 @@ TEST_CASE("the summary states the recall, the errors and the first recognition")
   Judgment judgment;
   judgment.verdicts = {FrameVerdict::none, FrameVerdict::incorrect, FrameVerdict::correct,
                        FrameVerdict::none, FrameVerdict::unjudged};
+  judgment.localization = localize(judgment.verdicts, {});
   CHECK(
       summary_sentence(judgment, true, {}) ==
       "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
@@ -130,9 +131,11 @@ TEST_CASE("the summary states the recall, the errors and the first recognition")
       "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
       "frame 2 (0.5 s).");
   judgment.verdicts = {FrameVerdict::correct};
+  judgment.localization = localize(judgment.verdicts, {});
   CHECK(summary_sentence(judgment, true, {}) ==
         "Recognized in 1 of 1 frame, none of them incorrect; the first correct one at frame 0.");
   judgment.verdicts = {FrameVerdict::none, FrameVerdict::none};
+  judgment.localization = localize(judgment.verdicts, {});
   CHECK(summary_sentence(judgment, true, 10.0) == "Recognized in none of 2 frames.");
   judgment.verdicts = {FrameVerdict::none, FrameVerdict::unjudged};
   CHECK(summary_sentence(judgment, false, 10.0) ==

@@ -50,9 +50,9 @@ PlainFusion::PlainFusion(std::span<const DescribedFrames> train, const Described
   const FusionBasis& fusion = basis.fusion;
   if (fusion.evidence == nullptr || cells.empty()) return;
   size_t first = 0;
-  for (const FusedSequence& sequence : fusion.sequences) {
-    first_frame_[sequence.sequence] = first;
-    first += sequence.frames;
+  for (size_t s = 0; s < fusion.sequences.size(); ++s) {
+    first_frame_[s] = first;
+    first += fusion.sequences[s].frames;
   }
   for (const Cell& cell : cells)
     for (size_t k = 0; k < window_length; ++k) by_frame_[cell.query_window + k];

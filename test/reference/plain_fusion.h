@@ -24,8 +24,7 @@ FusionRow plain_fusion_row(const FusionBasis& basis, const WordSet& words, doubl
 /// are decided in the same way.
 class PlainFusion {
  public:
-  /// `basis` covers all training sequences, but its fusion only the searched ones. Does nothing
-  /// without fusion.
+  /// Does nothing without fusion.
   PlainFusion(std::span<const DescribedFrames> train, const DescribedFrames& query,
               const ScoreBasis& basis, std::span<const Cell> cells, size_t window_length,
               const Monitor& monitor);

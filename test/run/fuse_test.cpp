@@ -67,26 +67,6 @@ Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size
 
 }  // namespace
 
-TEST_CASE("automatic thresholds and margins do not use a training frame's own view") {
-  const Walks walks;
-  const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
-  ScoreBasis alone = basis;
-  alone.fusion = {};
-  const std::vector<DescribedFrames> train = descriptor_spans(walks.database);
-  const FrameDistances scores = zscores(frame_distances(train, train[1]), alone, {});
-  const FrameDistances both = zscores(frame_distances(train, train[1]), basis, {});
-  std::vector<uint16_t> plain(192);
-  std::vector<uint16_t> fast(192);
-  for (uint32_t frame = 0; frame < 70; ++frame) {
-    scores.start_row(frame);
-    both.start_row(frame);
-    scores.tile({&frame, 1}, 0, 160, plain.data(), 192);
-    both.tile({&frame, 1}, 0, 160, fast.data(), 192);
-    check_row(fast, plain,
-              fusion_row(basis.fusion, train[1].words[frame], basis.fusion.weight / 2, 60 + frame));
-  }
-}
-
 TEST_CASE("fused scores are scores plus evidence with the weight of earlier frames, clamped") {
   const Walks walks;
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));

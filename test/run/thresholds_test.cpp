@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "decide/automatic_margin.h"
 #include "match/reference.h"
 #include "support.h"
 
@@ -146,11 +145,9 @@ TEST_CASE("mean distances of sets of codes are computed from counted bits") {
 }
 
 TEST_CASE("a longer diagonal is significant at a larger distance") {
-  CHECK(is_same_place(218, 400, 7, kPairDepth));
-  CHECK_FALSE(is_same_place(218, 400, 6, kPairDepth));
-  CHECK(is_same_place(199, 400, 4, kOwnDepth));
-  CHECK_FALSE(is_same_place(200, 400, 4, kOwnDepth));
-  CHECK_FALSE(is_same_place(0, 400, 1, kOwnDepth));
+  CHECK(is_same_place(218, 400, 7));
+  CHECK_FALSE(is_same_place(218, 400, 6));
+  CHECK_FALSE(is_same_place(0, 400, 1));
 }
 
 TEST_CASE("two sequences of one place are reported with their frames") {

@@ -1,0 +1,321 @@
+#!/usr/bin/python3
+"""Measures what the filter and windows recognize, and writes the tables of docs/experiments/accuracy.md.
+
+  scripts/accuracy.py DATA [--bin BIN] [--work FOLDER] [--into PAGE]
+
+DATA: folder with corridor/, nordland/, loop/ and tower/. Buildings are rendered from
+configs/worlds/speeds.json. Every table replaces the lines between "<!-- NAME: begin -->" and
+"<!-- NAME: end -->" of the page. Databases and buildings in FOLDER are reused (default: a temporary
+folder). Two programs run at a time, with one thread each. Needs numpy."""
+import argparse
+import concurrent.futures
+import csv
+import itertools
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SPEEDS = {"equal speed": None, "0.5x": "0.5", "0.67x": "0.67", "1.5x": "1.5", "2x": "2",
+          "varying": "varying", "stops": "stops", "cuts": "kidnap"}
+RANDOM = {"varying", "stops", "cuts"}  # three seeds each
+WINDOW_SPEEDS = ["equal speed", "1.5x"]
+NEAR_FRAMES = 12  # an incorrect match within this many frames is a near miss
+METHODS = ["filter", "windows", "windows of five speeds", "FastABLE"]
+FIVE_SPEEDS = "1/2,2/3,1,3/2,2"
+TOWER = "tower, 30 pairs"
+BUILDINGS = {"building 1": (21, 0.3), "building 2": (22, 0.8), "building 3": (23, 0.5)}  # seed, resemblance
+ON_MAP = ["same", "slow", "fast", "varying", "detour", "carried"]
+OFF_MAP = ["back", "upstairs", "elsewhere"]
+
+
+def run(program, *words):
+    command = [str(word) for word in (options.bin / program, *words, "--quiet", "--threads", 1)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(command)}: {done.stderr}")
+
+
+# Ground truth: judge(query frames, training frames) returns the distance of a match from the truth
+# in frames: 0 is correct, NaN is ignored, infinity has no correct match. on_map: query frames with a
+# correct match.
+
+def aligned(tolerance):
+    """Query frame i shows training frame i, +- tolerance. Training frames of one keyframe are one
+    place, because a camera that stands shows the same view."""
+    def judge(result, query, train):
+        starts = result.train_keyframes
+        keyframe = lambda frame: np.searchsorted(starts, frame, side="right")
+        true = result.source[query]
+        same_keyframe = ((keyframe(np.maximum(true - tolerance, 0)) <= keyframe(train)) &
+                         (keyframe(train) <= keyframe(np.minimum(true + tolerance, result.train_frames - 1))))
+        off = np.abs(true - train).astype(float)
+        return np.where((off <= tolerance) | same_keyframe, 0, off)
+    return judge, lambda result: np.ones(result.frames, bool)
+
+
+def different_places():
+    return (lambda result, query, train: np.full(len(query), np.inf),
+            lambda result: np.zeros(result.frames, bool))
+
+
+def listed_pairs(path):
+    with open(path, newline="") as file:
+        rows = [(int(row["query"]), int(row["reference"]), row["label"]) for row in csv.DictReader(file)]
+    same, ignored = {}, set()
+    for query, train, label in rows:
+        if label == "same":
+            same.setdefault(query, []).append(train)
+        elif label == "ignore":
+            ignored.add((query, train))
+
+    def off(query, train):
+        if query not in same:
+            return np.nan if (query, train) in ignored else np.inf
+        nearest = min(abs(train - other) for other in same[query])
+        return np.nan if nearest and (query, train) in ignored else nearest
+    return (lambda result, query, train: np.array([off(*pair) for pair in zip(query, train)], float),
+            lambda result: np.isin(np.arange(result.frames), list(same)))
+
+
+class Case:
+    """A query of a database, its ground truth, and c_l of its windows."""
+
+    def __init__(self, database, query, truth, window=40):
+        self.database, self.query, self.window = database, query, window
+        self.judge, self.on_map = truth
+
+
+class Result:
+    """The matches of one run. Windows are judged at their last frame, those of five speeds at their
+    middle. speed: a value of --speed, or None."""
+
+    def __init__(self, case, method, speed, seed):
+        length, flags = {
+            "filter": (1, ["--method", "filter"]),
+            "windows": (case.window, ["--score", "zscore", "--decide", "margin"]),
+            "windows of five speeds": (min(30, case.window), ["--score", "zscore", "--decide", "margin",
+                                                              "--rates", FIVE_SPEEDS]),
+            "FastABLE": (case.window, ["--t-r", 0])}[method]
+        flags = [*flags, *(["--c-l", length] if length > 1 else [])]
+        replay = ["--speed", speed, "--seed", seed] if speed else []
+        with tempfile.TemporaryDirectory(dir=options.work) as folder:
+            run("vpr-query", case.database, "--query", case.query, *flags, *replay, "-o", f"{folder}/r.json")
+            description = json.loads(pathlib.Path(f"{folder}/r.json").read_text())
+            read = lambda name: np.load(f"{folder}/r.{name}.npy")
+            best, recognized, keyframes = read("best"), read("recognitions"), read("keyframes")
+            self.frames = description["query"]["frames"]
+            self.train_frames = description["sequences"][0]["frames"]
+            self.train_keyframes = keyframes[keyframes[:, 0] == 0, 1]
+            self.source = read("source_frames") if replay else np.arange(self.frames)
+            confidence = -read("best_scores") if method == "FastABLE" else read("margins")
+            if method == "filter":
+                self.decided = read("path")[:, 2]
+            behind = train_behind = np.zeros(len(best), int)  # from the last frame to the judged one
+            if method == "windows of five speeds":
+                behind = np.full(len(best), length // 2)
+                rates = np.nan_to_num(read("best_rates"), nan=1)
+                train_behind = np.floor(behind * rates + 0.5).astype(int)
+        found = best[:, 2] >= 0
+        query, train = best[:, 0] + length - 1 - behind, best[:, 2] + length - 1 - train_behind
+        self.known = case.on_map(self)
+        self.confidence = np.where(found, np.nan_to_num(confidence, nan=-np.inf), -np.inf)
+        self.best_off = np.where(found, case.judge(self, query, np.maximum(train, 0)), np.inf)
+        self.query, self.train = recognized[:, 0] + length - 1, recognized[:, 2] + length - 1
+        self.off = case.judge(self, self.query, self.train)
+
+    def counts(self):
+        """Frames that are known, recognized correctly, by near misses, and incorrectly otherwise."""
+        near = (self.off > 0) & (self.off <= NEAR_FRAMES)
+        return np.array([self.known.sum(), (self.off == 0).sum(), near.sum(), (self.off > NEAR_FRAMES).sum()])
+
+    def ranked(self):
+        """Recall at 100 % precision: correct frames of more confidence than any incorrect one."""
+        incorrect = self.confidence[self.best_off > 0].max(initial=-np.inf)
+        return ((self.best_off == 0) & (self.confidence > incorrect)).sum() / self.known.sum()
+
+    def delay(self):
+        """Frames from the first frame on the map until the first correct recognition is reported."""
+        decided = self.decided[self.query[self.off == 0]]
+        return decided.min(initial=np.inf) - np.flatnonzero(self.known)[0]
+
+    def cuts(self):
+        """Per cut of a replay: frames after it that are recognized at the old place, and frames until
+        the first correct recognition of a frame before the next cut is reported."""
+        starts = np.flatnonzero(np.diff(self.source) != 1) + 1
+        for start, end in zip(starts, [*starts[1:], self.frames]):
+            part = (self.query >= start) & (self.query < end)
+            passed = self.query - start + 1
+            ahead = self.train - self.source[start - 1]  # of the place before the cut
+            old = part & (self.off > 0) & (ahead >= -NEAR_FRAMES) & (ahead <= 2 * passed + NEAR_FRAMES)
+            decided = self.decided[self.query[part & (self.off == 0)]]
+            yield old.sum(), decided.min(initial=np.inf) - start
+
+
+def database(name, sequence):
+    path = options.work / f"{name}.vprdb"
+    if not path.exists():
+        run("vpr-train", "fastable", "--train", sequence, "-o", path)
+    return path
+
+
+def real_cases():
+    data = options.data
+    sets = {"corridor": (data / "corridor/query", data / "corridor/ref", 3, 40),
+            "Nordland": (data / "nordland/winter", data / "nordland/summer", 2, 40),
+            "loop": (f"{data}/loop/images@40:80", f"{data}/loop/images@0:40", 3, 20)}
+    names = {"corridor": ("`query` in `ref`", "`ref` in `query`"),
+             "Nordland": ("winter in summer", "summer in winter"),
+             "loop": ("second lap in first", "first lap in second")}
+    cases = {}
+    for name, (one, other, tolerance, window) in sets.items():
+        for title, query, train in zip(names[name], (one, other), (other, one)):
+            place = database(f"{name} {title}".replace("`", "").replace(" ", "-"), train)
+            cases[f"{name}, {title}"] = Case(place, query, aligned(tolerance), window)
+    return cases
+
+
+def tower_cases():
+    floors = sorted((options.data / "tower").iterdir())
+    return [Case(database(train.name, train), query, different_places())
+            for train, query in itertools.permutations(floors, 2)]
+
+
+def building(name):
+    """Cases of a rendered building by the names of their walks. Besides the walks of the file: a floor
+    above with the same plan, and another one, which are not trained."""
+    folder = options.work / name.replace(" ", "-")
+    if not folder.exists():
+        world = json.loads((ROOT / "configs/worlds/speeds.json").read_text())
+        world["seed"], world["resemblance"] = BUILDINGS[name]
+        world["floors"].append({**world["floors"][0], "name": "above"})
+        world["floors"].append({"name": "other", "rooms": [
+            {"kind": "corridor", "x": 0, "y": 0, "width": 40, "depth": 3},
+            {"kind": "hall", "x": 10, "y": 3, "width": 20, "depth": 8},
+            {"kind": "corridor", "x": 37, "y": 3, "width": 3, "depth": 15}]})
+        same = next(walk for walk in world["walks"] if walk["name"] == "same")
+        world["walks"].append({**same, "name": "upstairs", "floor": "above"})
+        world["walks"].append({**same, "name": "elsewhere", "floor": "other",
+                               "path": [[1, 1.5], [38.5, 1.5], [38.5, 17]]})
+        file = folder.with_suffix(".json")
+        file.write_text(json.dumps(world))
+        run("vpr-synth", file, "-o", folder)
+    place = database(folder.name, folder / "trained")
+    return {walk: Case(place, folder / walk, listed_pairs(folder / f"{walk}.ground_truth.csv"))
+            for walk in ON_MAP + OFF_MAP}
+
+
+def table(head, rows):
+    lines = ["| | " + " | ".join(head) + " |", "|---|" + "---:|" * len(head)]
+    return "\n".join(lines + [f"| {title} | " + " | ".join(cells) + " |" for title, *cells in rows]) + "\n"
+
+
+def share(results):
+    """Recognized correctly in percent, and if any in parentheses near misses and other incorrect frames.
+    Where nothing can be correct: recognized frames of all frames."""
+    known, correct, near, others = sum(result.counts() for result in results)
+    if not known:
+        return f"{near + others} of {sum(result.frames for result in results)}"
+    return f"{100 * correct / known:.0f}" + (f" ({near} + {others})" if near + others else "")
+
+
+def ranking(results):
+    return f"{100 * np.mean([result.ranked() for result in results]):.0f}"
+
+
+def frames(values):
+    """The median and the 0.9 quantile, in frames."""
+    ordered = sorted(values)
+    number = lambda value: "never" if math.isinf(value) else f"{value:.0f}"
+    return [number(ordered[math.ceil(part * len(ordered)) - 1]) for part in (0.5, 0.9)]
+
+
+def measure(pool):
+    """Lists of results by set, method and column. A set has one case, 30 pairs of floors, or a building."""
+    real, tower = real_cases(), tower_cases()
+    rendered = dict(zip(BUILDINGS, pool.map(building, BUILDINGS)))
+    jobs = []  # set, method, column, case, speed, seed
+
+    def add(name, case, method, column):
+        seeds = (1, 2, 3) if column in RANDOM else (1,)
+        jobs.extend((name, method, column, case, SPEEDS[column], seed) for seed in seeds)
+
+    for name, case in real.items():
+        for column, method in itertools.product(SPEEDS, METHODS):
+            if column != "cuts" or "loop" not in name:  # a lap is too short
+                add(name, case, method, column)
+    for case in tower:
+        for column in SPEEDS:
+            add(TOWER, case, "filter", column)
+        for column in WINDOW_SPEEDS:
+            add(TOWER, case, "windows", column)
+    for name, walks in rendered.items():
+        jobs += [(name, method, walk, walks[walk], None, 1) for walk in walks for method in METHODS]
+    found = {}
+    for job, result in zip(jobs, pool.map(lambda job: Result(job[3], job[1], *job[4:]), jobs)):
+        found.setdefault(job[:3], []).append(result)
+    return list(real), found
+
+
+def tables(real, found):
+    def row(title, names, method, columns, cell):
+        results = [[one for name in names for one in found.get((name, method, column), [])]
+                   for column in columns]
+        return [title, *(cell(each) if each else "" for each in results)]
+
+    def of_sets(names, method, columns, cell):
+        return [row(name, [name], method, columns, cell) for name in names]
+
+    def of_buildings(methods, columns, cell):
+        return [row(method, BUILDINGS, method, columns, cell) for method in methods]
+
+    steady = [column for column in SPEEDS if column != "cuts"]
+    rankings = [method for method in METHODS if method != "windows"]
+    first = lambda results: frames([result.delay() for result in results])[0]
+    yield "recognized", table(SPEEDS, of_sets([*real, TOWER], "filter", SPEEDS, share))
+    yield "windows", table(WINDOW_SPEEDS, of_sets([*real, TOWER], "windows", WINDOW_SPEEDS, share))
+    yield "rendered", table(ON_MAP + OFF_MAP, of_buildings(["filter", "windows"], ON_MAP + OFF_MAP, share))
+    yield "ranking", table(SPEEDS, [row(f"{name}: {method}", [name], method, SPEEDS, ranking)
+                                    for name in real for method in rankings])
+    yield "rendered ranking", table(ON_MAP, of_buildings(rankings, ON_MAP, ranking))
+    yield "delay", table(steady, of_sets(real, "filter", steady, first))
+    yield "rendered delay", table(ON_MAP, of_sets(BUILDINGS, "filter", ON_MAP, first))
+    rows = []
+    for name in real:
+        if results := found.get((name, "filter", "cuts")):
+            old, new = zip(*(cut for result in results for cut in result.cuts()))
+            rows.append([name, str(len(old)), *frames(old), str(max(old)),
+                         f"{100 * np.mean(np.isfinite(new)):.0f} %", *frames(new)])
+    yield "cuts", table(["cuts", "old place: median", "90 %", "most", "recognized again",
+                         "delay: median", "90 %"], rows)
+
+
+def write_into(page, name, text):
+    begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
+    before, rest = page.read_text().split(begin)
+    page.write_text(before + begin + text + end + rest.split(end)[1])
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
+        options.work = (options.work or pathlib.Path(folder)).resolve()
+        options.work.mkdir(parents=True, exist_ok=True)
+        for name, text in tables(*measure(pool)):
+            print(f"{name}\n{text}", flush=True)
+            if options.into:
+                write_into(options.into, name, text)
+
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("data", type=pathlib.Path)
+parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/bin")
+parser.add_argument("--work", type=pathlib.Path)
+parser.add_argument("--into", type=pathlib.Path)
+options = parser.parse_args()
+options.data, options.bin = options.data.resolve(), options.bin.resolve()
+main()

@@ -1,0 +1,51 @@
+// Decisions along the paths of the filter: a query frame is recognized if its path has a large
+// enough margin once its match is settled.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "match/match.h"
+
+namespace vpr {
+
+/// Decides query frames as their reports arrive, in order.
+class PathDecisions {
+ public:
+  /// `least_margin`: of a recognized frame, in units of reports.
+  explicit PathDecisions(uint32_t least_margin) : least_margin_(least_margin) {}
+
+  /// The frames that this report recognizes, each once.
+  std::vector<PathMatch> take(const PathReport& report);
+
+  /// The frames that the end of the query recognizes: the others of its last path.
+  std::vector<PathMatch> finish();
+
+  /// An unreadable frame ends the path.
+  void end_path() { open_.clear(); }
+
+ private:
+  std::vector<PathMatch> pop_before(size_t frame);
+
+  uint32_t least_margin_;
+  uint32_t path_ = 0;
+  uint32_t margin_ = 0;
+  std::deque<PathMatch> open_;  ///< consecutive frames of the path that may still be recognized
+};
+
+/// What remains of the report at a query frame.
+struct PathStep {
+  uint32_t path = 0;  ///< 0: an unreadable frame
+  uint32_t margin = 0;
+  size_t first = 0;  ///< of the frames that the margin recognizes
+  size_t settled = 0;
+};
+
+/// By query frame: the largest margin that recognizes it, so that a least margin accepts what
+/// PathDecisions recognizes. The end of the query settles all matches.
+std::vector<uint32_t> settled_margins(std::vector<PathStep> steps);
+
+}  // namespace vpr
