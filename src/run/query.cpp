@@ -178,7 +178,7 @@ Result PathRows::result() {
 
 uint32_t least_margin(const QueryPlan& plan) {
   const double per_unit = score_kind(plan.settings.score).frame_value(1, 1);
-  return static_cast<uint32_t>(std::ceil(*plan.sequences.front().margin / per_unit));
+  return static_cast<uint32_t>(std::ceil(*plan.settings.margin / per_unit));
 }
 
 Cell cell_of(const PathMatch& match) {

@@ -153,6 +153,8 @@ TEST_CASE("live frames have the results of the whole query: margins, scores and 
   SequenceQuerySettings filter;
   filter.method = "filter";
   CHECK(check_live_query(walks, filter) > 30);
+  filter.only_sequences = {"b"};  // the first sequence is not searched
+  CHECK(check_live_query(walks, filter) > 10);
 }
 
 TEST_CASE("live frames have the results of the whole query: fused with FAB-MAP") {
