@@ -1,31 +1,29 @@
 #include "decide/path_decisions.h"
 
-#include <algorithm>
+#include <cassert>
 #include <limits>
 
 namespace vpr {
 
-std::vector<PathMatch> PathDecisions::take(const PathReport& report) {
+std::vector<Cell> PathDecisions::take(const PathReport& report) {
   if (report.path != path_) open_.clear();
   path_ = report.path;
   margin_ = report.margin;
-  for (const PathMatch& match : report.matches) {
-    const size_t first = open_.empty() ? match.query : open_.front().query;
-    if (match.query < first) continue;  // recognized
-    if (match.query - first == open_.size()) open_.emplace_back();
-    open_[match.query - first] = match;
+  for (const Cell& match : report.matches) {
+    const size_t index = open_.empty() ? 0 : match.query_window - open_.front().query_window;
+    assert(index <= open_.size());  // a recognized frame has no later report
+    if (index == open_.size()) open_.emplace_back();
+    open_[index] = match;
   }
-  while (!open_.empty() && open_.front().query < report.first) open_.pop_front();
+  while (!open_.empty() && open_.front().query_window < report.first) open_.pop_front();
   return pop_before(report.settled);
 }
 
-std::vector<PathMatch> PathDecisions::finish() {
-  return pop_before(std::numeric_limits<size_t>::max());
-}
+std::vector<Cell> PathDecisions::finish() { return pop_before(std::numeric_limits<size_t>::max()); }
 
-std::vector<PathMatch> PathDecisions::pop_before(size_t frame) {
-  std::vector<PathMatch> recognized;
-  while (margin_ >= least_margin_ && !open_.empty() && open_.front().query < frame) {
+std::vector<Cell> PathDecisions::pop_before(size_t frame) {
+  std::vector<Cell> recognized;
+  while (margin_ >= least_margin_ && !open_.empty() && open_.front().query_window < frame) {
     recognized.push_back(open_.front());
     open_.pop_front();
   }

@@ -19,21 +19,21 @@ class PathDecisions {
   explicit PathDecisions(uint32_t least_margin) : least_margin_(least_margin) {}
 
   /// The frames that this report recognizes, each once.
-  std::vector<PathMatch> take(const PathReport& report);
+  std::vector<Cell> take(const PathReport& report);
 
   /// The frames that the end of the query recognizes: the others of its last path.
-  std::vector<PathMatch> finish();
+  std::vector<Cell> finish();
 
   /// An unreadable frame ends the path.
   void end_path() { open_.clear(); }
 
  private:
-  std::vector<PathMatch> pop_before(size_t frame);
+  std::vector<Cell> pop_before(size_t frame);
 
   uint32_t least_margin_;
   uint32_t path_ = 0;
   uint32_t margin_ = 0;
-  std::deque<PathMatch> open_;  ///< consecutive frames of the path that may still be recognized
+  std::deque<Cell> open_;  ///< consecutive frames of the path that may still be recognized
 };
 
 /// What remains of the report at a query frame.

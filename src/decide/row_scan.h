@@ -11,17 +11,6 @@
 
 namespace vpr {
 
-/// One cell. Windows are identified by their first frame, train windows within their sequence.
-struct Cell {
-  uint32_t query_window = 0;
-  uint32_t sequence = 0;
-  uint32_t train_window = 0;
-  uint32_t score = 0;  ///< D, or the biased sum of scores, over the window
-  uint8_t rate = 0;    ///< for windows of several rates: the index of its rate
-
-  bool operator==(const Cell&) const = default;
-};
-
 /// Orders by query window, sequence, train window.
 bool by_position(const Cell& a, const Cell& b);
 /// Whether cell a is a better match than cell b of the same row; ties to the smallest sequence and

@@ -12,11 +12,11 @@ namespace {
 struct FilteredQuery {
   FilterState filter;
   PathTrack track;
-  double least_change = 0;         ///< frame distance between keyframes
-  std::vector<uint16_t> scores;    ///< of the last frame to all training frames
-  std::vector<uint32_t> row;       ///< of the last frame: values of all training frames
-  std::vector<uint8_t> view;       ///< descriptor of the last keyframe; empty after a gap
-  std::vector<PathMatch> matches;  ///< of the report
+  double least_change = 0;       ///< frame distance between keyframes
+  std::vector<uint16_t> scores;  ///< of the last frame to all training frames
+  std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
+  std::vector<uint8_t> view;     ///< descriptor of the last keyframe; empty after a gap
+  std::vector<Cell> matches;     ///< of the report
 };
 
 // Also computes the scores of frames that are not keyframes, because statistics may be updated.

@@ -19,14 +19,15 @@
 
 namespace vpr {
 
-/// The match of a query frame on a path; the training frame is counted within its sequence.
-struct PathMatch {
-  uint32_t query = 0;
+/// One cell. Windows are identified by their first frame, train windows within their sequence.
+struct Cell {
+  uint32_t query_window = 0;
   uint32_t sequence = 0;
-  uint32_t train = 0;
-  uint32_t value = 0;
+  uint32_t train_window = 0;
+  uint32_t score = 0;  ///< D, or the biased sum of scores, over the window
+  uint8_t rate = 0;    ///< for windows of several rates: the index of its rate
 
-  bool operator==(const PathMatch&) const = default;
+  bool operator==(const Cell&) const = default;
 };
 
 /// The path of the filter at a query frame, in units of the row's values.
@@ -39,7 +40,7 @@ struct PathReport {
   size_t settled = 0;
   std::optional<double> rate;  ///< recent training frames per query frame; unset after few frames
   /// Matches of the last frames of the path, up to this one; they replace those of earlier reports.
-  std::span<const PathMatch> matches = {};
+  std::span<const Cell> matches = {};
 };
 
 /// Adjacent cells of one row: scores[x] = D(query_window, train_window + x), the sum of the frame

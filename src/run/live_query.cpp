@@ -64,7 +64,7 @@ std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
   if (frame.in_a_row == 0) decisions_->end_path();
   windows_(frames_.distances, frame, [&](size_t, std::span<const ScoreRow> row) {
     const PathReport& report = *row.front().path;
-    Cell match = cell_of(report.matches.back());
+    Cell match = report.matches.back();
     match.query_window = 0;
     last_ = make_result(plan_, {{}, {match}}, {report.margin});
     last_->path.emplace(1);
@@ -75,11 +75,9 @@ std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
   return last_;
 }
 
-std::vector<Match> LiveQuery::recognitions_of(const std::vector<PathMatch>& recognized) const {
-  std::vector<std::optional<Cell>> cells;
-  for (const PathMatch& match : recognized) cells.emplace_back(cell_of(match));
+std::vector<Match> LiveQuery::recognitions_of(const std::vector<Cell>& recognized) const {
   std::vector<Match> recognitions;
-  for (const auto& match : make_result(plan_, {{}, cells}, {}).best) recognitions.push_back(*match);
+  for (const Cell& cell : recognized) recognitions.push_back(match_of(cell, plan_));
   return recognitions;
 }
 

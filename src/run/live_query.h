@@ -73,7 +73,7 @@ class LiveQuery {
 
   // With the filter:
   std::optional<Result> take_path(const QueryFrame& frame);
-  std::vector<Match> recognitions_of(const std::vector<PathMatch>& recognized) const;
+  std::vector<Match> recognitions_of(const std::vector<Cell>& recognized) const;
   std::optional<PathDecisions> decisions_;
   std::optional<Result> last_;  ///< of the latest frame
 };

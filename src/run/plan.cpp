@@ -482,13 +482,13 @@ RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResource
   return settings;
 }
 
+Match match_of(const Cell& cell, const QueryPlan& plan) {
+  return {cell.query_window, cell.sequence, cell.train_window, 0,
+          static_cast<double>(cell.score - plan.score_offset())};
+}
+
 Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                    const std::vector<std::optional<uint32_t>>& margins) {
-  const int64_t offset = plan.score_offset();
-  const auto match_of = [&](const Cell& cell) {
-    return Match{cell.query_window, cell.sequence, cell.train_window, 0,
-                 static_cast<double>(cell.score - offset)};
-  };
   Result result;
   result.settings = plan.settings;
   result.query = plan.query_sequence;
@@ -496,9 +496,9 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
   result.sequences = plan.sequences;
   result.statistics = plan.statistics;
   result.recognitions.reserve(found.recognitions.size());
-  for (const Cell& cell : found.recognitions) result.recognitions.push_back(match_of(cell));
+  for (const Cell& cell : found.recognitions) result.recognitions.push_back(match_of(cell, plan));
   for (const auto& best : found.best)
-    result.best.push_back(best ? std::optional(match_of(*best)) : std::nullopt);
+    result.best.push_back(best ? std::optional(match_of(*best, plan)) : std::nullopt);
   const std::vector<Rate>& rates = plan.match.rates;
   for (size_t window = 0; !rates.empty() && window < found.best.size(); ++window) {
     const auto& best = found.best[window];

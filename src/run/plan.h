@@ -118,6 +118,9 @@ void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima);
 /// The settings of a scan for recognitions below the limits of a plan.
 RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources);
 
+/// A cell of a planned query, as in results.
+Match match_of(const Cell& cell, const QueryPlan& plan);
+
 /// The result of a plan without clusters: recognitions, best matches and their margins. The
 /// recognitions of a decision by margin are best matches.
 Result make_result(const QueryPlan& plan, const RecognitionScanResult& found = {},

@@ -155,14 +155,15 @@ void PathRows::operator()(std::span<const ScoreRow> row) {
   const PathReport& report = *row.front().path;
   const size_t frame = row.front().query_window;
   steps_[frame] = {report.path, report.margin, report.first, report.settled};
-  for (const PathMatch& match : report.matches) best_[match.query] = cell_of(match);
+  for (const Cell& match : report.matches) best_[match.query_window] = match;
   if (report.rate) path_.rates[frame] = *report.rate;
   path_.numbers[frame] = report.path;
   decide(decisions_.take(report), frame);
 }
 
-void PathRows::decide(const std::vector<PathMatch>& recognized, size_t frame) {
-  for (const PathMatch& match : recognized) path_.decided[match.query] = static_cast<double>(frame);
+void PathRows::decide(const std::vector<Cell>& recognized, size_t frame) {
+  for (const Cell& match : recognized)
+    path_.decided[match.query_window] = static_cast<double>(frame);
 }
 
 Result PathRows::result() {
@@ -179,10 +180,6 @@ Result PathRows::result() {
 uint32_t least_margin(const QueryPlan& plan) {
   const double per_unit = score_kind(plan.settings.score).frame_value(1, 1);
   return static_cast<uint32_t>(std::ceil(*plan.settings.margin / per_unit));
-}
-
-Cell cell_of(const PathMatch& match) {
-  return {match.query, match.sequence, match.train, match.value};
 }
 
 ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)

@@ -25,7 +25,7 @@ class PathRows {
   Result result();
 
  private:
-  void decide(const std::vector<PathMatch>& recognized, size_t frame);
+  void decide(const std::vector<Cell>& recognized, size_t frame);
 
   const QueryPlan& plan_;
   PathDecisions decisions_;
@@ -36,9 +36,6 @@ class PathRows {
 
 /// The least margin of the filter, in units of its values.
 uint32_t least_margin(const QueryPlan& plan);
-
-/// A match of the filter as a cell.
-Cell cell_of(const PathMatch& match);
 
 /// Collects the rows of a planned query, which must outlive it, into a result: recognitions, best
 /// matches and their margins, and the reports of the filter.

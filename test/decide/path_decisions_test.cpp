@@ -12,7 +12,7 @@ namespace {
 /// A report that changes the places of the frames from `changed` on.
 struct Step {
   PathReport report;
-  std::vector<PathMatch> matches;
+  std::vector<Cell> matches;
 
   Step(uint32_t path, uint32_t margin, size_t settled, uint32_t changed, uint32_t frame,
        size_t first = 0) {
@@ -21,9 +21,9 @@ struct Step {
   }
 };
 
-std::vector<uint32_t> queries(const std::vector<PathMatch>& matches) {
+std::vector<uint32_t> queries(const std::vector<Cell>& matches) {
   std::vector<uint32_t> frames;
-  for (const PathMatch& match : matches) frames.push_back(match.query);
+  for (const Cell& match : matches) frames.push_back(match.query_window);
   return frames;
 }
 
@@ -38,8 +38,8 @@ TEST_CASE("a margin recognizes the settled frames of the path, with their last p
   CHECK(decisions.take(Step(1, 9, 1, 0, 2).report).empty());
   const auto recognized = decisions.take(Step(1, 10, 2, 1, 3).report);
   REQUIRE(queries(recognized) == Frames{0, 1});
-  CHECK(recognized[0].train == 200);  // of the report at frame 2
-  CHECK(recognized[1].train == 301);
+  CHECK(recognized[0].train_window == 200);  // of the report at frame 2
+  CHECK(recognized[1].train_window == 301);
   CHECK(queries(decisions.take(Step(1, 12, 3, 2, 4).report)) == Frames{2});
   CHECK(queries(decisions.finish()) == Frames{3, 4});
 }
@@ -66,7 +66,7 @@ TEST_CASE("settled margins accept what decisions recognize") {
     std::vector<PathStep> steps;
     PathDecisions decisions(10);
     Frames recognized;
-    const auto take = [&](const std::vector<PathMatch>& matches) {
+    const auto take = [&](const std::vector<Cell>& matches) {
       for (const uint32_t frame : queries(matches)) recognized.push_back(frame);
     };
     uint32_t path = 1;

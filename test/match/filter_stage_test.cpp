@@ -19,11 +19,11 @@ namespace {
 constexpr uint32_t kUnit = kScoreUnit;
 
 struct FilterRun {
-  std::map<size_t, PathReport> reports;   ///< by query frame, without matches
-  std::map<size_t, PathMatch> matches;    ///< by query frame
-  std::map<size_t, uint32_t> margins;     ///< the largest one since the match is settled
-  std::map<size_t, PathMatch> positions;  ///< when the frame arrived
-  std::map<size_t, PathMatch> best;       ///< the best cell of the row
+  std::map<size_t, PathReport> reports;  ///< by query frame, without matches
+  std::map<size_t, Cell> matches;        ///< by query frame
+  std::map<size_t, uint32_t> margins;    ///< the largest one since the match is settled
+  std::map<size_t, Cell> positions;      ///< when the frame arrived
+  std::map<size_t, Cell> best;           ///< the best cell of the row
   test::Cells cells;
 };
 
@@ -38,9 +38,9 @@ FilterRun run_filter(const test::Example& example) {
     if (!found.reports.contains(row.query_window)) {
       found.reports[row.query_window] = *row.path;
       found.reports[row.query_window].matches = {};
-      for (const PathMatch& match : row.path->matches) {
-        found.matches[match.query] = match;
-        REQUIRE(found.reports.at(match.query).path == row.path->path);
+      for (const Cell& match : row.path->matches) {
+        found.matches[match.query_window] = match;
+        REQUIRE(found.reports.at(match.query_window).path == row.path->path);
       }
       found.positions[row.query_window] = row.path->matches.back();
     }
@@ -54,7 +54,7 @@ FilterRun run_filter(const test::Example& example) {
         settings, {{collect}}, {});
   for (const auto& [key, value] : found.cells) {
     const auto& [query, sequence, train] = key;
-    if (!found.best.contains(query) || value < found.best[query].value)
+    if (!found.best.contains(query) || value < found.best[query].score)
       found.best[query] = {static_cast<uint32_t>(query), static_cast<uint32_t>(sequence),
                            static_cast<uint32_t>(train), value};
   }
@@ -101,8 +101,8 @@ TEST_CASE("a route is recognized at half and at double speed, and off-map frames
       ++recognized;
       REQUIRE(query < on_map);
       REQUIRE(found.matches.at(query).sequence == 0);
-      const auto off =
-          static_cast<double>(found.matches.at(query).train) - static_cast<double>(truth[query]);
+      const auto off = static_cast<double>(found.matches.at(query).train_window) -
+                       static_cast<double>(truth[query]);
       REQUIRE(std::abs(off) <= 3);
     }
     CHECK(recognized >= on_map / 2);
