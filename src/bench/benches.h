@@ -130,8 +130,8 @@ VPR_FIELDS(FabmapBenchSettings, variants, places, words, words_per_frame, pretra
            descriptors, iterations, seconds, slow_limit)
 
 /// Words are drawn uniformly. Before a variant is timed, its results are compared with the
-/// reference implementation on a hundred places. Also times the normalization of the posterior and
-/// the training of the Chow-Liu tree.
+/// reference implementation on a hundred places. Also times the new place, the normalization of the
+/// posterior, the whole query of vpr-query, and the training of the Chow-Liu tree.
 BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
                          const Monitor& monitor);
 

@@ -53,8 +53,11 @@ struct Example {
   }
   Example(const Example&) = delete;
 
+  FabmapQuery query(const FabmapModel& model, const WordSet& words) const {
+    return {model, views, index, words, views.views()};
+  }
   FabmapQuery query(const FabmapModel& model, size_t q) const {
-    return {model, views, index, queries[q % queries.size()], views.views()};
+    return query(model, queries[q % queries.size()]);
   }
   // Entries in the lists that a query visits: the work of the inverted index.
   double postings(const FabmapModel& model) const {
@@ -139,10 +142,11 @@ ChowLiuTree time_tree(BenchResult& result, const FabmapBenchSettings& settings, 
 
 bool is_slow(const std::string& variant) { return !variant.starts_with("fabmap2"); }
 
-// Times a query with every variant, and the posterior after it.
+// Times the likelihoods of all places with every variant, the new place (mean over the pretraining
+// frames) and the posterior, and the whole query as vpr-query computes it by default.
 void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
-                  const FabmapModel& model, const Example& example, const NamedNumbers& parameters,
-                  const Monitor& monitor) {
+                  const FabmapModel& model, const Example& example, const Example& pretrain,
+                  const NamedNumbers& parameters, const Monitor& monitor) {
   const Effort effort{settings.seconds};
   const size_t places = example.views.views();
   const double postings = example.postings(model);
@@ -161,10 +165,31 @@ void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
     if (!is_slow(variant)) row.values.emplace_back("postings", postings);
     result.rows.push_back(std::move(row));
   }
+  const auto add_row = [&](const char* work, const std::function<void()>& timed,
+                           const std::string& note) {
+    BenchRow row{work, parameters, "query frame", time_repeatedly(effort, timed, monitor)};
+    row.note = note;
+    result.rows.push_back(std::move(row));
+  };
+  const auto new_place = [&](size_t q) {
+    const WordSet& words = example.queries[q % example.queries.size()];
+    return log_mean_exp(fabmap2_log_likelihoods(pretrain.query(model, words)));
+  };
   const auto logs = fabmap2_log_likelihoods(example.query(model, 0));
-  const auto posterior = [&] { fabmap_posterior(logs, logs[0], {}, {}); };
-  result.rows.push_back(
-      {"posterior", parameters, "query frame", time_repeatedly(effort, posterior, monitor)});
+  size_t q = 0;
+  add_row(
+      "posterior", [&] { fabmap_posterior(logs, logs[0], {}, {}); }, "");
+  add_row(
+      "new place", [&] { new_place(q++); },
+      fmt::format("{} pretraining frames", pretrain.views.views()));
+  add_row(
+      "query",
+      [&] {
+        const auto views = fabmap2_log_likelihoods(example.query(model, q));
+        fabmap_posterior(views, new_place(q), {}, {});
+        ++q;
+      },
+      "fabmap2, new place, posterior");
 }
 
 }  // namespace
@@ -183,9 +208,10 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
       const ChowLiuTree tree = time_tree(result, settings, words, per_frame, seed, monitor);
       const FabmapModel model = make_fabmap_model(tree, {}, WordModel::tree);
       check_variants(model, settings, per_frame, seed);
+      const Example pretrain(model, settings.pretrain_frames, per_frame, seed + kPretrainSeed);
       for (const uint64_t places : settings.places) {
         const Example example(model, places, per_frame, seed);
-        time_queries(result, settings, model, example,
+        time_queries(result, settings, model, example, pretrain,
                      {{"places", places}, {"words", words}, {"words_per_frame", per_frame}},
                      monitor);
         counter.add();

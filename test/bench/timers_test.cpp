@@ -105,7 +105,14 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
   settings.descriptors = 500;
   settings.seconds = 1e-3;
   const BenchResult result = bench_fabmap(settings, 1, {});
-  CHECK(result.rows.size() == 2 + 2 * (settings.variants.size() + 1));
+  CHECK(result.rows.size() == 2 + 2 * (settings.variants.size() + 3));
+  for (const uint64_t places : settings.places)
+    for (const char* work : {"posterior", "new place", "query"}) {
+      const BenchRow* row =
+          find_row(result, work, {{"places", places}, {"words", 300}, {"words_per_frame", 20}});
+      REQUIRE(row != nullptr);
+      CHECK(row->time.repetitions >= 5);
+    }
   settings.slow_limit = 0;
   CHECK(bench_fabmap(settings, 1, {}).left_out.size() == 2 * 3);
 }
