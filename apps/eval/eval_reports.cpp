@@ -329,7 +329,7 @@ void add_compare(Program& program) {
       .expected(2, 1000);
   command.add_list("--name", inputs->names,
                    "name of a report in tables; repeat it for all, in their order (default: the "
-                   "name in the report, its method, or the name of the file)");
+                   "name in the report, or the name of the file)");
   command
       .add_option("--html", inputs->html,
                   "HTML page with the tables, and curves and paths of all reports")

@@ -192,7 +192,6 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
   add_window_flags(command, options, settings.sequence);
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
   add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
-  add_rate_settings(command, settings.sequence, kWindowGroup);
   add_sequence_choice(command, settings.sequence);
   add_fusion_settings(command, settings.sequence, options.fuse, kWindowGroup);
 }

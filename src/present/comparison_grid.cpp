@@ -192,7 +192,7 @@ std::string sentence_of(std::span<const GridReport> reports) {
                                  queries > 1 ? "a mean R@1 of " : "R@1 ", table.rows[row][column]));
   return fmt::format(
       "{} on {}{}.", counted(methods, "method"), counted(queries, "query", "queries"),
-      best.empty() ? "" : fmt::format("; the most best matches right: {}", fmt::join(best, "; ")));
+      best.empty() ? "" : fmt::format("; most best matches correct: {}", fmt::join(best, "; ")));
 }
 
 }  // namespace
@@ -200,11 +200,13 @@ std::string sentence_of(std::span<const GridReport> reports) {
 std::string grid_name(const Report& report) {
   if (report.name) return *report.name;
   std::string name = report.method;
-  const Json settings = report.settings_json();
-  for (const char* key : {"c_l", "c_w", "window"})
-    if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
-  if (settings.contains("score") && settings["score"] != "raw")
-    name += ", " + settings["score"].get<std::string>();
+  if (!has_paths(report.method)) {
+    const Json settings = report.settings_json();
+    for (const char* key : {"c_l", "c_w", "window"})
+      if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
+    if (settings.contains("score") && settings["score"] != "raw")
+      name += ", " + settings["score"].get<std::string>();
+  }
   if (report.selection.selected_fps > 0)
     name += fmt::format(", {} frames per second", report.selection.selected_fps);
   if (!report.selection.speed.empty()) name += ", speed " + report.selection.speed;

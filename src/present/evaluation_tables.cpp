@@ -39,7 +39,7 @@ std::string percent(std::optional<double> rate) {
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
   const Json settings = report.settings_json();
-  return settings.contains("score") && settings["score"] != "raw"
+  return !has_paths(report.method) && settings.contains("score") && settings["score"] != "raw"
              ? report.method + ", " + text(settings["score"])
              : report.method;
 }
@@ -54,17 +54,10 @@ size_t count_of(const Judgment& judgment, FrameVerdict verdict) {
       std::count(judgment.verdicts.begin(), judgment.verdicts.end(), verdict));
 }
 
-std::string first_of(const Judgment& judgment, bool is_judged,
-                     std::optional<double> frames_per_second) {
-  std::optional<size_t> frame = judgment.localization.first_recognition_frames;
-  if (!is_judged) {
-    const auto& verdicts = judgment.verdicts;
-    const auto first = std::ranges::find_if(
-        verdicts, [](FrameVerdict verdict) { return verdict != FrameVerdict::none; });
-    if (first != verdicts.end()) frame = static_cast<size_t>(first - verdicts.begin());
-  }
+std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
+  const std::optional<size_t> frame = judgment.localization.first_recognition_frames;
   if (!frame) return "";
-  return fmt::format("; the first {}one at frame {}{}", is_judged ? "correct " : "", *frame,
+  return fmt::format("; the first correct one at frame {}{}", *frame,
                      frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(*frame) /
                                                                         *frames_per_second)
                                        : "");
@@ -272,7 +265,8 @@ std::string evaluation_title(const Report& report) {
 std::string title_with_settings(const Report& report) {
   std::string title = evaluation_title(report);
   const Json settings = report.settings_json();
-  title += setting_text(settings, score_kind(Score::raw).window_symbol);
+  if (!has_paths(report.method))
+    title += setting_text(settings, score_kind(Score::raw).window_symbol);
   for (const DecisionKind& decision : decision_kinds())
     title += setting_text(settings, decision.symbol);
   for (const std::string_view symbol :
@@ -300,7 +294,7 @@ std::string summary_sentence(const Judgment& judgment, bool is_judged,
     text += fmt::format(", {} of them incorrect", some(incorrect));
     if (unjudged > 0) text += fmt::format(", {} to be ignored", unjudged);
   }
-  text += first_of(judgment, is_judged, frames_per_second) + ".";
+  text += first_of(judgment, frames_per_second) + ".";
   return is_judged ? text : text + " Nothing is judged without a ground truth.";
 }
 

@@ -53,7 +53,7 @@ Table ground_truth_table(const InspectedGroundTruth& ground_truth,
   add_row(table, "pairs given more than once; they count once", finding(FindingKind::duplicate));
   add_row(table, "queries without a match; counted apart", summary.queries_without_match);
   add_row(table, "training frames that no query matches", summary.train_frames_without_match);
-  add_row(table, "pairs (i, j) without (j, i); usual between two walks",
+  add_row(table, "pairs (i, j) without (j, i); usual between two sequences",
           summary.one_sided ? std::to_string(*summary.one_sided) : "-");
   return table;
 }

@@ -37,7 +37,7 @@ inline constexpr std::array<const char*, 11> kResultArrays = {"recognitions.npy"
                                                               "best_scores.npy",
                                                               "margins.npy",
                                                               "path.npy",
-                                                              "views.npy",
+                                                              "keyframes.npy",
                                                               "new_place.npy",
                                                               "source_frames.npy",
                                                               "best_rates.npy",
@@ -92,8 +92,8 @@ struct LineFrame {
   bool is_readable = true;
 };
 
-/// docs/live.schema.json. `window`: the query window that ends at the frame. Null `result`: the
-/// frame ends no window.
+/// docs/schemas/live.schema.json. `window`: the query window that ends at the frame. Null `result`:
+/// the frame ends no window.
 Json live_line(const LineFrame& frame, const Result* result, size_t window);
 
 }  // namespace vpr

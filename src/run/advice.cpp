@@ -71,7 +71,7 @@ std::string no_recognition_advice(const Result& result) {
       std::ranges::any_of(result.margins, [](const auto& margin) { return margin.has_value(); });
   return has_margin ? "Nothing is recognized: no best match has the margin."
                     : "Nothing is recognized: no training frame is outside the exclusion zone "
-                      "(--exclusion-frames) of a best match. Train longer sequences.";
+                      "(--exclusion-frames) of a best match. Use longer sequences.";
 }
 
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,

@@ -81,8 +81,8 @@ std::optional<std::string> tolerance_warning(const GroundTruth& truth,
     const std::string share = correct == matches.size()
                                   ? fmt::format("all {}", correct)
                                   : fmt::format("{} of {}", correct, matches.size());
-    return fmt::format("{} {} are within {}: --tolerance {}?", share, noun,
-                       counted(wider.tolerance_frames, "frame"), wider.tolerance_frames);
+    return fmt::format("{} {} are within {} of the truth", share, noun,
+                       counted(wider.tolerance_frames, "frame"));
   }
   return std::nullopt;
 }

@@ -191,12 +191,21 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
 }
 
 void choose(Trials& trials) {
-  std::vector<Localization> totals;
-  for (const Trial& trial : trials.all) totals.push_back(trial.total());
-  const size_t best = best_path(totals, trials.max_incorrect);
   trials.chosen.reset();
-  if (totals[best].correct > 0 && totals[best].incorrect <= trials.max_incorrect)
-    trials.chosen = best;
+  for (const bool is_tuned : {false, true}) {
+    std::vector<Localization> totals;
+    std::vector<size_t> numbers;
+    for (size_t t = 0; t < trials.all.size(); ++t) {
+      if (trials.all[t].is_tuned != is_tuned) continue;
+      totals.push_back(trials.all[t].total());
+      numbers.push_back(t);
+    }
+    if (totals.empty()) continue;
+    const size_t best = best_path(totals, trials.max_incorrect);
+    if (totals[best].correct == 0 || totals[best].incorrect > trials.max_incorrect) continue;
+    trials.chosen = numbers[best];
+    return;
+  }
 }
 
 }  // namespace vpr

@@ -45,8 +45,10 @@ struct Trials {
   std::vector<Sequence> queries;
   std::vector<Trial> all;  ///< the simplest and most general rule first
   uint64_t max_incorrect = 0;
-  std::optional<size_t> chosen;  ///< best_path() of the totals; nullopt without a correct frame, or
-                                 ///< if all trials with one have more incorrect ones
+  /// best_path() of the totals of trials that are not tuned, or else of tuned ones, whose counts
+  /// are too high; nullopt without a correct frame, or if all trials with one have more incorrect
+  /// ones.
+  std::optional<size_t> chosen;
 };
 
 /// Tries a setting on all queries. Only the first trial of a program needs warnings of the ground

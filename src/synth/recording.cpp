@@ -288,10 +288,14 @@ bool is_recording_folder(const fs::path& folder) {
     if (depth == 0) return name == "places" || has_file(entry.path() / "poses.csv");
     return depth == 1 && name.starts_with("places/") && entry.is_directory(error);
   };
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
-       it.increment(error))
+  std::error_code failure;
+  for (fs::recursive_directory_iterator it(folder, failure), end; !failure && it != end;
+       it.increment(failure))
     if (!is_ours(*it, it.depth())) return false;
-  return !error;
+  if (failure)
+    throw Error(ErrorKind::output, fmt::format("{}: can't be read: {}", folder.string(),
+                                               system_error_text(failure.value())));
+  return true;
 }
 
 Json recording_json(const World& world, const RecordingSize& size) {

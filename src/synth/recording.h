@@ -53,7 +53,8 @@ Json recording_json(const World& world, const RecordingSize& size);
 RecordingSize write_recording(const World& world, const std::filesystem::path& folder,
                               const Monitor& monitor);
 
-/// Whether a folder holds only files that write_recording writes.
+/// Whether a folder holds only files that write_recording writes. Throws Error(output) if it cannot
+/// be read.
 bool is_recording_folder(const std::filesystem::path& folder);
 
 }  // namespace vpr

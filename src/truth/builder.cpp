@@ -32,7 +32,7 @@ size_t only_searched_sequence(const GroundTruthScope& scope, std::string_view wh
   if (count != 1)
     throw Error(ErrorKind::usage,
                 fmt::format("{} needs exactly one training sequence, but there are {}. Use pairs "
-                            "with a sequence column, or vpr-query --only-sequence",
+                            "with a sequence column, or a result or database of one sequence",
                             what, count));
   return static_cast<size_t>(std::ranges::find(sequences, true, is_searched) - sequences.begin());
 }

@@ -157,7 +157,7 @@ TEST_CASE("incorrect recognitions within a larger tolerance are named") {
   write_array(folder / "s.npy", scores, {20, 20});
   const Words words = {"matrix", folder / "s.npy", "--distance", "--ground-truth", "aligned"};
   CHECK(run_program("vpr-eval", words).err ==
-        "warning: all 2 incorrect best matches are within 2 frames: --tolerance 2?\n");
+        "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
   CHECK(run_program("vpr-eval", joined(words, {"--tolerance", "2"})).err.empty());
 }
 

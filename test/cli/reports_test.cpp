@@ -179,7 +179,7 @@ TEST_CASE("a method that answers few frames does not win by them") {
   CHECK(has(text, "windows  0.6000 (6 of 10)\n"));
   CHECK(has(text, "over all frames of the query that have a match"));
   CHECK(has(text, "0.6000 (6 of 10, oracle)"));
-  CHECK(has(read_text(out / "all.html"), "right: frames, R@1 0.9000 (9 of 10)."));
+  CHECK(has(read_text(out / "all.html"), "correct: frames, R@1 0.9000 (9 of 10)."));
 }
 
 TEST_CASE("results of several window lengths are shown over the same frames") {

@@ -139,6 +139,6 @@ TEST_CASE("the summary states the recall, the errors and the first recognition")
   CHECK(summary_sentence(judgment, true, 10.0) == "Recognized in none of 2 frames.");
   judgment.verdicts = {FrameVerdict::none, FrameVerdict::unjudged};
   CHECK(summary_sentence(judgment, false, 10.0) ==
-        "Recognized in 1 of 2 frames; the first one at frame 1 (0.1 s). Nothing is judged without "
+        "Recognized in 1 of 2 frames. Nothing is judged without "
         "a ground truth.");
 }

@@ -46,6 +46,19 @@ TEST_CASE("of equal counts the first is chosen, and none without a correct frame
   CHECK(chosen({path(0, 0), path(90, 1)}, 1) == 1u);
 }
 
+TEST_CASE("a threshold that fits the ground truth is chosen only if nothing else is") {
+  Trials trials;
+  trials.all = {{"", {}, false, {path(20, 0)}, 0}, {"", {}, true, {path(90, 0)}, 0}};
+  choose(trials);
+  CHECK(trials.chosen == 0u);
+  trials.all[0].paths = {path(0, 0)};
+  choose(trials);
+  CHECK(trials.chosen == 1u);
+  trials.all[0].paths = {path(20, 1)};
+  choose(trials);
+  CHECK(trials.chosen == 1u);
+}
+
 TEST_CASE("totals add the queries, and have the latest first recognition") {
   Trial trial;
   trial.paths = {path(3, 1), path(4, 0)};
