@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_schemas.py [--format] [FILE...]: checks the schemas in docs/, and validates JSON files.
+"""check_schemas.py [--format] [FILE...]: checks the schemas in docs/schemas/, and validates JSON files.
 
 Every property has a description, every reference points to a definition, every definition is used,
 and files have the format that --format writes."""
@@ -7,7 +7,7 @@ import json
 import pathlib
 import sys
 
-docs = pathlib.Path(__file__).resolve().parent.parent / "docs"
+folder = pathlib.Path(__file__).resolve().parent.parent / "docs/schemas"
 # Properties that need no description.
 SELF_EVIDENT = {"lower_quartile_ms", "upper_quartile_ms", "command_line", "correct", "incorrect", "ignored"}
 
@@ -49,11 +49,11 @@ def target(file, reference):
     return name or file, path
 
 
-schemas = {file.name: json.loads(file.read_text()) for file in sorted(docs.glob("*.schema.json"))}
+schemas = {file.name: json.loads(file.read_text()) for file in sorted(folder.glob("*.schema.json"))}
 every_node = {(name, path): node for name, schema in schemas.items() for path, node in nodes(schema)}
 if sys.argv[1:2] == ["--format"]:
     for name, schema in schemas.items():
-        (docs / name).write_text(formatted(schema) + "\n")
+        (folder / name).write_text(formatted(schema) + "\n")
     sys.exit()
 
 bad = 0
@@ -85,7 +85,7 @@ for name, path in every_node:
     if path.startswith("/$defs/") and path.count("/") == 2 and (name, path) not in used:
         complain(f"{name}: {path} is not used")
 for name, schema in schemas.items():
-    if (docs / name).read_text() != formatted(schema) + "\n":
+    if (folder / name).read_text() != formatted(schema) + "\n":
         complain(f"{name} is not formatted: run scripts/check_schemas.py --format")
 
 if len(sys.argv) > 1:

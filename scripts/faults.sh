@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs every command that writes with failing file calls, full disks and power loss, and checks the
-# files afterwards (docs/reliability.md).
+# files afterwards (docs/developer/testing.md).
 #   scripts/faults.sh           every call and full disk, and 1500 power losses
 #   scripts/faults.sh 500       this number of cases of each kind; 0: all
 # Disks need root and mounts; without them, they are skipped with the reason. Each finding is

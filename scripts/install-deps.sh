@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs missing dependencies of build, tests and demo (Debian 12 or newer, Ubuntu).
+# Installs missing dependencies of build, tests and demo (Debian 12).
 #   scripts/install-deps.sh            build, test, demo
 #   scripts/install-deps.sh --check    also those of scripts/check.sh
+#   scripts/install-deps.sh --ci       also those of tests that are skipped without them
 #   scripts/install-deps.sh --package  also those of building and testing the Debian package
 #   scripts/install-deps.sh --cluster  also those of trees of experiments (docs/clusters.md)
 #   scripts/install-deps.sh --arm64    also those of scripts/test-arm64.sh
@@ -14,6 +15,7 @@ libraries=(
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
 packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
+[[ ${1:-} == --ci ]] && packages+=(chromium python3-pandas snakemake)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 [[ ${1:-} == --cluster ]] && packages+=(snakemake)
 [[ ${1:-} == --arm64 ]] && packages+=(crossbuild-essential-arm64 mmdebstrap qemu-user-static)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Windows by the default margin, as the tables of docs/experiments/margins.md: margins.py DATA [BIN [SCORE]].
-DATA: folder with corridor/, loop/, nordland/ and tower/; three buildings are rendered. SCORE: zscore or raw
-(default: both). A cell has correct + incorrect recognitions, and the largest incorrect margin times sqrt(c_l).
-Two programs run at a time, with one thread each."""
+"""Windows by the default margin, as the table of docs/experiments/margins.md: margins.py DATA [BIN].
+DATA: folder with corridor/, loop/, nordland/ and tower/; three buildings are rendered. A cell has
+correct+incorrect recognitions, and the largest incorrect margin times sqrt(c_l), in deviations or typical
+distances. Two programs run at a time, with one thread each."""
 import concurrent.futures
 import itertools
 import json
@@ -15,8 +15,7 @@ import tempfile
 here = pathlib.Path(__file__).resolve().parent
 data = pathlib.Path(sys.argv[1]).resolve()
 binaries = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else here.parent / "build/release/bin")
-titles = {"zscore": "z-scores", "raw": "raw distances"}
-LENGTHS = (5, 10, 20, 40, 80)
+COLUMNS = [(score, length) for score in ("zscore", "raw") for length in (10, 40)]
 
 
 def run(program, *words, fails=False):
@@ -97,18 +96,17 @@ def judge(case, length, score):
     return counts["correct"], counts["incorrect"], len(outcomes["best"]), max(margins, default=0.0)
 
 
-def cell(cases, length, score):
+def cell(cases, score, length):
     *counts, margins = zip(*pool.map(judge, cases, itertools.repeat(length), itertools.repeat(score)))
     correct, incorrect, windows = map(sum, counts)
-    return f"{correct} + {incorrect} of {windows} ({max(0.0, *margins):.2g})" if windows >= 10 else ""
+    return f"{correct}+{incorrect} ({max(0.0, *margins):.2g})" if windows >= 10 else ""
 
 
 with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
     out = pathlib.Path(folder)
     cases = list(sets())
     list(pool.map(database, {trained for _, runs in cases for trained, _, _ in runs}))
-    for score in sys.argv[3:] or titles:
-        print(f"| {titles[score]} | " + " | ".join(f"c_l {length}" for length in LENGTHS) + " |")
-        print("|---|" + "---:|" * len(LENGTHS))
-        for name, runs in cases:
-            print(f"| {name} | " + " | ".join(cell(runs, length, score) for length in LENGTHS) + " |", flush=True)
+    print("| | " + " | ".join(f"{score}, {length}" for score, length in COLUMNS) + " |")
+    print("|---|" + "---:|" * len(COLUMNS))
+    for name, runs in cases:
+        print(f"| {name} | " + " | ".join(cell(runs, *column) for column in COLUMNS) + " |", flush=True)

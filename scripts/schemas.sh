@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Updates the definitions of settings in docs/*.schema.json after a setting was added, removed or
+# Updates the definitions of settings in docs/schemas/*.schema.json after a setting was added, removed or
 # changed. Descriptions and bounds remain; add a description to each new setting.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -31,6 +31,8 @@ DECISIONS = {
     "margin, z-scores": ["--score", "zscore", "--decide", "margin"],
     "filter": ["--method", "filter"],
 }
+RULES = {"margin, raw": ["calibrate"], "margin, z-scores": ["recommended", "calibrate"],
+         "filter": ["default", "calibrate"]}  # the sources of a threshold
 if options.decisions:
     DECISIONS = {name: DECISIONS[name] for name in options.decisions.split(";")}
 VARIETIES = [None, {"finishes": 0.8, "wear": 0.6, "window_light": 1, "far_view": 0.6, "changes": 0.25,
@@ -104,10 +106,10 @@ def right_windows(key, truth):
 
 def recommend(rule, database, walk, truth, decision, lengths, config):
     query = ["--query", f"{walk.path}@{walk.first}:{walk.last}", "--ground-truth", truth]
-    if rule == "new":
-        return run("vpr-tune", "calibrate", database, *query, *DECISIONS[decision], "--c-l", lengths,
+    if rule == "calibrate":  # always a margin, without --decide
+        return run("vpr-tune", "calibrate", database, *query, *DECISIONS[decision][:2], "--c-l", lengths,
                    "-o", config, "--force", fails=True) is not None
-    if decision == "filter":  # its default
+    if rule == "default":
         config.write_text('{"method": "filter"}')
         return True
     return run("vpr-tune", "fastable", database, *query, *DECISIONS[decision], "--c-l", lengths,
@@ -227,35 +229,38 @@ def hour_table(pool):
         runs = false_runs(report["outcomes"], calibration["settings"]["margin"])
         hours_walked = len(report["outcomes"]["best"]) / FPS / 3600
         return name, seconds, calibration["in_an_hour"], runs / hours_walked, report
-    todo = [(*h, seconds) for h in hours for seconds in (0, 300, 600, 1200)]
-    print("\n| rendered walk of an hour | calibrated on | expected in an hour (95 %) "
-          "| in the rest of the hour | right of windows known |")
-    print("|---|---|---:|---:|---:|")
-    for name, seconds, rate, found, report in pool.map(one, todo):
+    todo = [(*h, seconds) for seconds in (0, 300, 1200) for h in hours]
+    names = [name for name, *_ in hours]
+    print("\n| calibrated on | " + " | ".join(names) + " |\n|---|" + "---:|" * len(names))
+    row = []
+    for _, seconds, rate, found, report in pool.map(one, todo):
         low, high = rate["interval"]
-        source = f"its first {seconds // 60} minutes" if seconds else "another walk of a minute"
         known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
         right = 100 * report["counts"]["recognitions"]["correct"] / known
-        print(f"| {name} | {source} | {rate['expected']:.0f} ({low:.0f} to {high:.0f}) | {found:.0f}"
-              f"{'' if low <= found <= high else ' (outside)'} | {right:.0f} % |")
+        row.append(f"{rate['expected']:.0f} ({low:.0f}-{high:.0f}): {found:.0f}, {right:.0f} %")
+        if len(row) == len(names):
+            source = f"its first {seconds // 60} minutes" if seconds else "another sequence"
+            print(f"| {source} | " + " | ".join(row) + " |")
+            row = []
 
 
 def walk_table(pool, pairs):
-    trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS
-              for rule in ("recommended", "new")]
-    cells, shares = collections.defaultdict(collections.Counter), collections.defaultdict(list)
+    trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS for rule in RULES[decision]]
+    verdicts, shares = collections.defaultdict(collections.Counter), collections.defaultdict(list)
     for group, decision, rule, verdict, share in pool.map(trial, trials):
-        cells[group, decision, rule][verdict] += 1
+        verdicts[group, decision, rule][verdict] += 1
         if share is not None:
             shares[group, decision, rule].append(share)
-    print("| set, decision | rule | holds | no recognition | wrong | none found | recognized |")
-    print("|---|---|---:|---:|---:|---:|---:|")
-    for group, decision, rule in sorted(cells):
-        counted, share = cells[group, decision, rule], shares[group, decision, rule]
-        word = "calibrated" if rule == "new" else "default" if decision == "filter" else rule
-        print(f"| {group}, {decision} | {word} | " + " | ".join(
-            str(counted[v]) for v in ("holds", "no recognition", "wrong", "none")) +
-            f" | {100 * sum(share) / len(share):.0f} % |", flush=True)
+
+    def cell(*key):
+        share = sum(shares[key]) / len(shares[key]) if shares[key] else 0
+        counts = (str(verdicts[key][verdict]) for verdict in ("holds", "no recognition", "wrong", "none"))
+        return "/".join(counts) + f", {100 * share:.0f} %"
+
+    print("| decision | margin from | real | rendered |\n|---|---|---:|---:|")
+    for decision in DECISIONS:
+        for rule in RULES[decision]:
+            print(f"| {decision} | {rule} | {cell('real', decision, rule)} | {cell('rendered', decision, rule)} |")
 
 
 hours = []

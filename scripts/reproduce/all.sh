@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All tables and figures of the paper, then its findings (docs/reproduction.md); rendered and
+# All tables and figures of the paper, then its findings (docs/benchmarks/reproduction.md); rendered and
 # trained data are shared.
 #   all.sh [--data DIR]        (VPR_BIN=DIR uses existing programs, see run.sh)
 set -euo pipefail

@@ -3,8 +3,9 @@
 
     findings.py EXPERIMENT... [--into FILE]
 
-Checks the current findings on stored numbers (out/EXPERIMENT.json, of any version); --into writes
-the result between the lines "<!-- findings: begin -->" and "... end -->" of FILE.
+Checks the current findings on stored numbers (out/EXPERIMENT.json, of any version) and prints two
+tables: "failing" with our numbers, and "holding". --into writes each between the lines
+"<!-- NAME: begin -->" and "<!-- NAME: end -->" of FILE (docs/benchmarks/reproduction.md).
 
 A finding is data (configs/paper): a sentence, its place in the paper, one of KINDS, and `where`,
 its numbers, selected by the settings and the measure of their cells. Each number, series or pair of
@@ -225,17 +226,32 @@ def lines(outcomes):
             f"{counts['hold']} of {counts['of']} findings hold."]
 
 
-def overview(experiments):
-    """All findings of these experiments, checked again on their stored numbers."""
-    sections, total = [], []
+def sections(experiments):
+    """Title and findings of each experiment, checked again on its stored numbers."""
     for experiment in experiments:
         written = json.loads((ROOT / f"out/{experiment}.json").read_text())
         config = json.loads((ROOT / f"configs/paper/{experiment}.json").read_text())
-        outcomes = check_all(config["findings"], written["cells"])
-        sections += ["", f"## {written['title']}", "", *lines(outcomes)]
-        total += outcomes
-    counts = summary(total)
-    return [f"{counts['hold']} of {counts['of']} findings hold.", *sections]
+        yield config["title"], check_all(config["findings"], written["cells"])
+
+
+def overview(checked):
+    """The blocks of the page by name, from pairs of title and findings."""
+    counts = summary([outcome for _, outcomes in checked for outcome in outcomes])
+    failing = [f"{counts['hold']} of {counts['of']} findings hold on rendered stand-ins and generated codes.", "",
+               "| finding | in the paper | our numbers that do not fit |", "|---|---|---|"]
+    holding = []
+    for title, outcomes in checked:
+        counted = [outcome for outcome in outcomes if "contradicted" not in outcome]
+        own = summary(outcomes)
+        failing += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} |"
+                    for outcome in counted if outcome["holds"] is False]
+        holding += [*([""] if holding else []), f"### {title}", "", f"{own['hold']} of {own['of']}:", "",
+                    *(f"- {outcome['finding']} ({outcome['place']})" for outcome in counted if outcome["holds"])]
+        holding += [f"- not measured: {outcome['finding']} ({outcome['place']})"
+                    for outcome in counted if outcome["holds"] is None]
+        holding += [f"- not counted, since {outcome['contradicted']}: {outcome['finding']} ({outcome['place']})"
+                    for outcome in outcomes if "contradicted" in outcome]
+    return {"failing": failing, "holding": holding}
 
 
 def main():
@@ -244,12 +260,13 @@ def main():
     parser.add_argument("experiments", nargs="+")
     parser.add_argument("--into", type=pathlib.Path)
     options = parser.parse_args()
-    text = "\n".join(overview(options.experiments)) + "\n"
-    print(text, end="")
-    if options.into:
-        begin, end = (f"<!-- findings: {edge} -->\n" for edge in ("begin", "end"))
-        before, rest = options.into.read_text().split(begin)
-        options.into.write_text(before + begin + text + end + rest.split(end)[1])
+    for name, block in overview(list(sections(options.experiments))).items():
+        text = "\n".join(block) + "\n"
+        print(text)
+        if options.into:
+            begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
+            before, rest = options.into.read_text().split(begin)
+            options.into.write_text(before + begin + text + end + rest.split(end)[1])
 
 
 if __name__ == "__main__":

@@ -68,7 +68,7 @@ class DataSet:
             self.description = pathlib.Path(folder) / name / "dataset.json"
             if not self.description.exists():
                 sys.exit(f"reproduce: {self.description} is missing; "
-                         "data/README.md describes its contents")
+                         "docs/benchmarks/datasets.md describes its contents")
         description = read(self.description)
         self.title = description["name"]
         self.has_places = bool(description.get("places") and description.get("pretrain"))

@@ -4,10 +4,10 @@
     reproduce.py EXPERIMENT [--data DIR]
 
 EXPERIMENT is a file in configs/paper without .json. Without --data, the rendered stand-in of each
-data set is used (vpr-synth, configs/worlds); with it, DIR/<data set>/dataset.json (data/README.md).
-Writes out/EXPERIMENT.json (docs/reproduction.schema.json), .csv and .md, which end with the paper's
-findings and whether they hold. Rendered and trained data stay in out/reproduce. Uses the programs in
-build/release/bin, or in the folder $VPR_BIN.
+data set is used (vpr-synth, configs/worlds); with it, DIR/<data set>/dataset.json
+(docs/benchmarks/datasets.md). Writes out/EXPERIMENT.json (docs/schemas/reproduction.schema.json),
+.csv and .md, which end with the paper's findings and whether they hold. Rendered and trained data
+stay in out/reproduce. Uses the programs in build/release/bin, or in the folder $VPR_BIN.
 """
 import argparse
 import pathlib

@@ -18,7 +18,7 @@ from sources import Mistake, identifier, open_data_set, stamp, write_if_new
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-SCHEMA = ROOT / "docs/experiments.schema.json"
+SCHEMA = ROOT / "docs/schemas/experiments.schema.json"
 
 
 @dataclasses.dataclass

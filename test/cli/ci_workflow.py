@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the shell steps of docs/ci/recognition.yml on a rendered building as in CI, except the
+"""Runs the shell steps of docs/guide/ci/recognition.yml on a rendered building as in CI, except the
 one that builds the toolkit.   ci_workflow.py SOURCE BIN"""
 import json
 import os
@@ -33,7 +33,7 @@ def run(script, folder, bin):
 
 
 def main(source, bin):
-    steps = dict(steps_of(open(f"{source}/docs/ci/recognition.yml").read()))
+    steps = dict(steps_of(open(f"{source}/docs/guide/ci/recognition.yml").read()))
     assert list(steps) == ["Install the toolkit", "Train", "Recognize", "Judge"], list(steps)
     with tempfile.TemporaryDirectory() as folder:
         world = f"vpr-synth {source}/configs/worlds/small.json -o world --quiet && cp -r world/* . && mv dataset.json walks.json"

@@ -107,6 +107,24 @@ def check_missing():
         "", "0 of 1 findings hold."], findings.lines(outcomes))
 
 
+def check_overview():
+    """The page lists failing findings with the numbers that do not fit, then those that hold."""
+    zero = {"finding": "F", "place": "P", "kind": "zero", "where": {"measure": "m"}}
+    holding = {**zero, "finding": "G", "kind": "at least", "low": 0}
+    wrong = {**zero, "finding": "H", "contradicted": "table 9 has 1"}
+    missing = {**zero, "finding": "I", "where": {"measure": "n"}}
+    outcomes = findings.check_all([zero, holding, wrong, missing], cells_of([0, 1]))
+    page = findings.overview([("Table 8", outcomes), ("Table 9", outcomes[1:2])])
+    check(page["failing"] == [
+        "2 of 3 findings hold on rendered stand-ins and generated codes.", "",
+        "| finding | in the paper | our numbers that do not fit |", "|---|---|---|",
+        "| F | P | 1 of 2 rows: c_l 2: 1 |"], page["failing"])
+    check(page["holding"] == [
+        "### Table 8", "", "1 of 2:", "", "- G (P)", "- not measured: I (P)",
+        "- not counted, since table 9 has 1: H (P)", "", "### Table 9", "", "1 of 1:", "", "- G (P)"],
+          page["holding"])
+
+
 def main():
     experiments = {path.stem: json.loads(path.read_text())
                    for path in sorted((source / "configs/paper").glob("*.json"))}
@@ -115,6 +133,7 @@ def main():
         check_that_it_can_fail(name, experiment)
     check_kinds()
     check_missing()
+    check_overview()
 
 
 main()

@@ -13,7 +13,7 @@ for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
   done
   bash -n "$out/share/bash-completion/completions/$program"
 done
-for file in report common; do [[ -s $out/share/doc/vpr-toolkit/$file.schema.json ]]; done
+for file in report common; do [[ -s $out/share/doc/vpr-toolkit/schemas/$file.schema.json ]]; done
 [[ -x $out/share/vpr-toolkit/convert/mat.py ]]
 
 source "$out/share/bash-completion/completions/vpr-eval"

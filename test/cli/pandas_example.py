@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the example for data frames of docs/metrics.md on two results, and compares its output
+"""Runs the example for data frames of docs/guide/evaluation.md on two results, and compares its output
 with their reports. Skipped without pandas.   pandas_example.py SOURCE BIN"""
 import json
 import os
@@ -20,7 +20,7 @@ def example(text):
 
 
 def main(source, bin):
-    script = example(open(f"{source}/docs/metrics.md").read())
+    script = example(open(f"{source}/docs/guide/evaluation.md").read())
     with tempfile.TemporaryDirectory() as folder:
         def run(*words):
             done = subprocess.run([f"{bin}/{words[0]}", *words[1:]], cwd=folder, text=True,

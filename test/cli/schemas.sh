@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The outputs of the programs match the schemas in docs/.   schemas.sh SOURCE BIN PYTHON
+# The outputs of the programs match the schemas in docs/schemas/.   schemas.sh SOURCE BIN PYTHON
 set -euo pipefail
 source=$1 bin=$2 python=$3
 out=$(mktemp -d)

@@ -1,5 +1,5 @@
-// docs/common.schema.json defines the settings as in their structs: keys, types, names and order
-// follow visit_fields; the schema adds descriptions, and bounds that a type does not imply.
+// docs/schemas/common.schema.json defines the settings as in their structs: keys, types, names and
+// order follow visit_fields; the schema adds descriptions, and bounds that a type does not imply.
 #include <array>
 #include <cstdlib>
 #include <fstream>
@@ -194,7 +194,7 @@ const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& pla
 TEST_CASE("settings are described in the schemas as programs read and write them") {
   const char* mode = std::getenv("VPR_SCHEMAS");
   for (const auto& [name, generators] : places()) {
-    const auto path = source_path(fmt::format("docs/{}.schema.json", name));
+    const auto path = source_path(fmt::format("docs/schemas/{}.schema.json", name));
     Json schema = read_json(path, ErrorKind::input);
     for (const auto& [where, generate] : generators) {
       Json& old = schema[Json::json_pointer(where)];

@@ -185,6 +185,10 @@ TEST_CASE("every bit of ORB compares two pixels, the same ones in every frame") 
   for (const cv::Mat& unseen : noise_frames(50, 2)) CHECK(unexplained(unseen, pairs) == 0);
   for (uint64_t seed = 1; seed <= 50; ++seed)
     CHECK(unexplained(picture(200, 150, seed), pairs) == 0);
+}
+
+TEST_CASE("every bit of ORB compares the same two pixels in real images", "[real]") {
+  const std::vector<PixelPair> pairs = pairs_of_orb(noise_frames(400, 1));
   for (const char* folder : {"data/corridor/query", "data/nordland/winter"}) {
     const auto real = real_data(folder);
     if (!real) return;
