@@ -244,7 +244,9 @@ bool Parser::parse(int argc, char** argv) {
       if (!extra.empty() && takes(flag))
         throw Error(ErrorKind::usage, fmt::format("unexpected argument {}; did you mean {} {}?",
                                                   extra.front(), flag, extra.front()));
-    throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), app_->get_name()));
+    std::string path = app_->get_name();
+    for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
+    throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), path));
   }
 }
 

@@ -25,7 +25,7 @@ constexpr double kMaxFixed = 2000;  // maximum size of a term: 2^31 / 2^20 with 
 constexpr std::array<FabmapVariant, 5> kVariants = {{
     {"fabmap2", "inverted index: only words of the query and their children",
      fabmap2_log_likelihoods},
-    {"fabmap2-fixed", "as fabmap2 in fixed point, faster", fabmap2_fixed_log_likelihoods},
+    {"fabmap2-fixed", "as fabmap2 in fixed point", fabmap2_fixed_log_likelihoods},
     {"fabmap1", "the definition: all words of all views", fabmap1_log_likelihoods},
     {"lut", "as fabmap1 with a table of rounded logarithms", lut_log_likelihoods},
     {"fbo", "fast bail-out: drops views that cannot win", fbo_log_likelihoods, false},

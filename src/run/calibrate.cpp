@@ -63,7 +63,7 @@ CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, doub
 
 // The shortest sufficient length: a shorter window reports earlier.
 std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths) {
-  constexpr double kEnough = 0.7;  // chosen on rendered buildings (docs/methods.md)
+  constexpr double kEnough = 0.7;  // chosen on rendered buildings (docs/reference/methods.md)
   const auto right = [](const CalibratedLength& length) {
     return length.calibration.strength ? static_cast<double>(length.calibration.correct) : 0;
   };

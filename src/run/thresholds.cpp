@@ -102,7 +102,7 @@ double typical_distance(const TrainSequence& stored, const DescribedFrames& sequ
 
 double largest_threshold(double typical_distance, size_t window_length) {
   // The closest windows of independent distances would be below the typical distance by a share of
-  // 1 / sqrt(c_l). Measured on floors that look alike (docs/methods.md).
+  // 1 / sqrt(c_l). Measured on floors that look alike (docs/reference/methods.md).
   constexpr double kSpread = 0.65;
   return (1 - kSpread / std::sqrt(static_cast<double>(window_length))) * typical_distance;
 }

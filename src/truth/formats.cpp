@@ -23,7 +23,7 @@ bool uses(const GroundTruthFormat& format, std::string_view option) {
   return std::ranges::find(format.options, option) != format.options.end();
 }
 
-// docs/ground_truth.md has the sources with links.
+// docs/guide/ground-truth.md has the sources with links.
 constexpr std::array<GroundTruthPreset, 4> kPresets = {{
     {"nordland-exact", 0, 1, "the frame itself"},
     {"nordland-vpr-bench", 1, 10,
