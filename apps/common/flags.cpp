@@ -180,10 +180,6 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
       .group(kGroundTruthGroup);
 }
 
-bool has_ground_truth_flags(const GroundTruthFlags& flags) {
-  return flags.tolerance_frames || !flags.format.empty() || flags.options != GroundTruthOptions{};
-}
-
 std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
                                                    const GroundTruthFlags& flags) {
   const auto& named =

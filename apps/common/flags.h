@@ -72,8 +72,6 @@ std::string ground_truth_help();
 void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                             const std::string& format_flag = "--ground-truth-format");
 
-bool has_ground_truth_flags(const GroundTruthFlags& flags);
-
 /// The ground truth of a query of a data set for training frames or places; flags override it.
 /// Nullopt if the data set has none.
 std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,

@@ -5,7 +5,7 @@ Vocabularies have 500 SIFT words by default, and are never trained on the set un
 Nordland and loop use four floors of the tower, the tower uses corridor and loop, rendered worlds use
 their pretraining walks or, without any, the tower.
 
-  scripts/fusion_table.py DATA [--world RENDERED]... [--features sift] [--words 500] [--bin BIN]
+  scripts/experiments/fusion.py DATA [--world RENDERED]... [--features sift] [--words 500] [--bin BIN]
 
 DATA holds corridor/, nordland/, loop/ and tower/; RENDERED is a folder written by vpr-synth."""
 import argparse
@@ -161,7 +161,7 @@ def main():
     parser.add_argument("--words", default="500")
     parser.add_argument("--threads", default=0)
     parser.add_argument("--only", default="", help="only sets with this text in their title")
-    parser.add_argument("--bin", default=pathlib.Path(__file__).parent / "../build/release/bin")
+    parser.add_argument("--bin", default=pathlib.Path(__file__).resolve().parents[2] / "build/release/bin")
     args = parser.parse_args()
     print(f"| | {' | '.join(f'c_l {n}' if n == 1 else str(n) for n in LENGTHS)} | FAB-MAP |")
     print("|---|" + "---:|" * (len(LENGTHS) + 1))

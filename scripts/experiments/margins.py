@@ -12,9 +12,9 @@ import subprocess
 import sys
 import tempfile
 
-here = pathlib.Path(__file__).resolve().parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 data = pathlib.Path(sys.argv[1]).resolve()
-binaries = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else here.parent / "build/release/bin")
+binaries = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ROOT / "build/release/bin")
 COLUMNS = [(score, length) for score in ("zscore", "raw") for length in (10, 40)]
 
 
@@ -34,7 +34,7 @@ def pairs(name, lines):
 
 
 def render(name, seed, resemblance):
-    world = json.loads((here.parent / "configs/worlds/speeds.json").read_text())
+    world = json.loads((ROOT / "configs/worlds/speeds.json").read_text())
     plan = world["floors"][0]
     halls = [("corridor", 0, 0, 40, 3), ("hall", 10, 3, 20, 8), ("corridor", 37, 3, 3, 15)]
     other = [dict(zip(("kind", "x", "y", "width", "depth"), hall)) for hall in halls]

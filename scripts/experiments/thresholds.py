@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Thresholds of one walk, or half of one, applied to another: thresholds_table.py DATA [BIN] [--jobs N].
+"""Thresholds of one walk, or half of one, applied to another: thresholds.py DATA [BIN] [--jobs N].
 DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
 configs/worlds/speeds.json. Prints the tables of docs/experiments/calibration.md: thresholds of
 vpr-tune fastable and of vpr-tune calibrate."""
@@ -13,10 +13,10 @@ import random
 import subprocess
 import tempfile
 
-here = pathlib.Path(__file__).resolve().parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("data", type=pathlib.Path)
-parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "build/release/bin")
+parser.add_argument("bin", type=pathlib.Path, nargs="?", default=ROOT / "build/release/bin")
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
 parser.add_argument("--tables", default="walks,hours")
@@ -136,7 +136,7 @@ def trial(job):
 
 
 def worlds():
-    base = json.loads((here.parent / "configs/worlds/speeds.json").read_text())
+    base = json.loads((ROOT / "configs/worlds/speeds.json").read_text())
     route = [[1.5, 1.25], [28.75, 1.25], [28.75, 15], [2, 15]]
     detour = [[1.5, 1.25], [11.25, 1.25], [11.25, 8], [15.25, 8], [15.25, 1.25], [28.75, 1.25], [28.75, 15]]
     for index in range(options.worlds):

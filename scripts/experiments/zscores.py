@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Prints the table of docs/experiments/zscores.md: zscore_tables.py DATA [BIN]. DATA: folder with
+"""Prints the table of docs/experiments/zscores.md: zscores.py DATA [BIN]. DATA: folder with
 corridor/ and nordland/. R@1 is the percentage of best matches that are correct, R@100P the
 percentage of windows before the first incorrect one in order of score. Needs numpy."""
 import json
@@ -13,7 +13,7 @@ import numpy as np
 STANDING_BITS = 100  # a frame this close to the previous one shows a standing camera
 data = pathlib.Path(sys.argv[1]).resolve()
 binaries = pathlib.Path(sys.argv[2] if len(sys.argv) > 2
-                        else pathlib.Path(__file__).resolve().parent.parent / "build/release/bin").resolve()
+                        else pathlib.Path(__file__).resolve().parents[2] / "build/release/bin").resolve()
 work = tempfile.TemporaryDirectory()
 out = pathlib.Path(work.name)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Measures what the filter and windows recognize, and writes the tables of docs/benchmarks/accuracy.md.
 
-  scripts/accuracy.py DATA [--bin BIN] [--work FOLDER] [--into PAGE]
+  scripts/experiments/accuracy.py DATA [--bin BIN] [--work FOLDER] [--into PAGE]
 
 DATA: folder with corridor/, nordland/, loop/ and tower/. Buildings are rendered from
 configs/worlds/speeds.json. Every table replaces the lines between "<!-- NAME: begin -->" and
@@ -20,7 +20,7 @@ import tempfile
 
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 SPEEDS = {"equal speed": None, "0.5x": "0.5", "0.67x": "0.67", "1.5x": "1.5", "2x": "2",
           "varying": "varying", "stops": "stops", "cuts": "kidnap"}
 RANDOM = {"varying", "stops", "cuts"}  # three seeds each
