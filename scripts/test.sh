@@ -8,7 +8,7 @@ cmake --preset ci
 cmake --build --preset ci --parallel "$(nproc)"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-ctest --preset ci "$@" | tee "$log"
+ctest --preset ci --parallel "$(nproc)" "$@" | tee "$log"
 if [[ -n ${CI:-} ]] && grep -q '[*]Skipped' "$log"; then
   echo "test: skipped tests count as failures in CI" >&2
   exit 1
