@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "base/text.h"
 #include "cli/world.h"
 
 using namespace vpr;
@@ -45,69 +46,58 @@ Page read_page(const fs::path& path) {
   return page;
 }
 
-/// Gray values of a small image per frame: a row of float32 values with zero mean and unit length.
-void write_descriptors(const fs::path& frames, const fs::path& path) {
-  const cv::Size size(12, 9);
-  std::vector<float> values;
-  const Words names = list_folder(frames);
-  size_t count = 0;
-  for (const std::string& name : names) {
-    if (!name.ends_with(".jpg") && !name.ends_with(".png")) continue;
-    cv::Mat image = cv::imread(frames / name, cv::IMREAD_GRAYSCALE);
-    cv::resize(image, image, size, 0, 0, cv::INTER_AREA);
-    image.convertTo(image, CV_32F);
-    image -= cv::mean(image);
-    image /= cv::norm(image);
-    values.insert(values.end(), image.begin<float>(), image.end<float>());
-    ++count;
-  }
-  write_array<float>(path, values, {count, size_t(size.area())});
-}
-
-void write_video(const fs::path& frames, const fs::path& path) {
-  cv::VideoWriter writer;
-  for (const std::string& name : list_folder(frames)) {
-    if (!name.ends_with(".jpg")) continue;
-    const cv::Mat image = cv::imread(frames / name);
-    if (!writer.isOpened())
-      writer.open(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 8, image.size());
-    writer.write(image);
-  }
-  REQUIRE(writer.isOpened());
-}
-
-/// The scalar products of the rows of two arrays.
-void write_similarities(const fs::path& queries, const fs::path& train, const fs::path& path) {
-  const auto rows = [](const fs::path& file) { return NpyArray(file).shape(); };
-  const auto a = read_array<float>(queries), b = read_array<float>(train);
-  const size_t n = rows(queries)[0], m = rows(train)[0], d = rows(train)[1];
-  std::vector<float> products(n * m);
-  for (size_t i = 0; i < n; ++i)
-    for (size_t j = 0; j < m; ++j)
-      for (size_t k = 0; k < d; ++k) products[i * m + j] += a[i * d + k] * b[j * d + k];
-  write_array<float>(path, products, {n, m});
-}
-
 constexpr size_t kTuesdayFrames = 90;
 
-/// The first frames of `from`, and their poses as a TUM trajectory.
-void copy_walk(const fs::path& from, size_t frames, const fs::path& to) {
+std::vector<fs::path> frames_of(const fs::path& folder) {
+  std::vector<fs::path> frames;
+  for (const std::string& name : list_folder(folder))
+    if (name.ends_with(".jpg")) frames.push_back(folder / name);
+  return frames;
+}
+
+/// Links to the first frames of `from`, and their poses as a TUM trajectory.
+void link_walk(const fs::path& from, size_t most, const fs::path& to) {
   fs::create_directory(to);
   std::ifstream poses(from / "poses.csv");
   std::ofstream tum(to.string() + ".tum");
   std::string line;
   std::getline(poses, line);
-  size_t number = 0;
-  for (const std::string& name : list_folder(from)) {
-    if (!name.ends_with(".jpg") || number == frames) continue;
-    fs::create_symlink(from / name, to / name);
+  for (const fs::path& frame : frames_of(from)) {
+    if (most-- == 0) break;
+    fs::create_symlink(frame, to / frame.filename());
     REQUIRE(std::getline(poses, line));
-    std::istringstream fields(line);
-    std::string frame, time, x, y;
-    for (std::string* field : {&frame, &time, &x, &y}) std::getline(fields, *field, ',');
-    tum << time << ' ' << x << ' ' << y << " 0 0 0 0 1\n";
-    ++number;
+    const auto fields = split(line, ',');  // frame, time, x, y, ...
+    tum << fields[1] << ' ' << fields[2] << ' ' << fields[3] << " 0 0 0 0 1\n";
   }
+}
+
+/// A row per frame: gray values of a small image, float32, with zero mean and unit length.
+cv::Mat descriptors_of(const fs::path& folder) {
+  cv::Mat rows;
+  for (const fs::path& frame : frames_of(folder)) {
+    cv::Mat image;
+    cv::resize(cv::imread(frame, cv::IMREAD_GRAYSCALE), image, {12, 9}, 0, 0, cv::INTER_AREA);
+    image.convertTo(image, CV_32F);
+    image -= cv::mean(image);
+    rows.push_back(cv::Mat(image / cv::norm(image)).reshape(1, 1));
+  }
+  return rows;
+}
+
+void write_matrix(const fs::path& path, const cv::Mat& values) {
+  write_array<float>(path, {values.begin<float>(), values.end<float>()},
+                     {size_t(values.rows), size_t(values.cols)});
+}
+
+void write_video(const fs::path& folder, const fs::path& path) {
+  cv::VideoWriter writer;
+  for (const fs::path& frame : frames_of(folder)) {
+    const cv::Mat image = cv::imread(frame);
+    if (!writer.isOpened())
+      writer.open(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 8, image.size());
+    writer.write(image);
+  }
+  REQUIRE(writer.isOpened());
 }
 
 /// The recordings that the commands of every page may use.
@@ -116,19 +106,17 @@ class Recordings {
   Recordings() {
     const fs::path& root = folder_.path();
     run_ok("vpr-synth", {source_path("configs/worlds/small.json"), "-o", root / "building"});
-    copy_walk(root / "building/corridor", SIZE_MAX, root / "monday");
-    copy_walk(root / "building/upstairs", SIZE_MAX, root / "upstairs");
-    copy_walk(root / "building/query", kTuesdayFrames, root / "tuesday");
+    link_walk(root / "building/corridor", SIZE_MAX, root / "monday");
+    link_walk(root / "building/upstairs", SIZE_MAX, root / "upstairs");
+    link_walk(root / "building/query", kTuesdayFrames, root / "tuesday");
     std::ifstream truth(root / "building/query.ground_truth.csv");
     std::ofstream pairs(root / "pairs.csv");
     pairs << "query,reference\n";
     for (std::string line; std::getline(truth, line);) {
-      std::istringstream fields(line);
-      std::string query, sequence, reference, label;
-      for (std::string* field : {&query, &sequence, &reference, &label})
-        std::getline(fields, *field, ',');
-      if (sequence == "corridor" && label == "same" && std::stoul(query) < kTuesdayFrames)
-        pairs << query << ',' << reference << '\n';
+      const auto fields = split(line, ',');  // query, sequence, reference, label
+      if (fields[1] == "corridor" && fields[3] == "same" &&
+          std::stoul(std::string(fields[0])) < kTuesdayFrames)
+        pairs << fields[0] << ',' << fields[2] << '\n';
     }
     Json lap = Json::parse(read_text(source_path("configs/worlds/small.json")));
     lap.erase("places");
@@ -139,7 +127,7 @@ class Recordings {
         "path": [[1.5, 1.5], [8.5, 1.5], [8.5, 4.5], [1.5, 4.5], [1.5, 1.5], [8.5, 1.5], [8.5, 4.5]]}])");
     write_text(root / "lap.json", lap.dump());
     run_ok("vpr-synth", {root / "lap.json", "-o", root / "laps"});
-    copy_walk(root / "laps/lap", SIZE_MAX, root / "lap");
+    link_walk(root / "laps/lap", SIZE_MAX, root / "lap");
     derive();
   }
 
@@ -168,9 +156,11 @@ class Recordings {
   TemporaryFolder folder_;
 
   void derive() {
-    for (const std::string& name : Words{"monday", "tuesday"})
-      write_descriptors(folder_ / name, folder_ / (name + ".npy"));
-    write_similarities(folder_ / "tuesday.npy", folder_ / "monday.npy", folder_ / "S.npy");
+    const cv::Mat train = descriptors_of(folder_ / "monday");
+    const cv::Mat query = descriptors_of(folder_ / "tuesday");
+    write_matrix(folder_ / "monday.npy", train);
+    write_matrix(folder_ / "tuesday.npy", query);
+    write_matrix(folder_ / "S.npy", query * train.t());
     write_video(folder_ / "tuesday", folder_ / "tuesday.avi");
   }
 };
