@@ -8,10 +8,8 @@
 // With -DOPENABLE it is the main file of a copy of roberto-arroyo/OpenABLE and only times: that
 // program has no function for one query frame, so its distance is called for c_l frames per window.
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <fstream>
-#include <functional>
 #include <iostream>
 #include <iterator>
 #include <random>
@@ -19,6 +17,7 @@
 #include <vector>
 
 #include "src/OpenABLE.h"
+#include "timing.h"
 
 namespace {
 
@@ -35,19 +34,6 @@ std::vector<cv::Mat> random_rows(size_t count, int width, unsigned seed) {
   std::vector<uint8_t> bytes(count * width);
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(engine());
   return rows_of(bytes, width);
-}
-
-double median_ms(double seconds, const std::function<void(int)>& work) {
-  using Clock = std::chrono::steady_clock;
-  std::vector<double> times;
-  const auto start = Clock::now();
-  for (int i = 0; i < 5 || Clock::now() - start < std::chrono::duration<double>(seconds); ++i) {
-    const auto before = Clock::now();
-    work(i);
-    times.push_back(std::chrono::duration<double, std::milli>(Clock::now() - before).count());
-  }
-  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-  return times[times.size() / 2];
 }
 
 #ifndef OPENABLE

@@ -7,9 +7,7 @@
 // TREE: 4 x WORDS float64; other files: one row of WORDS float32 per frame.
 #include <algorithm>
 #include <cfloat>
-#include <chrono>
 #include <fstream>
-#include <functional>
 #include <iostream>
 #include <iterator>
 #include <random>
@@ -19,6 +17,7 @@
 #include <opencv2/core.hpp>
 
 #include "fabmap.hpp"
+#include "timing.h"
 
 namespace {
 
@@ -56,19 +55,6 @@ cv::Mat random_tree(int words, int per_frame, std::mt19937& engine) {
     tree.at<double>(3, q) = 0.99 * p;
   }
   return tree;
-}
-
-double median_ms(double seconds, const std::function<void(int)>& work) {
-  using Clock = std::chrono::steady_clock;
-  std::vector<double> times;
-  const auto start = Clock::now();
-  for (int i = 0; i < 5 || Clock::now() - start < std::chrono::duration<double>(seconds); ++i) {
-    const auto before = Clock::now();
-    work(i);
-    times.push_back(std::chrono::duration<double, std::milli>(Clock::now() - before).count());
-  }
-  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-  return times[times.size() / 2];
 }
 
 }  // namespace

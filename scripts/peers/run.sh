@@ -87,6 +87,7 @@ END
           /freak->/d; /SURF::/d; /surf->/d; s/HOGDescriptor hog(.*/HOGDescriptor hog;/' src/OpenABLE.cpp
   sed -i "/[lL]db\.cpp/d; s/system filesystem thread/filesystem/; s/-O3 -Wall/-O3 -w $4/" CMakeLists.txt
   cp "$here/fastable_driver.cpp" "$3"
+  cp "$here/timing.h" .
   cmake -S . -B build -DCMAKE_POLICY_VERSION_MINIMUM=3.5 > cmake.log 2>&1 &&
     cmake --build build -j2 > build.log 2>&1 || fail "$work/$2: cannot build. See cmake.log and build.log there."
 }

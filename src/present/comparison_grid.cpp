@@ -200,13 +200,11 @@ std::string sentence_of(std::span<const GridReport> reports) {
 std::string grid_name(const Report& report) {
   if (report.name) return *report.name;
   std::string name = report.method;
-  if (!has_paths(report.method)) {
-    const Json settings = report.settings_json();
-    for (const char* key : {"c_l", "c_w", "window"})
-      if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
-    if (settings.contains("score") && settings["score"] != "raw")
-      name += ", " + settings["score"].get<std::string>();
-  }
+  const Json settings = title_settings(report);
+  for (const char* key : {"c_l", "c_w", "window"})
+    if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
+  if (settings.contains("score") && settings["score"] != "raw")
+    name += ", " + settings["score"].get<std::string>();
   if (report.selection.selected_fps > 0)
     name += fmt::format(", {} frames per second", report.selection.selected_fps);
   if (!report.selection.speed.empty()) name += ", speed " + report.selection.speed;

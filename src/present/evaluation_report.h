@@ -167,12 +167,14 @@ struct ProtocolReport {
 
 Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run, double seconds);
 
-/// right, mixed, wrong or ignored.
+/// correct, mixed, incorrect or ignored.
 std::string_view verdict_text(const JudgedCluster& judged);
 
 /// "-" without a value.
 std::string metric_cell(const Metric& metric, std::optional<double> value);
 
+/// The settings that a title may name; those of windows are omitted for a method that has none.
+Json title_settings(const Report& report);
 /// "name on query": the name set by the user, or the method, with the score if it is not raw.
 std::string evaluation_title(const Report& report);
 /// The same with c_l and the threshold.

@@ -38,8 +38,8 @@ std::string percent(std::optional<double> rate) {
 
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
-  const Json settings = report.settings_json();
-  return !has_paths(report.method) && settings.contains("score") && settings["score"] != "raw"
+  const Json settings = title_settings(report);
+  return settings.contains("score") && settings["score"] != "raw"
              ? report.method + ", " + text(settings["score"])
              : report.method;
 }
@@ -258,15 +258,23 @@ std::string metric_cell(const Metric& metric, std::optional<double> value) {
   return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
 }
 
+Json title_settings(const Report& report) {
+  Json settings = report.settings_json();
+  if (has_paths(report.method))
+    for (const std::string_view key :
+         {score_kind(Score::raw).window_symbol, std::string_view("score")})
+      settings.erase(std::string(key));
+  return settings;
+}
+
 std::string evaluation_title(const Report& report) {
   return fmt::format("{} on {}", method_title(report), report.query);
 }
 
 std::string title_with_settings(const Report& report) {
   std::string title = evaluation_title(report);
-  const Json settings = report.settings_json();
-  if (!has_paths(report.method))
-    title += setting_text(settings, score_kind(Score::raw).window_symbol);
+  const Json settings = title_settings(report);
+  title += setting_text(settings, score_kind(Score::raw).window_symbol);
   for (const DecisionKind& decision : decision_kinds())
     title += setting_text(settings, decision.symbol);
   for (const std::string_view symbol :
