@@ -117,10 +117,7 @@ struct Finish {
   double lamps = 1;         ///< factor of the lamps' brightness
 };
 
-/// The common finish of a floor.
-Finish building_finish(const World& world, const FloorNames& names);
-
-/// The finish of one room; the common finish if variety.finishes is 0.
+/// The finish of one room; the common finish of the floor if variety.finishes is 0.
 Finish room_finish(const World& world, const FloorNames& names, size_t room);
 
 /// The room at a point, halls before corridors; the first room if there is none.

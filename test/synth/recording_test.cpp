@@ -18,7 +18,6 @@
 
 using namespace vpr;
 using namespace vpr::test;
-namespace fs = std::filesystem;
 
 namespace {
 
