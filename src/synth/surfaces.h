@@ -52,8 +52,8 @@ void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
 
 /// Paints onto the image of a wall, in meters from its left end and from the floor.
 ///
-/// It has two random engines: `style` chooses objects, positions and colors, and is the same for
-/// similar walls; `detail` draws text, sheets and scratches, which always differ.
+/// Random engines: `style` chooses objects, positions and colors, and is the same for similar
+/// walls; `detail` draws text, sheets and scratches, which always differ.
 struct WallBrush {
   cv::Mat& picture;  ///< 8 bits, blue, green, red, daylight; top row at kRoomHeightM
   RandomEngine style;
