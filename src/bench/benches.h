@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "bench/bench_result.h"
 #include "fabmap/local_features.h"
 #include "match/match.h"
-#include "match/zscores.h"
 #include "run/live_query.h"
 #include "sequence/sequence_source.h"
 
@@ -29,16 +27,6 @@ struct MatchingCase {
 MatchingCase make_case(const DescriptorRows& train, const DescriptorRows& query,
                        const MatchSettings& settings);
 
-/// An entry of the table of timed methods.
-struct MatchingTimer {
-  std::string_view name;
-  bool needs_codes = false;  ///< compares LDB codes only
-  /// Milliseconds per query frame. Adds values and a note to the row.
-  void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
-};
-
-/// All entries, in the order of help and reports.
-std::span<const MatchingTimer> matching_timers();
 /// Recomputes a few hundred random cells of every exact method with the reference implementation.
 /// Throws Error(expectation) if a cell differs.
 void check_methods(const MatchingCase& example, const std::vector<std::string>& methods,
