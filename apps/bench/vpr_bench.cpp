@@ -5,7 +5,6 @@
 #include "bench/benches.h"
 #include "common/flags.h"
 #include "describe/frame_descriptors.h"
-#include "run/plan.h"
 
 namespace vpr {
 namespace {
@@ -153,12 +152,10 @@ void add_fabmap(Program& program) {
 
 BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Session& session) {
   const SequenceSource query = open_sequence(parse_sequence_argument(bench.query));
-  const SequenceDatabase database =
-      open_database(bench.database, live_settings(bench.settings), "", session.monitor);
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.seed = session.options.seed;
-  return bench_realtime(database, query, bench.settings, resources, session.monitor);
+  return bench_realtime(bench.database, query, bench.settings, resources, session.monitor);
 }
 
 void add_realtime(Program& program) {

@@ -140,16 +140,13 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length);
 }
 
-/// The settings of the timed query: matches are accepted by margin.
-ResolvedSettings live_settings(const RealtimeBenchSettings& settings);
-
-/// Times the steps of vpr-query live: decode and describe a frame, LiveQuery::take. Each frame
-/// is due at a fixed time and starts no earlier. Its latency is counted from that time to the
-/// result, so a late frame delays the next ones. Sleeps in between. The row has latency percentiles
-/// (50, 95, 99, 100), missed deadlines (latency above one period) and the share of a core. Throws
-/// Error(usage) for a query that is not a folder or list of images and for settings out of range;
-/// also throws as describe_frames and LiveQuery do.
-BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,
+/// Times the steps of vpr-query live, which accepts matches by margin: decode and describe a frame,
+/// LiveQuery::take. Each frame is due at a fixed time and starts no earlier. Its latency is counted
+/// from that time to the result, so a late frame delays the next ones. Sleeps in between. The row
+/// has latency percentiles (50, 95, 99, 100), missed deadlines (latency above one period) and the
+/// share of a core. Throws Error(usage) for a query that is not a folder or list of images and for
+/// settings out of range; also throws as open_database, describe_frames and LiveQuery do.
+BenchResult bench_realtime(const std::string& database_path, const SequenceSource& query,
                            const RealtimeBenchSettings& settings, const QueryResources& resources,
                            const Monitor& monitor);
 
