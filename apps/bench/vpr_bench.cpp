@@ -5,8 +5,6 @@
 #include "bench/benches.h"
 #include "common/flags.h"
 #include "describe/frame_descriptors.h"
-#include "run/plan.h"
-#include "run/train.h"
 
 namespace vpr {
 namespace {
@@ -154,17 +152,10 @@ void add_fabmap(Program& program) {
 
 BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Session& session) {
   const SequenceSource query = open_sequence(parse_sequence_argument(bench.query));
-  SequenceDatabase database = read_sequence_database(bench.database);
-  if (database.descriptors.kind->is_imported)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has imported descriptors. Frames cannot be described alike",
-                            bench.database));
-  if (score_kind(live_settings(bench.settings)->score).needs_statistics)
-    ensure_statistics(database, session.monitor);
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.seed = session.options.seed;
-  return bench_realtime(database, query, bench.settings, resources, session.monitor);
+  return bench_realtime(bench.database, query, bench.settings, resources, session.monitor);
 }
 
 void add_realtime(Program& program) {

@@ -1,5 +1,5 @@
 // vpr-synth: renders sequences of a building, with their ground truth.
-#include <filesystem>
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -18,7 +18,9 @@ int main(int argc, char** argv) {
     if (session.options.output.empty())
       throw vpr::Error(vpr::ErrorKind::usage, "the output is missing, as in -o building");
     vpr::World world = vpr::read_world(world_path);
-    if (program.command().is_given("--seed")) world.seed = session.options.seed;
+    if (session.command.is_given("--seed") ||
+        std::ranges::count(session.options.config_keys, "seed") > 0)
+      world.seed = session.options.seed;
     const vpr::Output& folder =
         session.outputs.folder(session.options.output, vpr::is_recording_folder);
     const vpr::RecordingSize size =

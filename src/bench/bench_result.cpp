@@ -1,15 +1,12 @@
 #include "bench/bench_result.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <string>
 
 #include <fmt/format.h>
 #include <sched.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/json_fields.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"

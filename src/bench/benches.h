@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "bench/bench_result.h"
 #include "fabmap/local_features.h"
 #include "match/match.h"
-#include "match/zscores.h"
 #include "run/live_query.h"
 #include "sequence/sequence_source.h"
 
@@ -29,16 +27,6 @@ struct MatchingCase {
 MatchingCase make_case(const DescriptorRows& train, const DescriptorRows& query,
                        const MatchSettings& settings);
 
-/// An entry of the table of timed methods.
-struct MatchingTimer {
-  std::string_view name;
-  bool needs_codes = false;  ///< compares LDB codes only
-  /// Milliseconds per query frame. Adds values and a note to the row.
-  void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
-};
-
-/// All entries, in the order of help and reports.
-std::span<const MatchingTimer> matching_timers();
 /// Recomputes a few hundred random cells of every exact method with the reference implementation.
 /// Throws Error(expectation) if a cell differs.
 void check_methods(const MatchingCase& example, const std::vector<std::string>& methods,
@@ -152,16 +140,13 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length);
 }
 
-/// The settings of the timed query: matches are accepted by margin.
-ResolvedSettings live_settings(const RealtimeBenchSettings& settings);
-
-/// Times the steps of vpr-query live: decode and describe a frame, LiveQuery::take. Each frame
-/// is due at a fixed time and starts no earlier. Its latency is counted from that time to the
-/// result, so a late frame delays the next ones. Sleeps in between. The row has latency percentiles
-/// (50, 95, 99, 100), missed deadlines (latency above one period) and the share of a core. Throws
-/// Error(usage) for a query that is not a folder or list of images and for settings out of range;
-/// also throws as describe_frames and LiveQuery do.
-BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,
+/// Times the steps of vpr-query live, which accepts matches by margin: decode and describe a frame,
+/// LiveQuery::take. Each frame is due at a fixed time and starts no earlier. Its latency is counted
+/// from that time to the result, so a late frame delays the next ones. Sleeps in between. The row
+/// has latency percentiles (50, 95, 99, 100), missed deadlines (latency above one period) and the
+/// share of a core. Throws Error(usage) for a query that is not a folder or list of images and for
+/// settings out of range; also throws as open_database, describe_frames and LiveQuery do.
+BenchResult bench_realtime(const std::string& database_path, const SequenceSource& query,
                            const RealtimeBenchSettings& settings, const QueryResources& resources,
                            const Monitor& monitor);
 

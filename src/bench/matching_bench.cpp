@@ -2,7 +2,6 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/named_table.h"
@@ -143,6 +142,14 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
   row.values.emplace_back("recall",
                           static_cast<double>(found) / static_cast<double>(example.rows()));
 }
+
+/// An entry of the table of timed methods.
+struct MatchingTimer {
+  std::string_view name;
+  bool needs_codes = false;  ///< compares LDB codes only
+  /// Milliseconds per query frame. Adds values and a note to the row.
+  void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
+};
 
 constexpr std::array<MatchingTimer, 6> kTimers = {{
     {"fastable-online", false, time_online},
@@ -337,8 +344,6 @@ MatchingCase make_case(const DescriptorRows& train, const DescriptorRows& query,
   const DescribedFrames span{train, {}};
   return {settings, frame_distances({&span, 1}, {query, {}})};
 }
-
-std::span<const MatchingTimer> matching_timers() { return kTimers; }
 
 void check_methods(const MatchingCase& example, const std::vector<std::string>& methods,
                    const Monitor& monitor) {

@@ -18,8 +18,6 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 double process_cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-}  // namespace
-
 ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   SequenceQuerySettings live;
   live.method = settings.method;
@@ -29,7 +27,9 @@ ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   return {live, {kDatabaseChoice, kLiveChoice}};
 }
 
-BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSource& query,
+}  // namespace
+
+BenchResult bench_realtime(const std::string& database_path, const SequenceSource& query,
                            const RealtimeBenchSettings& settings, const QueryResources& resources,
                            const Monitor& monitor) {
   if (!(settings.rate_hz > 0 && settings.rate_hz <= 10'000))
@@ -39,7 +39,9 @@ BenchResult bench_realtime(const SequenceDatabase& database, const SequenceSourc
   if (query.kind != SequenceKind::images)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: is not a folder or list of images", query.argument.path.string()));
-  LiveQuery live(database, "query", live_settings(settings), resources, monitor);
+  const ResolvedSettings resolved = live_settings(settings);
+  const SequenceDatabase database = open_database(database_path, resolved, "", monitor);
+  LiveQuery live(database, "query", resolved, resources, monitor);
   const size_t frames = std::min<size_t>(query.files.size(), settings.frames);
   const double period_ms = 1000 / settings.rate_hz;
   std::vector<double> latencies_ms;

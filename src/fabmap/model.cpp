@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <hwy/cache_control.h>
 
 #include "base/error.h"
@@ -28,7 +27,7 @@ constexpr std::array<FabmapVariant, 5> kVariants = {{
     {"fabmap2-fixed", "as fabmap2 in fixed point", fabmap2_fixed_log_likelihoods},
     {"fabmap1", "the definition: all words of all views", fabmap1_log_likelihoods},
     {"lut", "as fabmap1 with a table of rounded logarithms", lut_log_likelihoods},
-    {"fbo", "fast bail-out: drops views that cannot win", fbo_log_likelihoods, false},
+    {"fbo", "fast bail-out: drops views that cannot win", fbo_log_likelihoods},
 }};
 
 int32_t as_fixed(double value) {

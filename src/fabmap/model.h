@@ -98,7 +98,6 @@ struct FabmapVariant {
   std::string_view summary;
   /// One log-likelihood per known view. The same for any number of threads and any SIMD target.
   std::vector<double> (*log_likelihoods)(const FabmapQuery&);
-  bool is_by_view = true;  ///< the value of a view does not depend on other views
 };
 
 /// All variants, in the order of the help text.

@@ -18,10 +18,10 @@
 namespace vpr {
 namespace {
 
-// begin, begin + 1, ..., end - 1.
-std::vector<uint32_t> row_range(size_t begin, size_t end) {
-  std::vector<uint32_t> rows(end - begin);
-  std::iota(rows.begin(), rows.end(), static_cast<uint32_t>(begin));
+// 0, 1, ..., count - 1.
+std::vector<uint32_t> all_rows(size_t count) {
+  std::vector<uint32_t> rows(count);
+  std::iota(rows.begin(), rows.end(), 0U);
   return rows;
 }
 
@@ -96,19 +96,19 @@ cv::Mat rows_of(const cv::Mat& points, const std::vector<size_t>& indices) {
   return rows;
 }
 
-double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j) {
-  if (a.type() == CV_8U)
-    return hamming_bytes(a.ptr(static_cast<int>(i)), b.ptr(static_cast<int>(j)),
-                         static_cast<size_t>(a.cols));
-  const auto* x = a.ptr<float>(static_cast<int>(i));
-  const auto* y = b.ptr<float>(static_cast<int>(j));
+double squared_distance(const cv::Mat& points, size_t i, size_t j) {
+  if (points.type() == CV_8U)
+    return hamming_bytes(points.ptr(static_cast<int>(i)), points.ptr(static_cast<int>(j)),
+                         static_cast<size_t>(points.cols));
+  const auto* x = points.ptr<float>(static_cast<int>(i));
+  const auto* y = points.ptr<float>(static_cast<int>(j));
   // Four sums in a fixed order, so that the additions are independent.
   std::array<float, 4> sums{};
   int k = 0;
-  for (; k + 4 <= a.cols; k += 4)
+  for (; k + 4 <= points.cols; k += 4)
     for (int s = 0; s < 4; ++s)
       sums[static_cast<size_t>(s)] += (x[k + s] - y[k + s]) * (x[k + s] - y[k + s]);
-  for (; k < a.cols; ++k) sums[0] += (x[k] - y[k]) * (x[k] - y[k]);
+  for (; k < points.cols; ++k) sums[0] += (x[k] - y[k]) * (x[k] - y[k]);
   return static_cast<double>((sums[0] + sums[1]) + (sums[2] + sums[3]));
 }
 
@@ -184,7 +184,7 @@ class SeedSampler {
   bool accept(size_t proposal, RandomEngine& engine) const {
     double distance = distances_[proposal];
     for (const size_t seed : new_seeds_)
-      distance = std::min(distance, squared_distance(points_, proposal, points_, seed));
+      distance = std::min(distance, squared_distance(points_, proposal, seed));
     return uniform_unit(engine) * distances_[proposal] < distance;
   }
 
@@ -193,11 +193,10 @@ class SeedSampler {
       std::fill(distances_.begin(), distances_.end(), std::numeric_limits<double>::max());
     distances_are_guesses_ = false;
     if (!new_seeds_.empty()) {
-      for_nearest(rows_of(points_, new_seeds_), points_, row_range(0, distances_.size()), monitor_,
+      for_nearest(rows_of(points_, new_seeds_), points_, all_rows(distances_.size()), monitor_,
                   [&](uint32_t i, const NearestCenter& found) {
-                    distances_[i] =
-                        std::min(distances_[i],
-                                 squared_distance(points_, i, points_, new_seeds_[found.center]));
+                    distances_[i] = std::min(
+                        distances_[i], squared_distance(points_, i, new_seeds_[found.center]));
                   });
     }
     new_seeds_.clear();
@@ -248,10 +247,10 @@ cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& eng
   const auto compare_candidates = [&] {
     const cv::Mat fresh =
         rows_of(points, {candidates.begin() + static_cast<ptrdiff_t>(compared), candidates.end()});
-    for_nearest(fresh, points, row_range(0, n), monitor, [&](uint32_t i, NearestCenter found) {
+    for_nearest(fresh, points, all_rows(n), monitor, [&](uint32_t i, NearestCenter found) {
       found.center += static_cast<uint32_t>(compared);
       if (nearer(found, nearest[i])) nearest[i] = found;
-      distances[i] = squared_distance(points, i, points, candidates[nearest[i].center]);
+      distances[i] = squared_distance(points, i, candidates[nearest[i].center]);
     });
     compared = candidates.size();
   };
@@ -282,7 +281,7 @@ void reassign(const cv::Mat& points, const cv::Mat& centers, const std::vector<c
   std::vector<size_t> stayed;
   for (size_t c = 0; c < has_moved.size(); ++c) (has_moved[c] != 0 ? moved : stayed).push_back(c);
   std::vector<char> is_open(nearest.size(), 0);
-  for_nearest(rows_of(centers, moved), points, row_range(0, nearest.size()), monitor,
+  for_nearest(rows_of(centers, moved), points, all_rows(nearest.size()), monitor,
               [&](uint32_t i, NearestCenter found) {
                 found.center = static_cast<uint32_t>(moved[found.center]);
                 const bool own_stayed = has_moved[nearest[i].center] == 0;
@@ -290,7 +289,7 @@ void reassign(const cv::Mat& points, const cv::Mat& centers, const std::vector<c
                 if (!own_stayed || nearer(found, nearest[i])) nearest[i] = found;
               });
   if (stayed.empty()) return;
-  std::vector<uint32_t> open = row_range(0, nearest.size());
+  std::vector<uint32_t> open = all_rows(nearest.size());
   std::erase_if(open, [&](uint32_t i) { return is_open[i] == 0; });
   for_nearest(rows_of(centers, stayed), points, open, monitor,
               [&](uint32_t i, NearestCenter found) {
@@ -310,7 +309,7 @@ std::vector<double> distances_to(const cv::Mat& points, const std::vector<size_t
   parallel_for(distances.size(), monitor, [&](size_t i) {
     const auto row = static_cast<uint32_t>(begin + i);
     const NearestCenter nearest = find_nearest_words(vocabulary, points, {&row, 1}).front();
-    distances[i] = squared_distance(points, row, points, centers[nearest.center]);
+    distances[i] = squared_distance(points, row, centers[nearest.center]);
   });
   return distances;
 }
@@ -365,7 +364,7 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
     for (size_t i = begin; i < end; ++i) {
       bool is_far = centers.empty() || distances[i - begin] > limit;
       for (size_t c = known; is_far && c < centers.size(); ++c)
-        is_far = squared_distance(descriptors, i, descriptors, centers[c]) > limit;
+        is_far = squared_distance(descriptors, i, centers[c]) > limit;
       if (is_far) centers.push_back(i);
       counter.add();
     }
@@ -376,7 +375,7 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
   }
   cv::Mat words = rows_of(descriptors, centers);
   std::vector<NearestCenter> nearest(n);
-  for_nearest(words, descriptors, row_range(0, n), monitor,
+  for_nearest(words, descriptors, all_rows(n), monitor,
               [&](uint32_t i, const NearestCenter& found) { nearest[i] = found; });
   move_centers(descriptors, nearest, words, monitor);
   return words;

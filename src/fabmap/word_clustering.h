@@ -15,7 +15,7 @@ namespace vpr {
 
 cv::Mat rows_of(const cv::Mat& points, const std::vector<size_t>& indices);
 
-double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j);
+double squared_distance(const cv::Mat& points, size_t i, size_t j);
 
 /// Moves every center to the mean of its points (bits: the majority), summed in index order in
 /// double; a center without points does not move. Returns which centers moved.

@@ -6,8 +6,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/surfaces.h"
-
 namespace vpr {
 namespace {
 

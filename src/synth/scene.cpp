@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
-#include "synth/surfaces.h"
 
 namespace vpr {
 namespace {

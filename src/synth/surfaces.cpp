@@ -211,22 +211,17 @@ void WallBrush::write(double x, double bottom, double width, double height, doub
   }
 }
 
-Finish building_finish(const World& world, const FloorNames& names) {
-  RandomEngine engine = named_engine(world.seed, "building");
-  RandomEngine own = named_engine(world.seed, "floor/" + names.plan);
-  const double tone = between(engine, 165, 205) + between(own, -12, 12);
-  Finish finish;
-  const double warm = tone * between(engine, 0.98, 1.05);
-  finish.plaster = color(tone * between(engine, 0.86, 0.98), tone, warm);
-  const double red = between(engine, 95, 150), green = between(engine, 100, 150);
-  finish.dado = color(between(engine, 90, 150), green, red);
-  finish.dado_m = between(engine, 0.9, 1.2);
-  finish.brick_halls = uniform_unit(own) < 0.5;
-  return finish;
-}
-
 Finish room_finish(const World& world, const FloorNames& names, size_t room) {
-  Finish finish = building_finish(world, names);
+  RandomEngine building = named_engine(world.seed, "building");
+  RandomEngine own = named_engine(world.seed, "floor/" + names.plan);
+  const double tone = between(building, 165, 205) + between(own, -12, 12);
+  Finish finish;
+  const double warm = tone * between(building, 0.98, 1.05);
+  finish.plaster = color(tone * between(building, 0.86, 0.98), tone, warm);
+  const double red = between(building, 95, 150), green = between(building, 100, 150);
+  finish.dado = color(between(building, 90, 150), green, red);
+  finish.dado_m = between(building, 0.9, 1.2);
+  finish.brick_halls = uniform_unit(own) < 0.5;
   const double variety = world.variety.finishes;
   if (variety == 0) return finish;
   RandomEngine engine = named_engine(world.seed, fmt::format("finish/{}/{}", names.plan, room));

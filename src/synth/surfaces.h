@@ -52,8 +52,8 @@ void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
 
 /// Paints onto the image of a wall, in meters from its left end and from the floor.
 ///
-/// It has two random engines: `style` chooses objects, positions and colors, and is the same for
-/// similar walls; `detail` draws text, sheets and scratches, which always differ.
+/// Random engines: `style` chooses objects, positions and colors, and is the same for similar
+/// walls; `detail` draws text, sheets and scratches, which always differ.
 struct WallBrush {
   cv::Mat& picture;  ///< 8 bits, blue, green, red, daylight; top row at kRoomHeightM
   RandomEngine style;
@@ -117,10 +117,7 @@ struct Finish {
   double lamps = 1;         ///< factor of the lamps' brightness
 };
 
-/// The common finish of a floor.
-Finish building_finish(const World& world, const FloorNames& names);
-
-/// The finish of one room; the common finish if variety.finishes is 0.
+/// The finish of one room; the common finish of the floor if variety.finishes is 0.
 Finish room_finish(const World& world, const FloorNames& names, size_t room);
 
 /// The room at a point, halls before corridors; the first room if there is none.

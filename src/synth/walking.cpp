@@ -18,6 +18,7 @@ constexpr double kCornerM = 0.9;  // distance from a corner at which a turn begi
 constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kStepsPerS = 1.8;
 
 Point between_points(Point a, Point b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};

@@ -56,8 +56,6 @@ std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
 /// Degrees between two headings, 0 to 180.
 double heading_difference(double a_deg, double b_deg);
 
-inline constexpr double kStepsPerS = 1.8;
-
 /// An angle and its rate of change.
 struct Swing {
   double angle_deg = 0;

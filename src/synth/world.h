@@ -165,8 +165,8 @@ struct World {
   uint64_t image_height = 480;
   double view_deg = 66;  ///< horizontal angle of view
   FrameFormat format = FrameFormat::jpg;
-  double resemblance = 0.5;      ///< share of equal objects in all corridors
-  BuildingVariety variety;       ///< what makes parts of a building, days and walks differ
+  double resemblance = 0.5;  ///< share of equal objects in all corridors
+  BuildingVariety variety;
   double same_place_m = 1.5;     ///< frames within this distance show the same place, ...
   double same_heading_deg = 40;  ///< ... if their headings differ by at most this angle
   double ignore_m = 3;           ///< up to this distance, pairs are ignored

@@ -75,6 +75,18 @@ TEST_CASE("benchmark settings out of range are refused") {
   }
 }
 
+TEST_CASE("the benchmarks of the paper use flags that exist") {
+  for (const auto& entry : fs::directory_iterator(source_path("configs/paper")))
+    for (const Json& words : file_json(entry.path()).value("commands", Json::array())) {
+      const auto command = words.get<Words>();
+      const std::string help = run_ok("vpr-bench", {command[0], "--help"}).out;
+      for (const std::string& word : command) {
+        INFO(entry.path() << ": " << word);
+        CHECK((!word.starts_with("--") || has(help, word + " ")));
+      }
+    }
+}
+
 TEST_CASE("a recording is played at its rate") {
   const TemporaryFolder out;
   fs::create_directory(out / "walk");

@@ -1,6 +1,7 @@
 // The programs on a small generated world.
 #include <catch2/catch.hpp>
 
+#include "cli/building.h"
 #include "cli/world.h"
 
 using namespace vpr;
@@ -182,6 +183,19 @@ TEST_CASE("a result can be used as its own settings") {
   damaged.replace(damaged.find("\"c_l\": 10"), 9, "\"c_l\": 11");
   write_text(out / "d.json", damaged);
   CHECK(run_program("vpr-query", query_words({"--config", out / "d.json"})).exit_code == 4);
+}
+
+TEST_CASE("a world is rendered with the seed of a configuration file") {
+  const TemporaryFolder out;
+  write_text(out / "c.json", R"({"seed": 9})");
+  for (const uint64_t seed : {1, 9}) {
+    Json json = Json::parse(building(seed, {"one"}));
+    json["walks"][0]["frames"] = 2;
+    write_text(out / "world.json", json.dump());
+    run_ok("vpr-synth", joined({out / "world.json", "-o", out / std::to_string(seed)},
+                               seed == 1 ? Words{"--config", out / "c.json"} : Words{}));
+  }
+  CHECK(read_text(out / "1/one/poses.csv") == read_text(out / "9/one/poses.csv"));
 }
 
 TEST_CASE("a key for another kind of database is refused, like its flag") {

@@ -90,7 +90,7 @@ cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius) {
     size_t best = centers.size();
     double least = std::numeric_limits<double>::infinity();
     for (size_t c = 0; c < centers.size(); ++c) {
-      const double distance = squared_distance(descriptors, i, descriptors, centers[c]);
+      const double distance = squared_distance(descriptors, i, centers[c]);
       if (distance >= least) continue;
       least = distance;
       best = c;

@@ -18,7 +18,6 @@
 
 using namespace vpr;
 using namespace vpr::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -30,7 +29,7 @@ std::map<std::string, std::string> texts_of(const World& world) {
   return texts;
 }
 
-// Two walks of three frames at x 1, 2, 3 (train) and x 1, 2, 9 (query).
+// A training walk and a query, each of three frames at x 1, 2, 3.
 World three_frames() {
   World world;
   Floor floor;
@@ -44,12 +43,11 @@ World three_frames() {
     walk.floor = "f";
     walk.shake = 0;
     walk.frames = 3;
+    walk.path = {{1, 1}, {3, 1}};
   }
   world.walks[0].name = "train";
-  world.walks[0].path = {{1, 1}, {3, 1}};
   world.walks[1].name = "query";
   world.walks[1].use = WalkUse::query;
-  world.walks[1].path = {{1, 1}, {3, 1}};
   world.places = {{"p", "f", 1, 1, {0}}, {"behind", "f", 1, 1, {180}}};
   world.place_radius_m = 0.5;
   world.place_ignore_m = 1.5;

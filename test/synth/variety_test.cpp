@@ -14,7 +14,6 @@
 
 using namespace vpr;
 using namespace vpr::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -107,7 +106,6 @@ TEST_CASE("rooms differ in finish by the requested amount") {
                      room_finish(world, names, 1).plaster[1]);
   };
   CHECK(tones().first == tones().second);
-  CHECK(tones().first == building_finish(world, names).plaster[1]);
   const Scene plain = scene_of(world);
   world.variety.finishes = 1;
   CHECK(tones().first != tones().second);
