@@ -33,8 +33,8 @@ RULES = {
     r'\bpictures?\b': 'image',
 }
 # Legitimate uses: part of the path, part of the line.
-ALLOWED = [('check_language', ''), ('scripts/reproduce/', 'per cent')]
-SUFFIXES = {'.md', '.h', '.cpp', '.py', '.sh', '.js', '.cmake', '.txt'}
+ALLOWED = [('check_language', ''), ('scripts/reproduce/', 'per cent'), ('configs/paper/', '')]
+SUFFIXES = {'.md', '.json', '.h', '.cpp', '.py', '.sh', '.js', '.cmake', '.txt'}
 
 
 def prose(path):
