@@ -10,7 +10,8 @@
 set -euo pipefail
 libraries=(
   libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev
-  libdlib-dev libcli11-dev nlohmann-json3-dev catch2
+  libcli11-dev nlohmann-json3-dev catch2
+  libdlib-dev libblas-dev liblapack-dev # the first links the others, but does not depend on them
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
 packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil)
