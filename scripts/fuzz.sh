@@ -11,7 +11,7 @@ what=${1:-60}
 names=("${@:2}")
 [[ ${#names[@]} == 0 ]] && mapfile -t names < <(cd test/fuzz/corpus && ls)
 cmake --preset fuzz >/dev/null
-cmake --build build/fuzz --target "${names[@]/#/fuzz_}"
+cmake --build --preset fuzz --target "${names[@]/#/fuzz_}"
 found=build/fuzz/found
 limits=(-timeout=10 -rss_limit_mb=2048)
 

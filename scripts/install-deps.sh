@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
-# Installs missing dependencies of build, tests and demo (Debian 12).
+# Installs missing dependencies (Debian 12).
 #   scripts/install-deps.sh            build, test, demo
 #   scripts/install-deps.sh --check    also those of scripts/check.sh
 #   scripts/install-deps.sh --ci       also those of tests that are skipped without them
 #   scripts/install-deps.sh --package  also those of building and testing the Debian package
-#   scripts/install-deps.sh --cluster  also those of trees of experiments (docs/clusters.md)
+#   scripts/install-deps.sh --cluster  also those of trees of experiments (docs/developer/clusters.md)
 #   scripts/install-deps.sh --arm64    also those of scripts/test-arm64.sh
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs link
 set -euo pipefail
 libraries=(
   libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev
-  libdlib-dev libcli11-dev nlohmann-json3-dev catch2
+  libcli11-dev nlohmann-json3-dev catch2
+  libdlib-dev libblas-dev liblapack-dev # the first links the others, but does not depend on them
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
 packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil)

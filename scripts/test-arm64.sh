@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Builds for 64-bit ARM and tests under qemu's user mode: kernels and real images; then compares all
-# bytes that the programs write with those of the native programs. Needs Debian 12, root and network
-# access; not part of scripts/test.sh.
-#   scripts/test-arm64.sh
+# bytes that the programs write with those of the native programs. Needs root and network access; not
+# part of scripts/test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh --arm64
@@ -10,12 +9,13 @@ scripts/install-deps.sh --arm64
 # The libraries that programs link, as unpacked ARM packages that are not installed.
 root=build/arm64-root
 if [[ ! -d $root ]]; then
+  release=$(. /etc/os-release && echo "$VERSION_CODENAME")
   mkdir -p build
   made=$(mktemp -d build/arm64-root.XXXXXX)
   trap 'rm -rf "$made"' EXIT
   find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
     mmdebstrap --architectures=arm64 --variant=extract \
-      --include="libc6-dev $(scripts/install-deps.sh --libraries)" bookworm "$made" -
+      --include="libc6-dev $(scripts/install-deps.sh --libraries)" "$release" "$made" -
   # Absolute links point outside the root, and the package scripts that select alternatives did not
   # run.
   find "$made" -type l -lname '/*' -printf '%P\0%l\0' | while IFS= read -r -d '' link && IFS= read -r -d '' target; do

@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian package, installs it into an empty Debian 12, and runs it there: programs,
-# completions, manual pages. Needs root and network access; not part of scripts/test.sh.
-#   scripts/test-package.sh
+# Builds the Debian package, installs it into an empty Debian of this machine's release, and runs it there:
+# programs, completions, manual pages. Needs root and network access; not part of scripts/test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh --package
@@ -10,9 +9,10 @@ cmake --build --preset release --target package
 package=$(realpath "$(ls -t build/release/*.deb | head -1)")
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
-# Uses the package sources of this machine; the package brings its own dependencies.
+# The package brings its own dependencies.
+release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
-  mmdebstrap --variant=apt --include=bash-completion,man-db bookworm "$root/debian" - >/dev/null
+  mmdebstrap --variant=apt --include=bash-completion,man-db "$release" "$root/debian" - >/dev/null
 cp "$package" "$root/debian/vpr-toolkit.deb"
 cp configs/worlds/small.json "$root/debian/small.json"
 chroot "$root/debian" bash -euo pipefail -c '
@@ -29,4 +29,4 @@ chroot "$root/debian" bash -euo pipefail -c '
   vpr-train fastable --dataset building/dataset.json -o building.vprdb --quiet
   vpr-query building.vprdb --dataset building/dataset.json -o result.json
   vpr-eval result.json --dataset building/dataset.json'
-echo "$package: installs and runs in an empty Debian 12"
+echo "$package: installs and runs in an empty Debian $release"

@@ -31,7 +31,8 @@ def need(module, package):
     try:
         return __import__(module, fromlist=["*"])
     except ModuleNotFoundError:
-        raise Refusal(USAGE, f"needs {package}: apt-get install {package}") from None
+        print(f"{pathlib.Path(sys.argv[0]).name}: needs {package}: apt-get install {package}", file=sys.stderr)
+        sys.exit(USAGE)
 
 
 def write(arguments, content):

@@ -66,9 +66,11 @@ def time_taken(tags):
 
 
 def read_tags(image_module, path):
+    """The directories of GPS and camera tags; a TIFF must be open when they are read."""
     try:
         with image_module.open(path) as image:
-            return image.getexif()
+            tags = image.getexif()
+            return tags.get_ifd(GPS), tags.get_ifd(CAMERA)
     except (OSError, SyntaxError, ValueError):
         raise common.Refusal(common.FILES, f"{path}: cannot read image") from None
 
@@ -85,11 +87,10 @@ def convert(arguments):
                     key=natural)
     rows, lacks_zone = [], False
     for path in images:
-        tags = read_tags(image_module, path)
-        gps = tags.get_ifd(GPS)
+        gps, camera = read_tags(image_module, path)
         place = position(path, gps) or ("", "")
         heading = number(gps.get(17))
-        time = time_taken(tags.get_ifd(CAMERA))
+        time = time_taken(camera)
         lacks_zone = lacks_zone or (time is not None and not time[1])
         rows.append({"image": path.name, "lat": place[0], "lon": place[1],
                      "heading": heading if 0 <= heading <= 360 else "", "time": time[0] if time else ""})

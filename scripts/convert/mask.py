@@ -11,7 +11,8 @@ are refused: their values differ from the drawn ones. Needs python3-pil.
 import io
 
 import common
-import numpy
+
+numpy = common.need("numpy", "python3-numpy")
 
 
 def convert(arguments):

@@ -11,7 +11,8 @@ the file, or the one named truth; scalars are ignored.
 import io
 
 import common
-import numpy
+
+numpy = common.need("numpy", "python3-numpy")
 
 KINDS = {"double", "single", "logical", "sparse", *(f"{sign}int{bits}" for sign in ("", "u")
                                                     for bits in (8, 16, 32, 64))}

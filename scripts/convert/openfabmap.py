@@ -16,7 +16,8 @@ import json
 import re
 
 import common
-import numpy
+
+numpy = common.need("numpy", "python3-numpy")
 
 TYPES = {"u": "u1", "c": "i1", "w": "<u2", "s": "<i2", "i": "<i4", "f": "<f4", "d": "<f8"}
 MATRIX = re.compile(r'^(\w+): !!opencv-matrix\s+rows: (\d+)\s+cols: (\d+)\s+dt: "?(\w+)"?\s+'
@@ -67,7 +68,7 @@ def word_matrix(database, name, offsets, words):
 
 def write_database(arguments):
     database = arguments.source
-    if json.loads((database / "manifest.json").read_text())["method"] != "fabmap":
+    if json.loads((database / "manifest.json").read_text()).get("method") != "fabmap":
         raise common.Refusal(common.USAGE, f"{database}: is not a database for FAB-MAP")
     vocabulary = numpy.load(database / "vocabulary.npy")
     if vocabulary.dtype != "f4":

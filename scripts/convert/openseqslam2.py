@@ -14,7 +14,7 @@ import common
 def convert(arguments):
     path, frames = arguments.source, arguments.train_frames
     pairs = set()
-    with open(path, newline="", encoding="utf-8-sig") as file:
+    with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
         for number, row in enumerate(csv.reader(file), 1):
             if not row:
                 continue

@@ -15,7 +15,6 @@ import json
 import math
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 import numpy as np

@@ -89,7 +89,7 @@ def world_sets(world, data):
 
 def run(args, program, *words):
     command = [f"{args.bin}/{program}", *map(str, words), "--quiet", "--force"]
-    subprocess.run(command + ["--threads", str(args.threads)], check=True)
+    subprocess.run(command, check=True)
 
 
 def sweep(args, one, out, query, truth, fused):
@@ -159,8 +159,6 @@ def main():
                         default=[])
     parser.add_argument("--features", default="sift")
     parser.add_argument("--words", default="500")
-    parser.add_argument("--threads", default=0)
-    parser.add_argument("--only", default="", help="only sets with this text in their title")
     parser.add_argument("--bin", default=pathlib.Path(__file__).resolve().parents[2] / "build/release/bin")
     args = parser.parse_args()
     print(f"| | {' | '.join(f'c_l {n}' if n == 1 else str(n) for n in LENGTHS)} | FAB-MAP |")
@@ -171,8 +169,7 @@ def main():
         for world in args.world:
             sets += world_sets(world, args.data)
         for one in sets:
-            if args.only in one.title:
-                row(args, one, out)
+            row(args, one, out)
 
 
 if __name__ == "__main__":

@@ -19,12 +19,10 @@ parser.add_argument("data", type=pathlib.Path)
 parser.add_argument("bin", type=pathlib.Path, nargs="?", default=ROOT / "build/release/bin")
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
-parser.add_argument("--tables", default="walks,hours")
-parser.add_argument("--decisions", help="some of the decisions, separated by ';' (--decisions filter)")
 parser.add_argument("--seed", type=int, default=201, help="seed of the first rendered world")
-parser.add_argument("--work", type=pathlib.Path, help="folder of an earlier run, whose worlds are used")
 options = parser.parse_args()
-out = options.work or pathlib.Path(tempfile.mkdtemp())
+work = tempfile.TemporaryDirectory()
+out = pathlib.Path(work.name)
 
 DECISIONS = {
     "margin, raw": ["--score", "raw", "--decide", "margin"],
@@ -33,8 +31,6 @@ DECISIONS = {
 }
 RULES = {"margin, raw": ["calibrate"], "margin, z-scores": ["recommended", "calibrate"],
          "filter": ["default", "calibrate"]}  # the sources of a threshold
-if options.decisions:
-    DECISIONS = {name: DECISIONS[name] for name in options.decisions.split(";")}
 VARIETIES = [None, {"finishes": 0.8, "wear": 0.6, "window_light": 1, "far_view": 0.6, "changes": 0.25,
                     "hands": 0.5, "bareness": 0.3}, {"hands": 0.25, "changes": 0.3, "finishes": 0.4}]
 FPS = 4  # of speeds.json
@@ -164,8 +160,7 @@ def worlds():
             world["variety"] = VARIETIES[index % 3]
         path = out / f"world{index}.json"
         path.write_text(json.dumps(world))
-        if not (out / f"world{index}").exists():
-            run("vpr-synth", path, "-o", out / f"world{index}", "--quiet")
+        run("vpr-synth", path, "-o", out / f"world{index}", "--quiet")
         yield f"world{index}", out / f"world{index}"
 
 
@@ -265,8 +260,5 @@ def walk_table(pool, pairs):
 
 hours = []
 with concurrent.futures.ThreadPoolExecutor(options.jobs) as workers:
-    walk_pairs = list(jobs())
-    if "walks" in options.tables:
-        walk_table(workers, walk_pairs)
-    if "hours" in options.tables:
-        hour_table(workers)
+    walk_table(workers, list(jobs()))
+    hour_table(workers)

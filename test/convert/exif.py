@@ -12,6 +12,7 @@ photos = folder / "photos"
 def image(name, gps=None, camera=None):
     exif = image_module.Exif()
     exif.update({tag: tags for tag, tags in ((0x8825, gps), (0x8769, camera)) if tags})
+    exif._ifds.update(exif)  # Pillow writes these to a TIFF
     photos.mkdir(exist_ok=True)
     image_module.new("L", (8, 8)).save(photos / name, exif=exif)
 
@@ -64,3 +65,5 @@ shutil.rmtree(photos)
 image("a.jpg")
 support.refused(convert(photos, "-o", folder / "x.csv"), 4, "no image has a GPS position")
 support.refused(convert(folder / "none", "-o", folder / "x.csv"), 3, "none")
+image("a.tif", place(0))
+assert rows()[0] == ["image,lat,lon", "a.jpg,,", "a.tif,52.0,13.0"]

@@ -18,4 +18,6 @@ support.named(folder / "g.csv", "openseqslam2.py")
 for bad in "0,1,0", "1,0,0", "1,5,0", "1,1,-1", "1", "1,1,1,1", "1,x,0", "1,1.5,0":
     support.refused(converted(f"1,1,1\n{bad}\n"), 4, "g.csv, line 2")
 support.refused(converted(""), 4, "is empty")
+(folder / "binary.csv").write_bytes(b"1,1,1\n\x89PNG\0\n")
+support.refused(convert(folder / "binary.csv", "--train-frames", "4", "-o", folder / "x.csv"), 4, "binary.csv, line 2")
 support.refused(convert(folder / "none.csv", "--train-frames", "4", "-o", folder / "x.csv"), 3, "none.csv")

@@ -6,7 +6,8 @@ import sys
 import tempfile
 
 source, programs = map(pathlib.Path, sys.argv[1:3])
-folder = pathlib.Path(tempfile.mkdtemp())
+temporary = tempfile.TemporaryDirectory()
+folder = pathlib.Path(temporary.name)
 
 
 def packages(*names):

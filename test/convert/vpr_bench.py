@@ -1,17 +1,15 @@
 #!/usr/bin/env python3
 """Output of scripts/convert/vpr_bench.py, and its use in the programs.
-   vpr_bench.py SOURCE BIN [CORRIDOR]; ends with 77 (skipped) without NumPy."""
+   vpr_bench.py SOURCE BIN; ends with 77 (skipped) without NumPy."""
 import os
 import pathlib
-import pickle
-import sys
 
 import support
 
 numpy, = support.packages("numpy")
 programs, folder, run = support.programs, support.folder, support.run
 convert = support.converter("vpr_bench.py")
-corridor = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+corridor = pathlib.Path(os.environ.get("VPR_TEST_DATA", support.source / "../shared"), "data/corridor")
 
 
 def table(rows, shape):
@@ -63,5 +61,5 @@ for bad in (whole[: len(whole) // 2], whole[:-4], b"", b"query,reference\n0,1\n"
 assert convert(table([(0, [0.5])], (1, 2))).returncode != 0
 assert convert(folder / "none.npy").returncode != 0
 
-if corridor and corridor.exists():
+if corridor.exists():
     check(corridor / "ground_truth_new.npy", (corridor / "ground_truth.csv").read_text())

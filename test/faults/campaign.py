@@ -13,7 +13,6 @@ import places
 import programs
 
 
-
 @dataclasses.dataclass
 class Verdict:
     case: cases.Case

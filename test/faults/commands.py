@@ -149,7 +149,7 @@ WRITERS = [
            "--html out/e.html --plot out/plots --map out/map --outcomes-csv out/o.csv "
            "--recognitions-csv out/r.csv", "e.json", {"result": ("in/r2.json", "in/r.json")},
            (Reader(("e.json",), "vpr-eval compare in/e.json out/e.json"),)),
-    Writer("eval fabmap", f"vpr-eval in/f.json --ground-truth aligned --tolerance {{tolerance}} "
+    Writer("eval fabmap", "vpr-eval in/f.json --ground-truth aligned --tolerance {tolerance} "
            "-o out/e.json --html out/e.html --plot out/plots", "e.json",
            {"tolerance": ("1", "2")}),
     Writer("eval several", f"vpr-eval {{results}} {PAIRS} -o out/e.json --outcomes-csv out/o.csv "

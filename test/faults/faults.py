@@ -26,13 +26,12 @@ SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
 def parse_options():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    build = SOURCE / "build/ci/bin"
-    parser.add_argument("--programs", default=build, type=pathlib.Path,
+    parser.add_argument("--programs", default=SOURCE / "build/ci/bin", type=pathlib.Path,
                         help="folder of the programs (default build/ci/bin)")
     parser.add_argument("--kind", choices=cases.FAULTS, default="calls",
                         help="calls that fail (default), full disks, disks without power")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--cases", type=int, default=500, help="so many; 0: all (default 500)")
+    parser.add_argument("--cases", type=int, default=500, help="number of cases; 0: all (default: 500)")
     parser.add_argument("--case", type=int, help="only this one")
     parser.add_argument("--only", default="", help="only commands whose name has this (a regular "
                         "expression); which changes the numbers of cases")

@@ -53,7 +53,7 @@ class Programs:
     def run(self, line, folder, fault="none", number=0, plain=False):
         """Runs a command line in `folder`; among the calls below folder/out, call `number` (from 1)
         has the fault. `plain`: renames have no flags."""
-        words = [line.split()[0], *line.split()[1:], "--threads", "1"]
+        words = [*line.split(), "--threads", "1"]
         texts = [folder, "out", FAULTS.index(fault), number, int(plain), *words]
         request = b"".join(str(text).encode() + b"\0" for text in texts)
         server = self.server(words[0])
