@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each one; exits with 1 if any has a finding.
+# Builds the fuzz targets and runs each one, as many at once as there are cores, or as JOBS says; fails if
+# any has a finding.
 #   scripts/fuzz.sh [SECONDS [NAME...]]      default: 60 seconds, all targets
 #   scripts/fuzz.sh --minimize [NAME...]     reduces each corpus to a smallest one with the same
 #                                            coverage, including small inputs of earlier runs
@@ -13,7 +14,7 @@ names=("${@:2}")
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz --target "${names[@]/#/fuzz_}"
 found=build/fuzz/found
-limits=(-timeout=10 -rss_limit_mb=2048)
+export found what limits='-timeout=10 -rss_limit_mb=2048'
 
 # Only small inputs of earlier runs: the corpus is part of the repository and must stay readable.
 minimize() {
@@ -21,7 +22,7 @@ minimize() {
   inputs=$(mktemp -d) smallest=$(mktemp -d)
   mkdir -p "$found/$1"
   find "$found/$1" -type f -size -120c -exec cp -t "$inputs" {} +
-  "build/fuzz/bin/fuzz_$1" "${limits[@]}" -set_cover_merge=1 -verbosity=0 "$smallest" "$corpus" "$inputs" 2>/dev/null
+  "build/fuzz/bin/fuzz_$1" $limits -set_cover_merge=1 -verbosity=0 "$smallest" "$corpus" "$inputs" 2>/dev/null
   rm -r "$corpus" "$inputs"
   mv "$smallest" "$corpus"
   chmod 755 "$corpus"
@@ -31,7 +32,7 @@ minimize() {
 run() {
   local log=$found/$1.log
   mkdir -p "$found/$1"
-  if "build/fuzz/bin/fuzz_$1" "${limits[@]}" -max_total_time="$what" -print_final_stats=1 -verbosity=0 \
+  if "build/fuzz/bin/fuzz_$1" $limits -max_total_time="$what" -print_final_stats=1 -verbosity=0 \
     -artifact_prefix="$found/$1-" "$found/$1" "test/fuzz/corpus/$1" >"$log" 2>&1; then
     echo "fuzz_$1: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs in $what s, no finding"
   else
@@ -40,8 +41,9 @@ run() {
   fi
 }
 
-bad=0
-for name in "${names[@]}"; do
-  if [[ $what == --minimize ]]; then minimize "$name"; else run "$name" || bad=1; fi
-done
-exit $bad
+if [[ $what == --minimize ]]; then
+  for name in "${names[@]}"; do minimize "$name"; done
+else
+  export -f run
+  printf '%s\n' "${names[@]}" | xargs -P "${JOBS:-$(nproc)}" -I{} bash -c 'run {}'
+fi

@@ -193,7 +193,7 @@ void check_settings(const MatchingBenchSettings& settings) {
                                               kMaxIntegers, settings.descriptor_length));
   if (settings.precision != 8 && settings.precision != 16)
     throw Error(ErrorKind::usage,
-                fmt::format("precision must be 16 or 8 bits, found {}", settings.precision));
+                fmt::format("--value-bits must be 16 or 8, found {}", settings.precision));
 }
 
 // The methods that accept the descriptors.
@@ -364,8 +364,10 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   check("fastable-online", 200);
   check("fastable", 200);
   check("openable", 2);
-  if (std::ranges::count(methods, "zscore") > 0 && has_whole_ring(example))
-    check_scores(example, monitor);
+  // The filter reads the same z-scores.
+  const bool has_scores =
+      std::ranges::count(methods, "zscore") + std::ranges::count(methods, "filter") > 0;
+  if (has_scores && has_whole_ring(example)) check_scores(example, monitor);
 }
 
 BenchResult bench_matching(const MatchingBenchSettings& settings,
