@@ -167,10 +167,10 @@ void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& a
     auto position = static_cast<double>(b.reference);
     if (b.query != recorded) {
       const Anchor& a = anchors[next - 1];
-      const double share =
-          static_cast<double>(recorded - a.query) / static_cast<double>(b.query - a.query);
       const auto from = static_cast<double>(a.reference);
-      position = from + share * (position - from);
+      // The product is exact, and so is a position in the middle of two frames.
+      position = from + static_cast<double>(recorded - a.query) * (position - from) /
+                            static_cast<double>(b.query - a.query);
     }
     use(*query, position);
   }

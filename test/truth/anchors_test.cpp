@@ -20,6 +20,10 @@ TEST_CASE("frames between two anchors are interpolated, and frames outside have 
   CHECK(files.read("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
   files.text("one.csv", "query,reference\n1,2\n");
   CHECK(files.read(GroundTruthArgument{"anchors", "one.csv"}, 3, 3) == "... ..S ...");
+  // Query 29 is at 14.5: 29 / 50 is not exact.
+  files.text("half.csv", "query,reference\n0,0\n50,25\n");
+  CHECK(files.read(GroundTruthArgument{"anchors", "half.csv"}, 51, 26).substr(29 * 27, 26) ==
+        "...............S..........");
   files.text("none.csv", "query,reference\n");
   CHECK(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2) == ".. ..");
 }
