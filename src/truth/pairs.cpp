@@ -202,8 +202,8 @@ std::string in_meters(GroundTruthBuilder& builder, const Anchors& anchors,
   builder.require_train_frames(sequence, train.size());
   Poses query;
   std::vector<bool> unplaced;
-  for (const auto& [anchored, list] : anchors)
-    for_each_position(builder, list, range, [&](size_t frame, double position) {
+  if (const auto list = anchors.find(sequence); list != anchors.end())
+    for_each_position(builder, list->second, range, [&](size_t frame, double position) {
       query.resize(std::max(query.size(), frame + 1));
       unplaced.resize(query.size(), true);
       query[frame] = pose_at(train, position);

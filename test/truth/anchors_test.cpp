@@ -100,6 +100,13 @@ TEST_CASE("anchors may name several sequences and have the query's range") {
   CHECK(truth.label(1, 1, 1) == PlaceLabel::same);
   CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
   CHECK(truth.label(2, 1, 0) == PlaceLabel::different);
+  // A radius needs one searched sequence, and uses only its anchors.
+  files.text("a.poses", "frame,x,y\n0,0,0\n1,1,0\n2,2,0\n");
+  GroundTruthArgument near{"", files.folder / "anchors.csv"};
+  near.options.reference = files.folder / "a.poses";
+  near.options.radius_m = 0;
+  CHECK(test::draw(read_ground_truth(near, {{"", 3}, {{{"a", 3}}, {{"b", 3}, false}}}), 3, 3) ==
+        "S.. .S. ..S");
   files.text("all.csv", "query,reference\n0,0\n10,5\n");
   GroundTruthArgument part{"anchors", "all.csv@4:9:2"};  // frames 4, 6 and 8
   CHECK(files.read(part, 3, 6) == "..S... ...S.. ....S.");
