@@ -339,8 +339,12 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side) {
             options.query_pose_times,
             options.query_images,
             options.offset_s};
-  return {"reference",           "--train-offset",         options.reference,
-          options.train_times,   options.train_pose_times, options.train_images,
+  return {"train",
+          "--train-offset",
+          options.reference,
+          options.train_times,
+          options.train_pose_times,
+          options.train_images,
           options.train_offset_s};
 }
 
@@ -354,9 +358,9 @@ std::string describe_times(const GroundTruthArgument& argument, double default_d
                                   : options.query_times.empty() ? "training "
                                                                 : "",
                                   time_text(rules.max_difference_ns));
-  for (const PoseSide side : {PoseSide::query, PoseSide::train})
-    if (const SideOptions of = side_options(argument, side); of.offset_s)
-      words += fmt::format(", {} times {:+} s", of.name, *of.offset_s);
+  if (options.offset_s) words += fmt::format(", query times {:+} s", *options.offset_s);
+  if (options.train_offset_s)
+    words += fmt::format(", training times {:+} s", *options.train_offset_s);
   return words;
 }
 

@@ -205,6 +205,10 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   CHECK(test::error_text([&] { files.read(argument, 3, 2); }).find("--query-pose-times") !=
         std::string::npos);
   argument.options.query_pose_times = files.folder / "k.times";
+  argument.options.train_times = files.folder / "frames.csv";
+  CHECK(test::error_text([&] { files.read(argument, 3, 2); }).find("--train-pose-times") !=
+        std::string::npos);
+  argument.options.train_times.clear();
   CHECK(files.read(argument, 3, 2) == "S. SS .S");
   files.text("e.csv",
              "#timestamp [ns],x,y,z,qw,qx,qy,qz\n1403636580000000000,0,0,0,1,0,0,0\n"
