@@ -391,7 +391,8 @@ TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruth
                             const Monitor& monitor) {
   Trajectory trajectory = read_any(path);
   const bool is_on_earth = trajectory.is_on_earth;
-  return {poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(trajectory), monitor),
+  return {poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(trajectory), monitor,
+                        is_on_earth ? kFixDifference : kEvoDifference),
           is_on_earth};
 }
 
