@@ -368,7 +368,9 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
                     const Monitor& monitor, double default_difference_s) {
   const SideOptions side = side_options(argument, pose_side);
   if (side.times.empty()) {
-    if (!side.pose_times.empty() || side.offset_s)
+    const GroundTruthOptions& options = argument.options;
+    const bool has_times = !options.query_times.empty() || !options.train_times.empty();
+    if (!side.pose_times.empty() || side.offset_s || (options.max_difference_s && !has_times))
       throw Error(ErrorKind::usage,
                   fmt::format("{}: pose i belongs to frame i. To associate frames by time, also "
                               "pass the times of frames with --{}-times",

@@ -186,8 +186,10 @@ TEST_CASE("a trajectory with another rate than the images is ground truth by tim
   argument.options.train_offset_s.reset();
   argument.options.max_difference_s = -1;
   CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
-  argument.options.max_difference_s.reset();
   argument.options.query_times.clear();
+  argument.options.max_difference_s = 0.05;  // without any times
+  CHECK(test::error_kind([&] { files.read(argument, 21, 21); }) == ErrorKind::usage);
+  argument.options.max_difference_s.reset();
   // pose i belongs to frame i, as without times
   CHECK(files.read(argument, 21, 21).size() == 21 * 22 - 1);
 }
