@@ -20,6 +20,7 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMaxLines = uint64_t{1} << 30;
+constexpr size_t kPieceBytes = size_t{1} << 20;  // a query may have a line for every reference
 
 /// One side of a pair. `names` is read when the first name occurs.
 struct PairSide {
@@ -285,7 +286,10 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                                                                        : ",ignore";
         for (size_t reference = run.first; reference <= run.last; ++reference) {
           lines += fmt::format("{},{}{}{}\n", query, name, reference, label);
-          write_piece(file, lines, monitor);
+          if (lines.size() < kPieceBytes) continue;
+          check_stop(monitor);
+          file.write(lines);
+          lines.clear();
         }
       }
       file.write(lines);
