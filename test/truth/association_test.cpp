@@ -4,7 +4,6 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
-#include <opencv2/videoio.hpp>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -226,7 +225,7 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   CHECK(files.read(euroc, 2, 2) == "S. SS");
 }
 
-TEST_CASE("names of images are times, and a video has its own times") {
+TEST_CASE("names of images are times") {
   const Files files;
   std::filesystem::create_directory(files.folder / "walk");
   for (const char* name : {"1305031102.25.png", "1305031101.5.png", "1305031103.png"})

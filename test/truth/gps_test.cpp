@@ -3,7 +3,6 @@
 #include <functional>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "truth/positions.h"

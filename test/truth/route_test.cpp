@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/monitor.h"
 #include "support.h"
 #include "truth/positions.h"
 
