@@ -30,12 +30,6 @@ TEST_CASE("a route is read by column names") {
   CHECK(route[2]->floor == "b");
 }
 
-TEST_CASE("distances traveled are read from the same file") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "p.csv", "frame,time,x,y\n0,0,0,0\n1,1,3,4\n2,2,3,5\n");
-  CHECK(read_traveled(folder / "p.csv", {"", 3}, {}) == std::vector<double>{0, 5, 6});
-}
-
 TEST_CASE("places and walls are read, with the first view of each place") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "place,view,x,y\nb,0.jpg,1,2\nb,1.jpg,9,9\na,0.jpg,3,4\n");
