@@ -23,12 +23,8 @@ struct WindowCounts {
   int64_t incorrect = 0;
 };
 
-bool is_wrong(const CalibrationWindow& window, int64_t strength) {
-  return window.incorrect && *window.incorrect >= strength;
-}
-
-bool is_right(const CalibrationWindow& window, int64_t strength) {
-  return !is_wrong(window, strength) && window.correct && *window.correct >= strength;
+bool reaches(const std::optional<int64_t>& margin, int64_t strength) {
+  return margin && *margin >= strength;
 }
 
 std::optional<int64_t> choose(std::span<const CalibrationWindow> windows, const Gap& gap,
@@ -41,12 +37,8 @@ std::optional<int64_t> choose(std::span<const CalibrationWindow> windows, const 
     for (const auto& strength : {window.incorrect, window.unknown_place})
       if (strength) above_all = std::max(above_all, *strength + 1);
     if (settings.precision == 1) continue;
-    const bool becomes_right =
-        window.correct && (!window.incorrect || *window.correct > *window.incorrect);
-    if (becomes_right) ++changes[*window.correct].correct;
-    if (!window.incorrect) continue;
-    ++changes[*window.incorrect].incorrect;
-    if (becomes_right) --changes[*window.incorrect].correct;
+    if (window.correct) ++changes[*window.correct].correct;
+    if (window.incorrect) ++changes[*window.incorrect].incorrect;
   }
   if (settings.precision == 1) return above_all;
   std::optional<int64_t> chosen;
@@ -75,7 +67,7 @@ FalseRecognitions expect(std::span<const CalibrationWindow> windows,
     const Gap gap = {first - std::min(first, settings.block), end + settings.block};
     const std::optional<int64_t> strength = choose(windows, gap, settings);
     for (size_t w = first; w < end; ++w) {
-      const bool is_wrong_now = strength && is_wrong(windows[w], *strength);
+      const bool is_wrong_now = strength && reaches(windows[w].incorrect, *strength);
       if (is_wrong_now && !was_wrong) {
         begins[w] = 1;
         ++expected.seen;
@@ -124,8 +116,8 @@ Calibration calibrate(std::span<const CalibrationWindow> windows,
   Calibration found;
   if (const std::optional<int64_t> strength = choose(windows, {}, settings)) {
     for (const CalibrationWindow& window : windows) {
-      found.correct += is_right(window, *strength) ? 1 : 0;
-      found.incorrect += is_wrong(window, *strength) ? 1 : 0;
+      found.correct += reaches(window.correct, *strength) ? 1 : 0;
+      found.incorrect += reaches(window.incorrect, *strength) ? 1 : 0;
     }
     found.strength = strength;
   }
@@ -136,7 +128,7 @@ Calibration calibrate(std::span<const CalibrationWindow> windows,
   }
   found.strength.reset();
   if (std::ranges::any_of(windows, [&](const CalibrationWindow& window) {
-        return window.correct && *window.correct >= settings.least;
+        return reaches(window.correct, settings.least);
       }))
     found.advice = CalibrationAdvice::none_is_safe;
   return found;

@@ -37,8 +37,8 @@ class UnknownPlaceScan {
 
 /// The strengths of one query window: margins, summed over the window.
 struct CalibrationWindow {
-  std::optional<int64_t> correct;        ///< it has a correct recognition up to this strength
-  std::optional<int64_t> incorrect;      ///< it has an incorrect recognition up to this strength
+  std::optional<int64_t> correct;        ///< the margin of its best match, if that is correct
+  std::optional<int64_t> incorrect;      ///< the same, if that is incorrect
   std::optional<int64_t> unknown_place;  ///< the result of UnknownPlaceScan
 };
 
@@ -67,15 +67,14 @@ struct FalseRecognitions {
 struct Calibration {
   CalibrationAdvice advice = CalibrationAdvice::no_right_recognition;
   std::optional<int64_t> strength;  ///< if the advice is `calibrated`
-  uint64_t correct = 0;             ///< windows with a correct and without an incorrect recognition
+  uint64_t correct = 0;             ///< windows with a correct recognition
   uint64_t incorrect = 0;           ///< windows with an incorrect recognition
   FalseRecognitions expected;
 };
 
-/// The smallest strength that reaches the precision and has a correct window. A window with an
-/// incorrect recognition is incorrect. For precision 1, the strength is just above all `wrong` and
-/// `unknown_place` strengths; for a lower precision, `unknown_place` is ignored. Windows must be in
-/// the order of the query.
+/// The smallest strength that reaches the precision and has a correct window. For precision 1, it
+/// is just above all `incorrect` and `unknown_place` strengths; for a lower precision, it is the
+/// strength of a window, and `unknown_place` is ignored. Windows must be in the order of the query.
 Calibration calibrate(std::span<const CalibrationWindow> windows,
                       const CalibrationSettings& settings);
 

@@ -1,7 +1,5 @@
 #include "evaluate/judgment.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 
 namespace vpr {
@@ -26,17 +24,10 @@ size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
 }
 
 FrameVerdict frame_verdict_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::correct:
-      return FrameVerdict::correct;
-    case Verdict::incorrect:
-      return FrameVerdict::incorrect;
-    case Verdict::ignored:
-      return FrameVerdict::unjudged;
-    case Verdict::unreadable:
-      return FrameVerdict::none;
-  }
-  return FrameVerdict::none;
+  return verdict == Verdict::correct     ? FrameVerdict::correct
+         : verdict == Verdict::incorrect ? FrameVerdict::incorrect
+         : verdict == Verdict::ignored   ? FrameVerdict::unjudged
+                                         : FrameVerdict::none;
 }
 
 }  // namespace

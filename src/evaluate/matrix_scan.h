@@ -1,10 +1,6 @@
 // All pairs of a score matrix judged by the ground truth.
 #pragma once
 
-#include <optional>
-#include <vector>
-
-#include "decide/exclusion_zones.h"
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
 #include "evaluate/score_matrix.h"

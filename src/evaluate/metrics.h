@@ -147,7 +147,7 @@ struct Localization {
                                                    ///< correct recognition; unset: none
   std::optional<double> first_recognition_m;       ///< traveled before it
 
-  /// right / frames; unset for an empty path.
+  /// correct / frames; unset for an empty path.
   std::optional<double> share() const;
 };
 

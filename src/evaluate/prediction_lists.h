@@ -13,8 +13,7 @@ namespace vpr {
 ///   each after a line that ends in a colon;
 /// - a text file with one "query reference" pair per line (hloc), best first per query;
 /// - the same text file with a score as the third word of every line. The columns of a .csv are
-/// separated
-///   by commas; its header "query,reference[,score]" is optional.
+///   separated by commas; its header "query,reference[,score]" is optional.
 /// Without scores, the rank among the references of the query, from 1, is the distance; `kind`
 /// applies to listed scores. If a pair is repeated, the better score counts; other pairs have no
 /// score. If frames have numbers instead of names, the largest one determines how many there are.

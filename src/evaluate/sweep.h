@@ -57,9 +57,9 @@ inline constexpr std::array<std::string_view, 7> kEnumNames<Advice> = {
 struct Recommendation {
   Advice advice = Advice::no_recognitions;
   /// The cell with the most correct recognitions, ties to the shortest window, then to the
-  /// strictest threshold, such that its threshold, all stricter ones and the next looser one of the
-  /// same window have no error. The next looser one must be in the grid, unless `unknown_place` is
-  /// known. Cells with an automatic threshold are skipped.
+  /// strictest threshold, such that its threshold and all stricter ones of the same window have no
+  /// error. Unless `unknown_place` is known, the next looser one must be in the grid and have none.
+  /// Cells with an automatic threshold are skipped.
   std::optional<size_t> cell;
   /// For the advice next_errs or grid_ends: the cell to which only the looser neighbor is missing.
   std::optional<size_t> near_miss;

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "base/output.h"
-
 namespace vpr {
 
 namespace {
@@ -20,8 +18,6 @@ constexpr size_t kMaxGrownRows = size_t{1} << 25;
 FrameCount frame_count(size_t frames) {
   return frames == kUnknownFrames ? FrameCount{0, true} : FrameCount{frames, false};
 }
-
-constexpr size_t kPieceBytes = size_t{1} << 20;
 
 }  // namespace
 
@@ -217,13 +213,6 @@ void require_writable(uint64_t count, uint64_t most, std::string_view what) {
                 fmt::format("the file would hold {} {}; the limit is {}. Check the largest frame "
                             "numbers, or use fewer frames",
                             count, what, most));
-}
-
-void write_piece(Output& file, std::string& text, const Monitor& monitor) {
-  if (text.size() < kPieceBytes) return;
-  check_stop(monitor);
-  file.write(text);
-  text.clear();
 }
 
 }  // namespace vpr

@@ -1,5 +1,4 @@
-// Common parts of readers and writers of ground truth: checked pairs, size limits, output in
-// pieces.
+// Common parts of readers and writers of ground truth: checked pairs, size limits.
 #pragma once
 
 #include <array>
@@ -15,8 +14,6 @@
 #include "truth/text_file.h"
 
 namespace vpr {
-
-class Output;
 
 /// The maximum number of examples per kind of problem.
 inline constexpr size_t kMaxExamples = 5;
@@ -113,9 +110,5 @@ class GroundTruthBuilder {
 /// Checks a size before writing. Throws Error(data) if there are more than `most` of `what`, such
 /// as "pairs".
 void require_writable(uint64_t count, uint64_t most, std::string_view what);
-
-/// Writes and clears `text` once it is long: a query may have a line for every reference. Throws
-/// Error(interrupted) on a stop.
-void write_piece(Output& file, std::string& text, const Monitor& monitor);
 
 }  // namespace vpr

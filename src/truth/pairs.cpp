@@ -20,6 +20,7 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMaxLines = uint64_t{1} << 30;
+constexpr size_t kPieceBytes = size_t{1} << 20;  // a query may have a line for every reference
 
 /// One side of a pair. `names` is read when the first name occurs.
 struct PairSide {
@@ -167,10 +168,10 @@ void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& a
     auto position = static_cast<double>(b.reference);
     if (b.query != recorded) {
       const Anchor& a = anchors[next - 1];
-      const double share =
-          static_cast<double>(recorded - a.query) / static_cast<double>(b.query - a.query);
       const auto from = static_cast<double>(a.reference);
-      position = from + share * (position - from);
+      // The product is exact, and so is a position in the middle of two frames.
+      position = from + static_cast<double>(recorded - a.query) * (position - from) /
+                            static_cast<double>(b.query - a.query);
     }
     use(*query, position);
   }
@@ -202,8 +203,8 @@ std::string in_meters(GroundTruthBuilder& builder, const Anchors& anchors,
   builder.require_train_frames(sequence, train.size());
   Poses query;
   std::vector<bool> unplaced;
-  for (const auto& [anchored, list] : anchors)
-    for_each_position(builder, list, range, [&](size_t frame, double position) {
+  if (const auto list = anchors.find(sequence); list != anchors.end())
+    for_each_position(builder, list->second, range, [&](size_t frame, double position) {
       query.resize(std::max(query.size(), frame + 1));
       unplaced.resize(query.size(), true);
       query[frame] = pose_at(train, position);
@@ -285,7 +286,10 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                                                                        : ",ignore";
         for (size_t reference = run.first; reference <= run.last; ++reference) {
           lines += fmt::format("{},{}{}{}\n", query, name, reference, label);
-          write_piece(file, lines, monitor);
+          if (lines.size() < kPieceBytes) continue;
+          check_stop(monitor);
+          file.write(lines);
+          lines.clear();
         }
       }
       file.write(lines);

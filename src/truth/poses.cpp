@@ -16,9 +16,6 @@ namespace vpr {
 
 namespace {
 
-/// In seconds. Receivers report one fix per second, so a frame is at most half a second from the
-/// nearest fix, or one second if a fix is missing.
-constexpr double kFixDifference = 1;
 // In meters; the radius of the deep visual geo-localization benchmark, which uses UTM names.
 constexpr double kUtmRadius = 25;
 constexpr double kMaxZones = 60;

@@ -1,7 +1,6 @@
 // Text files: locations for errors, strict numbers, the cells of a line, and CSV rows by column.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -339,8 +339,12 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side) {
             options.query_pose_times,
             options.query_images,
             options.offset_s};
-  return {"reference",           "--train-offset",         options.reference,
-          options.train_times,   options.train_pose_times, options.train_images,
+  return {"train",
+          "--train-offset",
+          options.reference,
+          options.train_times,
+          options.train_pose_times,
+          options.train_images,
           options.train_offset_s};
 }
 
@@ -354,9 +358,9 @@ std::string describe_times(const GroundTruthArgument& argument, double default_d
                                   : options.query_times.empty() ? "training "
                                                                 : "",
                                   time_text(rules.max_difference_ns));
-  for (const PoseSide side : {PoseSide::query, PoseSide::train})
-    if (const SideOptions of = side_options(argument, side); of.offset_s)
-      words += fmt::format(", {} times {:+} s", of.name, *of.offset_s);
+  if (options.offset_s) words += fmt::format(", query times {:+} s", *options.offset_s);
+  if (options.train_offset_s)
+    words += fmt::format(", training times {:+} s", *options.train_offset_s);
   return words;
 }
 
@@ -364,7 +368,9 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
                     const Monitor& monitor, double default_difference_s) {
   const SideOptions side = side_options(argument, pose_side);
   if (side.times.empty()) {
-    if (!side.pose_times.empty() || side.offset_s)
+    const GroundTruthOptions& options = argument.options;
+    const bool has_times = !options.query_times.empty() || !options.train_times.empty();
+    if (!side.pose_times.empty() || side.offset_s || (options.max_difference_s && !has_times))
       throw Error(ErrorKind::usage,
                   fmt::format("{}: pose i belongs to frame i. To associate frames by time, also "
                               "pass the times of frames with --{}-times",
@@ -387,7 +393,8 @@ TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruth
                             const Monitor& monitor) {
   Trajectory trajectory = read_any(path);
   const bool is_on_earth = trajectory.is_on_earth;
-  return {poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(trajectory), monitor),
+  return {poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(trajectory), monitor,
+                        is_on_earth ? kFixDifference : kEvoDifference),
           is_on_earth};
 }
 

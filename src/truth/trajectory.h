@@ -109,6 +109,9 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side);
 
 /// evo's maximum distance between a frame and its nearest pose, in seconds.
 inline constexpr double kEvoDifference = 0.02;
+/// The same for GPS. Receivers report one fix per second, so a frame is at most half a second from
+/// the nearest fix, or one second if a fix is missing.
+inline constexpr double kFixDifference = 1;
 
 /// ", by time within 0.02 s" for a protocol; empty without times of frames. `default_difference_s`:
 /// the default of --max-difference.

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/random.h"
 #include "support.h"
 
 using namespace vpr;

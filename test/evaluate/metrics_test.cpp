@@ -2,7 +2,6 @@
 #include "evaluate/metrics.h"
 
 #include <algorithm>
-#include <functional>
 
 #include <catch2/catch.hpp>
 

@@ -20,6 +20,10 @@ TEST_CASE("frames between two anchors are interpolated, and frames outside have 
   CHECK(files.read("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
   files.text("one.csv", "query,reference\n1,2\n");
   CHECK(files.read(GroundTruthArgument{"anchors", "one.csv"}, 3, 3) == "... ..S ...");
+  // Query 29 is at 14.5: 29 / 50 is not exact.
+  files.text("half.csv", "query,reference\n0,0\n50,25\n");
+  CHECK(files.read(GroundTruthArgument{"anchors", "half.csv"}, 51, 26).substr(29 * 27, 26) ==
+        "...............S..........");
   files.text("none.csv", "query,reference\n");
   CHECK(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2) == ".. ..");
 }
@@ -96,6 +100,13 @@ TEST_CASE("anchors may name several sequences and have the query's range") {
   CHECK(truth.label(1, 1, 1) == PlaceLabel::same);
   CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
   CHECK(truth.label(2, 1, 0) == PlaceLabel::different);
+  // A radius needs one searched sequence, and uses only its anchors.
+  files.text("a.poses", "frame,x,y\n0,0,0\n1,1,0\n2,2,0\n");
+  GroundTruthArgument near{"", files.folder / "anchors.csv"};
+  near.options.reference = files.folder / "a.poses";
+  near.options.radius_m = 0;
+  CHECK(test::draw(read_ground_truth(near, {{"", 3}, {{{"a", 3}}, {{"b", 3}, false}}}), 3, 3) ==
+        "S.. .S. ..S");
   files.text("all.csv", "query,reference\n0,0\n10,5\n");
   GroundTruthArgument part{"anchors", "all.csv@4:9:2"};  // frames 4, 6 and 8
   CHECK(files.read(part, 3, 6) == "..S... ...S.. ....S.");

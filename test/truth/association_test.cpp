@@ -4,7 +4,6 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
-#include <opencv2/videoio.hpp>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -186,8 +185,10 @@ TEST_CASE("a trajectory with another rate than the images is ground truth by tim
   argument.options.train_offset_s.reset();
   argument.options.max_difference_s = -1;
   CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
-  argument.options.max_difference_s.reset();
   argument.options.query_times.clear();
+  argument.options.max_difference_s = 0.05;  // without any times
+  CHECK(test::error_kind([&] { files.read(argument, 21, 21); }) == ErrorKind::usage);
+  argument.options.max_difference_s.reset();
   // pose i belongs to frame i, as without times
   CHECK(files.read(argument, 21, 21).size() == 21 * 22 - 1);
 }
@@ -205,6 +206,10 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   CHECK(test::error_text([&] { files.read(argument, 3, 2); }).find("--query-pose-times") !=
         std::string::npos);
   argument.options.query_pose_times = files.folder / "k.times";
+  argument.options.train_times = files.folder / "frames.csv";
+  CHECK(test::error_text([&] { files.read(argument, 3, 2); }).find("--train-pose-times") !=
+        std::string::npos);
+  argument.options.train_times.clear();
   CHECK(files.read(argument, 3, 2) == "S. SS .S");
   files.text("e.csv",
              "#timestamp [ns],x,y,z,qw,qx,qy,qz\n1403636580000000000,0,0,0,1,0,0,0\n"
@@ -220,7 +225,7 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   CHECK(files.read(euroc, 2, 2) == "S. SS");
 }
 
-TEST_CASE("names of images are times, and a video has its own times") {
+TEST_CASE("names of images are times") {
   const Files files;
   std::filesystem::create_directory(files.folder / "walk");
   for (const char* name : {"1305031102.25.png", "1305031101.5.png", "1305031103.png"})

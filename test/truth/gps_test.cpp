@@ -3,7 +3,6 @@
 #include <functional>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "truth/positions.h"
@@ -112,6 +111,9 @@ TEST_CASE("frames are located on a track by time") {
   GroundTruthArgument argument = fixes("t.csv", "r.csv", 1);
   argument.options.query_times = files.folder / "q.times";
   CHECK(files.read(argument, 3, 2) == ".S S. ii");
+  GroundTruthOptions train;
+  train.train_times = files.folder / "q.times";
+  CHECK(read_train_poses(files.folder / "t.csv", train, {}).poses[1].has_value());
   argument.options.max_difference_s = 0.5;
   CHECK(files.read(argument, 3, 2) == ".S ii ii");
   argument.options.query_times.clear();

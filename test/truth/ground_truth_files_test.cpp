@@ -1,6 +1,5 @@
 // Pairs, matrices and presets, first on tiny cases, then at their edges.
 #include <catch2/catch.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "base/error.h"
 #include "truth/formats.h"

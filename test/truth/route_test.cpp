@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/monitor.h"
 #include "support.h"
 #include "truth/positions.h"
 
@@ -29,12 +28,6 @@ TEST_CASE("a route is read by column names") {
   CHECK_FALSE(route[1]);
   CHECK(route[2]->y == 2.5);
   CHECK(route[2]->floor == "b");
-}
-
-TEST_CASE("distances traveled are read from the same file") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "p.csv", "frame,time,x,y\n0,0,0,0\n1,1,3,4\n2,2,3,5\n");
-  CHECK(read_traveled(folder / "p.csv", {"", 3}, {}) == std::vector<double>{0, 5, 6});
 }
 
 TEST_CASE("places and walls are read, with the first view of each place") {
