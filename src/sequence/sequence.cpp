@@ -100,22 +100,17 @@ Sources kidnap(size_t frames, RandomEngine& engine) {
   return sources;
 }
 
-constexpr SpeedRule at(std::string_view name, std::string_view summary, double pace) {
-  return {name, summary, true, 1 / pace, 1 / pace};
-}
-
 constexpr std::array kRules = {
-    at("0.5", "half the pace: every frame twice", 0.5),
-    at("0.67", "two thirds of the pace: every other frame twice", 0.67),
-    at("1.5", "one and a half times the pace: every third frame is omitted", 1.5),
-    at("2", "twice the pace: every other frame is omitted", 2),
+    SpeedRule{"0.5", "half the pace: every frame twice"},
+    SpeedRule{"0.67", "two thirds of the pace: every other frame twice"},
+    SpeedRule{"1.5", "one and a half times the pace: every third frame is omitted"},
+    SpeedRule{"2", "twice the pace: every other frame is omitted"},
     SpeedRule{"varying", "a different pace of 0.5, 0.667, 1, 1.5 or 2 after every 20 to 60 frames",
-              true, 0.5, 2, 1, varying},
-    SpeedRule{"stops", "a stop of 10 to 40 frames after every 20 to 60 frames", true, 1, 3, 1,
-              stops},
-    SpeedRule{"reversed", "the last frame first", false, 1, 1, 1, reversed},
+              1, varying},
+    SpeedRule{"stops", "a stop of 10 to 40 frames after every 20 to 60 frames", 1, stops},
+    SpeedRule{"reversed", "the last frame first", 1, reversed},
     SpeedRule{"kidnap", "parts of 40 frames in random order; no part follows its predecessor",
-              false, 1, 1, kKidnapStretch + 1, kidnap}};
+              kKidnapStretch + 1, kidnap}};
 
 std::optional<double> number(const std::string& text) {
   double value = 0;

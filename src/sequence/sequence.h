@@ -88,10 +88,6 @@ inline constexpr double kFastestPace = 10;
 struct SpeedRule {
   std::string_view name;
   std::string_view summary;
-  bool is_forward = true;  ///< sources never decrease
-  /// Minimum and maximum of selected frames per frame of the recording, within one frame.
-  double shortest = 1;
-  double longest = 1;
   size_t least_frames = 1;  ///< minimum frames of the recording
   /// The frame of the recording for each selected frame. Depends only on the two arguments. Null
   /// for a constant speed.
