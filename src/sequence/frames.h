@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -69,8 +68,6 @@ class VideoReader {
   double frames_per_second() const;
 
  private:
-  std::optional<uint64_t> source_of(size_t index) const;
-  bool retrieve(cv::Mat& image);
   bool grab_below(uint64_t position, const Monitor& monitor);
 
   SequenceArgument argument_;
