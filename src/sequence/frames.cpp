@@ -18,8 +18,6 @@
 namespace vpr {
 namespace {
 
-using FrameBody = std::function<void(size_t, const cv::Mat&)>;
-
 cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
   if (format != PixelFormat::gray || image.channels() != 3) return image.clone();
   cv::Mat gray;
@@ -51,7 +49,7 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
 }
 
 Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameBody& body) {
+                        const Monitor& monitor, const FrameVisitor& body) {
   const size_t count = source.files.size();
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
@@ -84,7 +82,7 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
 
 Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
                               Unreadable unreadable, const Monitor& monitor,
-                              const FrameBody& body) {
+                              const FrameVisitor& body) {
   namespace tbb = oneapi::tbb;
   using FramePointer = std::shared_ptr<IndexedFrame>;
   VideoReader reader(source.argument, format);
@@ -117,7 +115,7 @@ Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
 }  // namespace
 
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameBody& body) {
+                        const Monitor& monitor, const FrameVisitor& body) {
   if (source.picture != nullptr) {
     body(0, in_format(*source.picture, format));
     return {"", 1, {source.argument.path.filename().string()}};

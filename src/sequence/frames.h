@@ -21,6 +21,8 @@ namespace vpr {
 /// The treatment of an undecodable frame: it ends the work, or it keeps its index and is skipped.
 enum class Unreadable { fail, skip };
 
+using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
+
 /// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
 /// decoded in parallel; a video is read frame by frame in one thread, without seeking, while others
 /// process its frames. BGR frames of a video are converted to gray by BGR2GRAY. With
@@ -29,8 +31,7 @@ enum class Unreadable { fail, skip };
 /// in both cases, for a video before any frame is decoded. A sequence of descriptors throws
 /// Error(data). Returns the sequence of the argument with its frames.
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor,
-                        const std::function<void(size_t index, const cv::Mat& image)>& body);
+                        const Monitor& monitor, const FrameVisitor& body);
 
 /// A frame of a video.
 struct IndexedFrame {
