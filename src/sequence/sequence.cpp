@@ -177,15 +177,6 @@ std::vector<size_t> selected_frames(const Selection& selection, std::vector<size
   return found;
 }
 
-Selection composed(const Selection& first, Selection second) {
-  if (first.is_all()) return second;
-  if (second.is_all()) return first;
-  for (uint32_t& source : second.sources) source = first.sources[source];
-  second.recorded_frames = first.recorded_frames;
-  second.selected_fps = first.selected_fps;
-  return second;
-}
-
 std::optional<FrameRange> parse_range(std::string_view text, const std::string& argument) {
   if (text.find_first_not_of("0123456789:") != std::string_view::npos) return std::nullopt;
   const auto parts = split(text, ':');
@@ -305,14 +296,17 @@ Sequence without_frame_names(const Sequence& sequence) {
           sequence.unreadable, sequence.fps,    sequence.selection};
 }
 
-Sequence selected(Sequence recorded, const Selection& selection) {
-  if (selection.is_all()) return recorded;
-  Sequence sequence = std::move(recorded);
+Sequence selected(Sequence sequence, const Selection& selection) {
+  if (selection.is_all()) return sequence;
   sequence.frames = selection.frames();
   if (!sequence.frame_names.empty())
     sequence.frame_names = selected(std::move(sequence.frame_names), selection);
   sequence.unreadable = selected_frames(selection, std::move(sequence.unreadable));
-  sequence.selection = composed(sequence.selection, selection);
+  const Selection first = std::exchange(sequence.selection, selection);
+  if (first.is_all()) return sequence;
+  for (uint32_t& source : sequence.selection.sources) source = first.sources[source];
+  sequence.selection.recorded_frames = first.recorded_frames;
+  sequence.selection.selected_fps = first.selected_fps;
   return sequence;
 }
 

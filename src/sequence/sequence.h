@@ -50,9 +50,6 @@ std::vector<T> selected(std::vector<T> recorded, const Selection& selection) {
 /// increasing.
 std::vector<size_t> selected_frames(const Selection& selection, std::vector<size_t> frames);
 
-/// The selection `second` of frames selected by `first`, as a selection of the recording.
-Selection composed(const Selection& first, Selection second);
-
 /// Frames first, first + step, ... below last; without `last`, to the end.
 struct FrameRange {
   uint64_t first = 0;
@@ -167,8 +164,8 @@ struct Sequence {
 /// A copy without the names of frames.
 Sequence without_frame_names(const Sequence& sequence);
 
-/// The selected frames of `recorded`; the result's selection refers to the recording.
-Sequence selected(Sequence recorded, const Selection& selection);
+/// The selected frames of `sequence`; the result's selection refers to the recording.
+Sequence selected(Sequence sequence, const Selection& selection);
 
 /// Adds "speed" and "resampled", but not the frames.
 void add_selection(Json& json, const Selection& selection);

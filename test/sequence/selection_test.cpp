@@ -90,7 +90,8 @@ TEST_CASE("a rate is the median of the intervals between frames") {
 
 TEST_CASE("a resampled selection refers to frames of the recording") {
   const Selection kept = resampled(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
-  const Selection both = composed(kept, at_speed("reversed", 2, 1));
+  const Selection both =
+      selected(Sequence{"", 2, {}, {}, {}, kept}, at_speed("reversed", 2, 1)).selection;
   CHECK(both.sources == std::vector<uint32_t>{2, 0});
   CHECK(both.recorded_frames == 4);
   CHECK(selection_text(both) == "resampled to 5 frames per second, at speed reversed, seed 1");
