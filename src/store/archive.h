@@ -63,8 +63,6 @@ class Archive {
   /// Changes with every bit of content.
   std::string fingerprint() const;
 
-  bool has(const std::string& name) const;
-
   /// Memory-mapped. Throws Error(data) if size or checksum differ from the manifest.
   NpyArray array(const std::string& name) const;
   std::string text(const std::string& name) const;
