@@ -1,8 +1,5 @@
 #include "base/json.h"
 
-#include <algorithm>
-#include <charconv>
-
 #include <fmt/ranges.h>
 
 #include "base/mapped_file.h"
@@ -35,7 +32,7 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
 
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
                     ErrorKind error_kind) {
-  const std::string wanted = fmt::format("vpr.{}/{}", schema_kind, kSchemaVersion);
+  const std::string wanted = fmt::format("vpr.{}/3", schema_kind);
   const auto found = json.is_object() ? json.find("schema") : json.end();
   if (!json.is_object() || found == json.end() || !found->is_string())
     throw Error(error_kind,

@@ -6,8 +6,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <concepts>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -33,11 +31,8 @@ std::optional<Json> parse_json(std::string_view text);
 /// Reads a whole file. Throws Error(input) if it cannot be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 
-/// Version of all JSON schemas.
-inline constexpr int kSchemaVersion = 3;
-
-/// Checks `"schema": "vpr.<kind>/<kSchemaVersion>"`. Otherwise throws Error(error_kind), which says
-/// whether the kind or the version differs.
+/// Checks `"schema": "vpr.<kind>/3"`; all schemas have this version. Otherwise throws
+/// Error(error_kind), which says whether the kind or the version differs.
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
                     ErrorKind error_kind);
 

@@ -3,14 +3,12 @@
 
 #include <charconv>
 #include <cmath>
-#include <concepts>
 #include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 
 #include "base/json.h"
 #include "base/statistics.h"

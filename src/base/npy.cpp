@@ -121,12 +121,6 @@ std::optional<NpyHeader> parse_npy_header(std::string_view file) {
                    start + length};
 }
 
-std::optional<size_t> npy_value_size(std::string_view type) {
-  const bool is_sized =
-      type.size() == 3 && (type[0] == '<' || type[0] == '|') && type[2] > '0' && type[2] <= '9';
-  return is_sized ? std::optional<size_t>(type[2] - '0') : std::nullopt;
-}
-
 std::string npy_header(std::string_view type, const std::vector<size_t>& shape) {
   std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}",
                                  type, fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
@@ -141,12 +135,12 @@ std::string npy_header(std::string_view type, const std::vector<size_t>& shape) 
 
 NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
   const auto header = parse_npy_header(file_.text());
-  const auto size = header ? npy_value_size(header->type) : std::nullopt;
+  const NumberType* const type = header ? find_number_type(header->type) : nullptr;
   if (!header) refuse_convertible(path, file_.text().substr(0, kMaxNpyHeader), true);
-  if (!size)
+  if (type == nullptr)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not a little-endian .npy array of numbers", name_));
-  size_t bytes = *size;
+  size_t bytes = type->bytes;
   bool overflow = false;
   for (const size_t extent : header->shape)
     overflow = __builtin_mul_overflow(bytes, extent, &bytes) || overflow;
@@ -156,10 +150,10 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
                 fmt::format("{}: its shape ({}) does not fit the {} bytes that follow; the file is "
                             "truncated or damaged",
                             name_, fmt::join(header->shape, ", "), found));
-  if (header->offset % *size != 0)
+  if (header->offset % type->bytes != 0)
     throw Error(ErrorKind::data, fmt::format("{}: its values are not aligned", name_));
   header_ = *header;
-  count_ = bytes / *size;
+  count_ = bytes / type->bytes;
 }
 
 void NpyArray::require(std::string_view type, size_t dimensions) const {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -40,14 +39,12 @@ inline constexpr size_t kMaxNpyHeader = 65536 + 12;
 /// it begins as a .npy file does. Does not check that the values fit the shape.
 std::optional<NpyHeader> parse_npy_header(std::string_view file);
 
-/// Bytes per value of a little-endian type ("<f4": 4, "|b1": 1); nullopt for other types.
-std::optional<size_t> npy_value_size(std::string_view type);
-
 /// The bytes before the values; their number is a multiple of 64.
 std::string npy_header(std::string_view type, const std::vector<size_t>& shape);
 
-/// A memory-mapped array. The header is not trusted: the size of the file must fit the shape.
-/// Throws Error(input) if the file cannot be read, Error(data) if it is not a supported array.
+/// A memory-mapped array of a type of find_number_type. The header is not trusted: the size of the
+/// file must fit the shape. Throws Error(input) if the file cannot be read, Error(data) if it is
+/// not a supported array.
 class NpyArray {
  public:
   NpyArray() = default;

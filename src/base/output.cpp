@@ -334,13 +334,6 @@ void Output::place() {
   is_placed_ = true;
 }
 
-void Output::commit() {
-  check();
-  flush();
-  place();
-  flush_path(folder_of(target_), target_);
-}
-
 void Outputs::protect(const fs::path& input) {
   const auto identity = identity_of(input);
   if (!identity) return;

@@ -69,9 +69,6 @@ class Output {
   /// Writes to a file. Threads may write concurrently to ranges that do not overlap.
   void write_at(uint64_t offset, std::span<const std::byte> bytes);
 
-  /// Renames this output alone to its target.
-  void commit();
-
  private:
   friend class Outputs;
   void check() const;

@@ -65,7 +65,9 @@ class CsvParser {
       do row.fields.push_back(field());
       while (take(','));
       take('\r');
-      if (at_ < text_.size() && !take('\n')) fail("a quote is inside an unquoted field");
+      if (at_ < text_.size() && !take('\n'))
+        fail(text_[at_] == '"' ? "a quote is inside an unquoted field"
+                               : "expected a comma or a line feed after a field");
       ++line_;
       if (row.fields.size() > 1 || !row.fields.front().empty()) rows.push_back(std::move(row));
     }

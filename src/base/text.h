@@ -65,7 +65,8 @@ struct CsvRow {
 
 /// Parses comma-separated values (RFC 4180): quoted fields, \n or \r\n. Skips empty lines, a byte
 /// order mark, and lines before the first row that begin with #. `where` names the file in errors.
-/// Throws Error(data) for an unterminated quote or a quote inside an unquoted field.
+/// Throws Error(data) for an unterminated quote, and for a field without a comma or line end after
+/// it.
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
 
 /// A field of CSV, quoted if necessary.

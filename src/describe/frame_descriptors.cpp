@@ -153,7 +153,6 @@ DescriptorSet selected(const DescriptorSet& set, const Selection& selection) {
 
 DescriptorSet ldb_set(std::span<const LdbCode> codes, Sequence sequence) {
   DescriptorSet set;
-  set.descriptors.kind = find_descriptor_kind("ldb");
   set.descriptors.append(codes);
   set.sequence = std::move(sequence);
   set.sequence.frames = codes.size();

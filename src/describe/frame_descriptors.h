@@ -1,7 +1,6 @@
 // The table of frame descriptors, and the descriptors of a sequence or a database.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -24,9 +23,6 @@ VPR_FIELDS(DescriptorSettings, illumination_invariant)
 
 struct DescriptorSet;
 
-/// An additional receiver of decoded frames, called as for_each_frame calls its body.
-using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
-
 /// An entry of the table: one kind of descriptor.
 struct DescriptorKind {
   std::string_view name;  ///< in flags and manifests
@@ -39,15 +35,15 @@ struct DescriptorKind {
 
   /// Decodes and describes frames in parallel without keeping them. The result is the same for any
   /// number of threads; the descriptor of an unreadable frame is all zero. `visit`, if set,
-  /// receives each readable frame as decoded: gray, or BGR if descriptors are illumination
-  /// invariant; it is not called for imported descriptors. Throws as for_each_frame or
+  /// is called as for_each_frame calls its body: with gray images, or BGR if descriptors are
+  /// illumination invariant; never for imported descriptors. Throws as for_each_frame or
   /// import_descriptors does.
   DescriptorSet describe(const SequenceSource& sequence, const DescriptorSettings& settings,
                          Unreadable unreadable, const Monitor& monitor,
                          const FrameVisitor& visit = nullptr) const;
 };
 
-/// All kinds, LDB first: the kind of a manifest without a name.
+/// All kinds, the default first: LDB.
 std::span<const DescriptorKind> descriptor_kinds();
 
 /// The kind with this name, or null.

@@ -71,8 +71,8 @@ void store_bits(std::span<const double> row, size_t bits_per_value, std::span<ui
 }
 
 // The maximum length of a point before its coordinates are rounded.
-double longest_point(size_t points16) {
-  return kLongestPoint - std::sqrt(static_cast<double>(points16)) / 2;
+double longest_point(size_t length) {
+  return kLongestPoint - std::sqrt(static_cast<double>(length)) / 2;
 }
 
 double length_of(std::span<const double> vector) {
@@ -154,8 +154,7 @@ ArrayRows::ArrayRows(const SequenceSource& sequence) : sequence_(sequence) {
   assert(sequence.kind == SequenceKind::descriptors);
   const std::string path = sequence.files.front().string();
   array_ = NpyArray(sequence.files.front());
-  type_ = array_.type();
-  number_type(type_, path);
+  type_ = &number_type(array_.type(), path);
   if (!sequence.is_one_array()) {
     length_ = length_of_one(array_, path);
     count_ = sequence.files.size();
@@ -185,32 +184,31 @@ std::string ArrayRows::where(size_t row) const {
 
 void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
   assert(first + count <= count_ && out.size() >= count * length_);
-  const NumberType& type = number_type(type_, sequence_.argument.path.string());
   if (!sequence_.is_one_array()) {
     for (size_t row = 0; row < count; ++row) {
       const std::string path = where(first + row);
       const NpyArray file(sequence_.files[first + row]);
-      if (file.type() != type_ || length_of_one(file, path) != length_)
+      if (file.type() != type() || length_of_one(file, path) != length_)
         throw Error(ErrorKind::data,
                     fmt::format("{}: holds {} values of type {}, but the first file {} of {}", path,
-                                file.shape().back(), file.type(), length_, type_));
-      type.read(file.value_bytes().data(), type.bytes, length_, out.data() + row * length_, 1);
+                                file.shape().back(), file.type(), length_, type()));
+      type_->read(file.value_bytes().data(), type_->bytes, length_, out.data() + row * length_, 1);
     }
     return;
   }
   const std::byte* values = array_.value_bytes().data();
   const size_t rows = array_.shape()[0];
   if (array_.is_column_major()) {  // the values of one column are contiguous
-    const size_t step = sequence_.argument.range.step * type.bytes;
+    const size_t step = sequence_.argument.range.step * type_->bytes;
     for (size_t x = 0; x < length_; ++x)
-      type.read(values + (x * rows + recorded(first)) * type.bytes, step, count, out.data() + x,
-                length_);
+      type_->read(values + (x * rows + recorded(first)) * type_->bytes, step, count, out.data() + x,
+                  length_);
     return;
   }
-  const size_t row_bytes = length_ * type.bytes;
+  const size_t row_bytes = length_ * type_->bytes;
   for (size_t row = 0; row < count; ++row)
-    type.read(values + recorded(first + row) * row_bytes, type.bytes, length_,
-              out.data() + row * length_, 1);
+    type_->read(values + recorded(first + row) * row_bytes, type_->bytes, length_,
+                out.data() + row * length_, 1);
   array_.forget_values(recorded(first) * row_bytes,
                        (recorded(first + count - 1) - recorded(first) + 1) * row_bytes);
 }

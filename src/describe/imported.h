@@ -30,7 +30,7 @@ class ArrayRows {
   /// Values per row.
   size_t length() const { return length_; }
   /// NumPy's name of their type: "<f4".
-  const std::string& type() const { return type_; }
+  std::string_view type() const { return type_->name; }
   /// The name of a frame: "#12", or the name of the file.
   std::string name(size_t row) const;
   /// The place of a row in errors: "db.npy: row 12", or the file.
@@ -47,7 +47,7 @@ class ArrayRows {
   NpyArray array_;  ///< if there is a single file
   size_t count_ = 0;
   size_t length_ = 0;
-  std::string type_;
+  const NumberType* type_ = nullptr;
 };
 
 /// The number of rows that the argument's range selects from `all` rows of its file. Throws

@@ -151,9 +151,7 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
 }
 
 MegapixelLimit::MegapixelLimit(uint64_t megapixels) : before_(most_megapixels) {
-  if (megapixels < 1 || megapixels > kMaxMegapixels)
-    throw Error(ErrorKind::usage, fmt::format("max_megapixels must be from 1 to {}, found {}",
-                                              kMaxMegapixels, megapixels));
+  require_range("max_megapixels", static_cast<double>(megapixels), 1, kMaxMegapixels);
   most_megapixels = megapixels;
 }
 

@@ -18,8 +18,6 @@
 namespace vpr {
 namespace {
 
-using FrameBody = std::function<void(size_t, const cv::Mat&)>;
-
 cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
   if (format != PixelFormat::gray || image.channels() != 3) return image.clone();
   cv::Mat gray;
@@ -51,7 +49,7 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
 }
 
 Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameBody& body) {
+                        const Monitor& monitor, const FrameVisitor& body) {
   const size_t count = source.files.size();
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
@@ -84,7 +82,7 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
 
 Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
                               Unreadable unreadable, const Monitor& monitor,
-                              const FrameBody& body) {
+                              const FrameVisitor& body) {
   namespace tbb = oneapi::tbb;
   using FramePointer = std::shared_ptr<IndexedFrame>;
   VideoReader reader(source.argument, format);
@@ -117,7 +115,7 @@ Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
 }  // namespace
 
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameBody& body) {
+                        const Monitor& monitor, const FrameVisitor& body) {
   if (source.picture != nullptr) {
     body(0, in_format(*source.picture, format));
     return {"", 1, {source.argument.path.filename().string()}};
@@ -166,9 +164,12 @@ VideoReader::~VideoReader() = default;
 
 bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
-  const std::optional<uint64_t> source = source_of(sequence_.frames);
-  const uint64_t wanted = range.first + source.value_or(0) * range.step;
-  if (!source || (range.last && wanted >= *range.last)) {
+  const std::vector<uint32_t>& sources = sequence_.selection.sources;
+  const size_t index = sequence_.frames;
+  const bool is_over = !sources.empty() && index >= sources.size();
+  const uint64_t source = sources.empty() || is_over ? index : sources[index];
+  const uint64_t wanted = range.first + source * range.step;
+  if (is_over || (range.last && wanted >= *range.last)) {
     // Checks that the video has as many frames as the range or the video states.
     grab_below(range.last.value_or(std::numeric_limits<uint64_t>::max()), monitor);
     return false;
@@ -177,21 +178,15 @@ bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   frame.index = sequence_.frames++;
   frame.recorded = wanted;
   sequence_.frame_names.push_back(fmt::format("#{}", wanted));
+  const CodecScope scope(argument_.path);  // the frame may be larger than the first one
   cv::Mat image;
-  if (retrieve(image)) {
+  if (capture_->retrieve(image) && !image.empty()) {
     frame.image = in_format(image, format_);
   } else {
     sequence_.unreadable.push_back(frame.index);
     frame.image = cv::Mat();
   }
   return true;
-}
-
-// The frame of the range for the next selected frame; nullopt after the last one.
-std::optional<uint64_t> VideoReader::source_of(size_t index) const {
-  if (sequence_.selection.is_all()) return index;
-  const std::vector<uint32_t>& sources = sequence_.selection.sources;
-  return index < sources.size() ? std::optional<uint64_t>(sources[index]) : std::nullopt;
 }
 
 Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
@@ -220,16 +215,10 @@ size_t VideoReader::expected_frames() const {
   if (!sequence_.selection.is_all()) return sequence_.selection.frames();
   const double stated = capture_->get(cv::CAP_PROP_FRAME_COUNT);
   const FrameRange& range = argument_.range;
-  if (!(stated > static_cast<double>(range.first)) || stated > 1e12) return 0;
+  if (!(stated > 0 && stated <= 1e12)) return 0;
   const uint64_t last = std::min(range.last.value_or(std::numeric_limits<uint64_t>::max()),
                                  static_cast<uint64_t>(stated));
-  return last <= range.first ? 0 : (last - range.first + range.step - 1) / range.step;
-}
-
-// Retrieves the last grabbed frame, which may be larger than the first one.
-bool VideoReader::retrieve(cv::Mat& image) {
-  const CodecScope scope(argument_.path);
-  return capture_->retrieve(image) && !image.empty();
+  return frame_count({range.first, last, range.step}).value();
 }
 
 // Grabs frames until `position` is reached; false if there are fewer.

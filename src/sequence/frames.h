@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -22,6 +21,8 @@ namespace vpr {
 /// The treatment of an undecodable frame: it ends the work, or it keeps its index and is skipped.
 enum class Unreadable { fail, skip };
 
+using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
+
 /// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
 /// decoded in parallel; a video is read frame by frame in one thread, without seeking, while others
 /// process its frames. BGR frames of a video are converted to gray by BGR2GRAY. With
@@ -30,8 +31,7 @@ enum class Unreadable { fail, skip };
 /// in both cases, for a video before any frame is decoded. A sequence of descriptors throws
 /// Error(data). Returns the sequence of the argument with its frames.
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor,
-                        const std::function<void(size_t index, const cv::Mat& image)>& body);
+                        const Monitor& monitor, const FrameVisitor& body);
 
 /// A frame of a video.
 struct IndexedFrame {
@@ -69,8 +69,6 @@ class VideoReader {
   double frames_per_second() const;
 
  private:
-  std::optional<uint64_t> source_of(size_t index) const;
-  bool retrieve(cv::Mat& image);
   bool grab_below(uint64_t position, const Monitor& monitor);
 
   SequenceArgument argument_;

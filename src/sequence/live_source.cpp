@@ -1,6 +1,5 @@
 #include "sequence/live_source.h"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -143,7 +142,16 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
     const auto folder = std::make_shared<GrowingFolder>(argument.path);
     return live_source([=](const Monitor& monitor) { return image_of(folder->next(monitor)); });
   }
-  if (is_device(argument.path)) return open_camera(argument);
+  if (fs::is_character_file(argument.path, error)) {
+    auto capture = std::make_unique<cv::VideoCapture>();
+    if (!open_capture(*capture, argument.path, cv::CAP_V4L2))
+      throw Error(
+          ErrorKind::input,
+          fmt::format("{}: is a device that can't be opened as a camera: it is not a camera, "
+                      "is in use, or is not readable",
+                      argument.path.string()));
+    return follow_camera(std::move(capture), argument);
+  }
   const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video) {
     const auto reader = std::make_shared<VideoReader>(argument, PixelFormat::bgr);
@@ -170,21 +178,6 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
 std::unique_ptr<LiveSource> open_live_pipe(int descriptor) {
   return live_source(
       [pipe = LinePipe(descriptor)](const Monitor& monitor) mutable { return pipe.next(monitor); });
-}
-
-bool is_device(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_character_file(path, ignored);
-}
-
-std::unique_ptr<LiveSource> open_camera(const SequenceArgument& argument) {
-  auto capture = std::make_unique<cv::VideoCapture>();
-  if (!open_capture(*capture, argument.path, cv::CAP_V4L2))
-    throw Error(ErrorKind::input,
-                fmt::format("{}: is a device that can't be opened as a camera: it is not a camera, "
-                            "is in use, or is not readable",
-                            argument.path.string()));
-  return follow_camera(std::move(capture), argument);
 }
 
 std::unique_ptr<LiveSource> follow_camera(std::unique_ptr<cv::VideoCapture> capture,

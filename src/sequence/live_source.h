@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include <opencv2/videoio.hpp>
 
@@ -37,9 +36,10 @@ struct LiveSource {
 };
 
 /// Opens a source. A folder has no end: first its existing files, then new ones (GrowingFolder). A
-/// device has no end either; it is a camera (open_camera). A list and a video end. `unreadable`:
-/// for a video that ends too early, as in for_each_frame. Throws as open_sequence and open_camera
-/// do, and Error(usage) for a range of a folder.
+/// character device has no end either: it must be a camera of Video4Linux (follow_camera). A list
+/// and a video end. `unreadable`: for a video that ends too early, as in for_each_frame. Throws as
+/// open_sequence does, Error(input) for a device that is busy or not a camera, and Error(usage) for
+/// its frames if they are too large, and for a range of a folder.
 std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
                                              Unreadable unreadable);
 
@@ -47,18 +47,10 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
 /// directory; empty lines and those that start with # are skipped. Ends at the end of the input.
 std::unique_ptr<LiveSource> open_live_pipe(int descriptor);
 
-/// Whether the path is a character device, such as /dev/video0. Only opening it shows whether it is
-/// a camera.
-bool is_device(const std::filesystem::path& path);
-
-/// The camera of a device, by Video4Linux. Frames are counted as they arrive: a range skips the
-/// first ones, selects every STEP-th, and ends before LAST. Throws Error(input) for a device that
-/// is busy or not a camera, and Error(usage) for frames that are too large.
-std::unique_ptr<LiveSource> open_camera(const SequenceArgument& argument);
-
-/// A source for an open capture of any kind. next() waits for the next frame; a signal ends a wait
-/// for Video4Linux. It throws Error(input) if there are no more frames: the camera was unplugged,
-/// or did not respond for the ten seconds that OpenCV waits.
+/// A source for an open capture of any kind. Frames are counted as they arrive: a range skips the
+/// first ones, selects every STEP-th, and ends before LAST. next() waits for the next frame; a
+/// signal ends a wait for Video4Linux. It throws Error(input) if there are no more frames: the
+/// camera was unplugged, or did not respond for the ten seconds that OpenCV waits.
 std::unique_ptr<LiveSource> follow_camera(std::unique_ptr<cv::VideoCapture> capture,
                                           const SequenceArgument& argument);
 

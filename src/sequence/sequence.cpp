@@ -100,22 +100,17 @@ Sources kidnap(size_t frames, RandomEngine& engine) {
   return sources;
 }
 
-constexpr SpeedRule at(std::string_view name, std::string_view summary, double pace) {
-  return {name, summary, true, 1 / pace, 1 / pace};
-}
-
 constexpr std::array kRules = {
-    at("0.5", "half the pace: every frame twice", 0.5),
-    at("0.67", "two thirds of the pace: every other frame twice", 0.67),
-    at("1.5", "one and a half times the pace: every third frame is omitted", 1.5),
-    at("2", "twice the pace: every other frame is omitted", 2),
+    SpeedRule{"0.5", "half the pace: every frame twice"},
+    SpeedRule{"0.67", "two thirds of the pace: every other frame twice"},
+    SpeedRule{"1.5", "one and a half times the pace: every third frame is omitted"},
+    SpeedRule{"2", "twice the pace: every other frame is omitted"},
     SpeedRule{"varying", "a different pace of 0.5, 0.667, 1, 1.5 or 2 after every 20 to 60 frames",
-              true, 0.5, 2, 1, varying},
-    SpeedRule{"stops", "a stop of 10 to 40 frames after every 20 to 60 frames", true, 1, 3, 1,
-              stops},
-    SpeedRule{"reversed", "the last frame first", false, 1, 1, 1, reversed},
+              1, varying},
+    SpeedRule{"stops", "a stop of 10 to 40 frames after every 20 to 60 frames", 1, stops},
+    SpeedRule{"reversed", "the last frame first", 1, reversed},
     SpeedRule{"kidnap", "parts of 40 frames in random order; no part follows its predecessor",
-              false, 1, 1, kKidnapStretch + 1, kidnap}};
+              kKidnapStretch + 1, kidnap}};
 
 std::optional<double> number(const std::string& text) {
   double value = 0;
@@ -180,15 +175,6 @@ std::vector<size_t> selected_frames(const Selection& selection, std::vector<size
   for (size_t k = 0; k < selection.frames(); ++k)
     if (std::ranges::binary_search(frames, selection.sources[k])) found.push_back(k);
   return found;
-}
-
-Selection composed(const Selection& first, Selection second) {
-  if (first.is_all()) return second;
-  if (second.is_all()) return first;
-  for (uint32_t& source : second.sources) source = first.sources[source];
-  second.recorded_frames = first.recorded_frames;
-  second.selected_fps = first.selected_fps;
-  return second;
 }
 
 std::optional<FrameRange> parse_range(std::string_view text, const std::string& argument) {
@@ -310,14 +296,17 @@ Sequence without_frame_names(const Sequence& sequence) {
           sequence.unreadable, sequence.fps,    sequence.selection};
 }
 
-Sequence selected(Sequence recorded, const Selection& selection) {
-  if (selection.is_all()) return recorded;
-  Sequence sequence = std::move(recorded);
+Sequence selected(Sequence sequence, const Selection& selection) {
+  if (selection.is_all()) return sequence;
   sequence.frames = selection.frames();
   if (!sequence.frame_names.empty())
     sequence.frame_names = selected(std::move(sequence.frame_names), selection);
   sequence.unreadable = selected_frames(selection, std::move(sequence.unreadable));
-  sequence.selection = composed(sequence.selection, selection);
+  const Selection first = std::exchange(sequence.selection, selection);
+  if (first.is_all()) return sequence;
+  for (uint32_t& source : sequence.selection.sources) source = first.sources[source];
+  sequence.selection.recorded_frames = first.recorded_frames;
+  sequence.selection.selected_fps = first.selected_fps;
   return sequence;
 }
 

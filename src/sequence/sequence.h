@@ -50,9 +50,6 @@ std::vector<T> selected(std::vector<T> recorded, const Selection& selection) {
 /// increasing.
 std::vector<size_t> selected_frames(const Selection& selection, std::vector<size_t> frames);
 
-/// The selection `second` of frames selected by `first`, as a selection of the recording.
-Selection composed(const Selection& first, Selection second);
-
 /// Frames first, first + step, ... below last; without `last`, to the end.
 struct FrameRange {
   uint64_t first = 0;
@@ -88,10 +85,6 @@ inline constexpr double kFastestPace = 10;
 struct SpeedRule {
   std::string_view name;
   std::string_view summary;
-  bool is_forward = true;  ///< sources never decrease
-  /// Minimum and maximum of selected frames per frame of the recording, within one frame.
-  double shortest = 1;
-  double longest = 1;
   size_t least_frames = 1;  ///< minimum frames of the recording
   /// The frame of the recording for each selected frame. Depends only on the two arguments. Null
   /// for a constant speed.
@@ -171,8 +164,8 @@ struct Sequence {
 /// A copy without the names of frames.
 Sequence without_frame_names(const Sequence& sequence);
 
-/// The selected frames of `recorded`; the result's selection refers to the recording.
-Sequence selected(Sequence recorded, const Selection& selection);
+/// The selected frames of `sequence`; the result's selection refers to the recording.
+Sequence selected(Sequence sequence, const Selection& selection);
 
 /// Adds "speed" and "resampled", but not the frames.
 void add_selection(Json& json, const Selection& selection);

@@ -1,7 +1,6 @@
 #include "sequence/sequence_source.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -16,13 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 11> kImageExtensions = {
-    ".jpg", ".jpeg", ".jpe", ".png", ".bmp", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".webp"};
-constexpr std::array<std::string_view, 1> kArrayExtensions = {".npy"};
-constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
+constexpr std::string_view kImageExtensions[] = {".jpg", ".jpeg", ".jpe", ".png",  ".bmp", ".pgm",
+                                                 ".ppm", ".pnm",  ".tif", ".tiff", ".webp"};
+constexpr std::string_view kArrayExtensions[] = {".npy"};
+constexpr std::string_view kListExtensions[] = {".txt", ".lst", ".csv"};
 
-template <size_t N>
-bool has_extension(const fs::path& path, const std::array<std::string_view, N>& extensions) {
+bool has_extension(const fs::path& path, std::span<const std::string_view> extensions) {
   std::string extension = path.extension().string();
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
@@ -31,24 +29,24 @@ bool has_extension(const fs::path& path, const std::array<std::string_view, N>& 
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-// "PATH@100", which is not a range.
-std::string range_question(const std::string& text) {
-  const size_t at = text.rfind('@');
-  std::error_code ignored;
-  if (at == std::string::npos || at + 1 == text.size() ||
-      text.find_first_not_of("0123456789:-", at + 1) != std::string::npos ||
-      !fs::exists(text.substr(0, at), ignored))
-    return "";
-  return fmt::format(". A range is FIRST:LAST[:STEP], as in {}@0:100", text.substr(0, at));
-}
-
 bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
 
+// "PATH@100", which is not a range.
+std::string range_question(const std::string& text) {
+  const size_t at = text.rfind('@');
+  if (at == std::string::npos || at + 1 == text.size() ||
+      text.find_first_not_of("0123456789:-", at + 1) != std::string::npos ||
+      !is_there(text.substr(0, at)))
+    return "";
+  return fmt::format(". A range is FIRST:LAST[:STEP], as in {}@0:100", text.substr(0, at));
+}
+
 // In natural order of their names, without hidden ones.
-std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(const fs::path&)) {
+std::vector<fs::path> folder_entries(const fs::path& folder,
+                                     const std::function<bool(const fs::path&)>& wanted) {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
@@ -62,9 +60,9 @@ std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(cons
 }
 
 // The files in a folder with one of the extensions.
-template <const auto& extensions>
-std::vector<fs::path> folder_files(const fs::path& folder) {
-  return folder_entries(folder, [](const fs::path& path) {
+std::vector<fs::path> folder_files(const fs::path& folder,
+                                   std::span<const std::string_view> extensions) {
+  return folder_entries(folder, [&](const fs::path& path) {
     std::error_code ignored;
     return has_extension(path, extensions) && !fs::is_directory(path, ignored);
   });
@@ -84,6 +82,8 @@ std::vector<std::string> read_list(const fs::path& list) {
           fmt::format("{}: is not a text file with one image path per line", list.string()));
     names.emplace_back(line);
   }
+  if (names.empty())
+    throw Error(ErrorKind::input, fmt::format("{}: the list names no images", list.string()));
   return names;
 }
 
@@ -229,16 +229,14 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
   SequenceSource sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {
-    files = folder_files<kImageExtensions>(path);
-    if (files.empty()) files = folder_files<kArrayExtensions>(path);
+    files = folder_files(path, kImageExtensions);
+    if (files.empty()) files = folder_files(path, kArrayExtensions);
     if (files.empty())
       throw Error(ErrorKind::input,
                   fmt::format("{}: the folder contains no images (subfolders are not searched)",
                               path.string()));
   } else if (has_extension(path, kListExtensions)) {
     for (const std::string& name : read_list(path)) files.push_back(path.parent_path() / name);
-    if (files.empty())
-      throw Error(ErrorKind::input, fmt::format("{}: the list names no images", path.string()));
     if (std::none_of(files.begin(), files.end(), is_there))
       throw Error(ErrorKind::input,
                   fmt::format("{}: is not a list with one image path per line: no line names an "

@@ -85,14 +85,11 @@ void Archive::fail(std::string_view what) const {
   throw Error(ErrorKind::data, fmt::format(fmt::runtime(kDamageMessage), name_, what));
 }
 
-bool Archive::has(const std::string& name) const {
-  const auto files = manifest_.find("files");
-  return files != manifest_.end() && files->contains(name);
-}
-
 void Archive::verify(const std::string& name, std::span<const std::byte> bytes) const {
-  if (!has(name)) fail(fmt::format("it does not list {}", name));
-  const Fields entry = fields(manifest_["files"][name]);
+  const auto files = manifest_.find("files");
+  if (files == manifest_.end() || !files->contains(name))
+    fail(fmt::format("it does not list {}", name));
+  const Fields entry = fields((*files)[name]);
   const size_t size = entry.count("bytes", std::numeric_limits<size_t>::max());
   if (bytes.size() != size)
     throw Error(ErrorKind::data, fmt::format("{}/{}: expected {} bytes, found {}; the file is "

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -63,8 +62,6 @@ class Archive {
   Fields fields(const Json& object) const { return {object, name_, kDamageMessage}; }
   /// Changes with every bit of content.
   std::string fingerprint() const;
-
-  bool has(const std::string& name) const;
 
   /// Memory-mapped. Throws Error(data) if size or checksum differ from the manifest.
   NpyArray array(const std::string& name) const;

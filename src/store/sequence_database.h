@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/monitor.h"
-#include "base/npy.h"
 #include "base/output.h"
 #include "describe/frame_descriptors.h"
 #include "sequence/sequence.h"

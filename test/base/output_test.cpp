@@ -4,7 +4,6 @@
 #include <thread>
 
 #include <catch2/catch.hpp>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,9 +22,9 @@ bool holds_note(const fs::path& folder) {
 }
 
 void write_file(const fs::path& path, const std::string& text, Existing existing) {
-  Output file(path, existing);
-  file.write(text);
-  file.commit();
+  Outputs outputs(existing);
+  outputs.file(path).write(text);
+  outputs.commit();
 }
 
 // Runs `work` in a separate process, which kills itself.
@@ -75,7 +74,8 @@ TEST_CASE("without a commit, nothing changes") {
 
 TEST_CASE("an existing file is refused, both before the work and at its end") {
   const TemporaryFolder folder;
-  Output late(folder / "a", Existing::refuse);
+  Outputs late(Existing::refuse);
+  late.file(folder / "a");
   write_text(folder / "a", "first");  // another program was faster
   CHECK(error_kind([&] { late.commit(); }) == ErrorKind::usage);
   CHECK(error_kind([&] { write_file(folder / "a", "x", Existing::refuse); }) == ErrorKind::usage);
@@ -93,9 +93,9 @@ TEST_CASE("a missing parent folder, or a folder with the name of an output file,
 TEST_CASE("a folder is replaced in one step, and only if it is an output of the program") {
   const TemporaryFolder folder;
   const auto write = [&](const std::string& text, Existing existing) {
-    Output output(folder / "db", existing, holds_note);
-    write_file(output.temporary() / "note", text, Existing::refuse);
-    output.commit();
+    Outputs outputs(existing);
+    write_part(outputs.folder(folder / "db", holds_note).temporary() / "note", text);
+    outputs.commit();
   };
   write("one", Existing::refuse);
   CHECK(error_kind([&] { write("two", Existing::refuse); }) == ErrorKind::usage);
@@ -284,9 +284,9 @@ TEST_CASE("the next run removes the temporaries of a killed process but not of a
 TEST_CASE("a marked folder is replaced only if it holds nothing else") {
   const TemporaryFolder folder;
   const auto write = [&](const std::string& name) {
-    Output output(folder / "plots", Existing::replace, is_marked_folder);
-    write_part(output.temporary() / name, "x");
-    output.commit();
+    Outputs outputs(Existing::replace);
+    write_part(outputs.folder(folder / "plots", is_marked_folder).temporary() / name, "x");
+    outputs.commit();
   };
   write("a.png");
   write("b.png");

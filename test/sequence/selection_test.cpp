@@ -40,10 +40,6 @@ std::vector<uint32_t> plainly_kept(const std::vector<int64_t>& times, double fps
   return kept;
 }
 
-bool is_rising(const std::vector<uint32_t>& sources) {
-  return std::is_sorted(sources.begin(), sources.end());
-}
-
 std::vector<uint32_t> sources_of(const std::string& speed, size_t frames, uint64_t seed = 1) {
   return at_speed(speed, frames, seed).sources;
 }
@@ -94,7 +90,8 @@ TEST_CASE("a rate is the median of the intervals between frames") {
 
 TEST_CASE("a resampled selection refers to frames of the recording") {
   const Selection kept = resampled(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
-  const Selection both = composed(kept, at_speed("reversed", 2, 1));
+  const Selection both =
+      selected(Sequence{"", 2, {}, {}, {}, kept}, at_speed("reversed", 2, 1)).selection;
   CHECK(both.sources == std::vector<uint32_t>{2, 0});
   CHECK(both.recorded_frames == 4);
   CHECK(selection_text(both) == "resampled to 5 frames per second, at speed reversed, seed 1");
@@ -135,10 +132,6 @@ TEST_CASE("every kind of speed has its documented properties, for any length and
         CHECK(one.speed == rule.name);
         REQUIRE(!one.sources.empty());
         CHECK(*std::ranges::max_element(one.sources) < frames);
-        const auto count = static_cast<double>(frames);
-        CHECK(static_cast<double>(one.frames()) >= rule.shortest * count - 1);
-        CHECK(static_cast<double>(one.frames()) <= rule.longest * count + 1);
-        CHECK((!rule.is_forward || is_rising(one.sources)));
         CHECK(sources_of(std::string(rule.name), frames, seed) == one.sources);
       }
 }

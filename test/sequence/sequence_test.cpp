@@ -135,6 +135,7 @@ TEST_CASE("a path that is not a sequence is an input error with its name") {
   const std::string text = error_text([&] { open_sequence({folder / name, {}}); });
   CHECK(has(text, name));
   CHECK(error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
+  CHECK(has(error_text([&] { frame_names({folder / "empty.txt", {}}); }), "names no images"));
 }
 
 TEST_CASE("an empty file, such as files in /proc, is not opened as a video") {

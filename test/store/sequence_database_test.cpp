@@ -141,7 +141,7 @@ TEST_CASE("invalid statistics are refused") {
   CHECK(kind([](TrainStatistics& s) { s.typical_distance = -1; }) == ErrorKind::data);
 }
 
-TEST_CASE("half-widths and overlapping sequences are read back, and refused if invalid") {
+TEST_CASE("exclusion radii and overlapping sequences are read back, and refused if invalid") {
   const TemporaryFolder folder;
   const auto stored = [&](size_t exclusion_radius, std::vector<std::pair<size_t, size_t>> shared) {
     SequenceDatabase database = example();

@@ -52,18 +52,19 @@ struct Files {
   template <class T>
   void matrix(const std::string& name, const std::vector<T>& values, size_t rows, size_t cols,
               std::string_view type) const {
-    Output file(folder / name, Existing::replace);
+    Outputs outputs(Existing::replace);
+    Output& file = outputs.file(folder / name);
     file.write(npy_header(type, {rows, cols}));
     file.write(std::as_bytes(std::span<const T>(values)));
-    file.commit();
+    outputs.commit();
   }
 };
 
 inline void write_truth(const GroundTruthFormat& format, const InspectedGroundTruth& truth,
                         const std::filesystem::path& path) {
-  Output file(path, Existing::replace);
-  format.write(truth, file, {});
-  file.commit();
+  Outputs outputs(Existing::replace);
+  format.write(truth, outputs.file(path), {});
+  outputs.commit();
 }
 
 }  // namespace vpr::test
