@@ -194,6 +194,10 @@ Flag Command::add_list(const std::string& flag, std::vector<std::string>& values
                    ->type_name("TEXT"));
 }
 
+void Command::remove_flag(const std::string& flag) const {
+  app_->remove_option(app_->get_option(flag));
+}
+
 void Command::add_footer(const std::string& text) const {
   app_->footer(text + "\n" + app_->get_footer());
 }
@@ -241,7 +245,7 @@ bool Parser::parse(int argc, char** argv) {
       throw Error(ErrorKind::usage, *unknown);
     const std::vector<std::string> extra = app_->remaining(true);
     for (const char* flag : {"--query", "--train"})
-      if (!extra.empty() && takes(flag))
+      if (!extra.empty() && !extra.front().starts_with('-') && takes(flag))
         throw Error(ErrorKind::usage, fmt::format("unexpected argument {}; did you mean {} {}?",
                                                   extra.front(), flag, extra.front()));
     std::string path = app_->get_name();

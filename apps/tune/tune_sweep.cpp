@@ -211,9 +211,7 @@ void add_fastable(Program& program) {
   add_decision_settings(command, tune->settings);
   add_fusion_settings(command, tune->settings, tune->options.fuse);
   add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
-  add_memory_flag(command, tune->options.memory_limit,
-                  "memory for rings and recognitions of all c_l in bytes, as in 512M")
-      .group("Windows");
+  add_memory_flag(command, tune->options.memory_limit);
 }
 
 void add_fabmap(Program& program) {
