@@ -298,16 +298,9 @@ Json read_config(const std::string& path) {
                 fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
                             "vpr-tune --save-config FILE and use that file.",
                             path));
-  if (schema == "vpr.tuning/3") {
+  if (schema == "vpr.tuning/3" || schema == "vpr.calibration/3") {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
     throw Error(ErrorKind::usage, fmt::format("{}: chooses no setting.", path));
-  }
-  if (schema == "vpr.calibration/3") {
-    if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: is a calibration without a margin. Calibrate on another sequence "
-                            "or with other settings.",
-                            path));
   }
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");
