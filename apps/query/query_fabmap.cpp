@@ -32,8 +32,8 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
                      bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!options.query_bow.empty()) {
-    refuse(options.query || !options.dataset.empty(), "--query-bow",
-           "cannot be combined with --query and --dataset");
+    refuse(options.query || !options.dataset.empty() || options.selection.fps, "--query-bow",
+           "cannot be combined with --query, --dataset and --fps");
     const SequenceArgument argument = parse_sequence_argument(options.query_bow);
     query.name = sequence_names({argument}).front();
     query.path = argument.path.string();

@@ -112,8 +112,6 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
   const SequenceArgument& argument = data.source.sequence;
   const std::string query = text_of(argument);
   const bool needs_times = settings.loop_gap_s != 0;
-  refuse(!needs_times && !options.loop_times.empty(), "--frame-times",
-         "needs a gap in seconds, as in --gap 30s");
   if (needs_times)
     data.times_ns = options.loop_times.empty()
                         ? times_of_names(query, session.monitor)
