@@ -16,7 +16,6 @@ template <class Visitor>
 void visit_fields(EvalInputs& inputs, Visitor&& visit) {
   visit("tolerance", inputs.truth.flags.tolerance_frames);
   visit("format", inputs.format);
-  visit("confidence", inputs.confidence);
 }
 
 namespace {
