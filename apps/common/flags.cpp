@@ -52,11 +52,12 @@ size_t parse_bytes(const std::string& text) {
   }
   const size_t unit = used + 1 == text.size() ? kUnits.find(text[used]) : std::string::npos;
   const bool has_unit = used != text.size();
+  const size_t shift = has_unit ? 10 * (unit + 1) : 0;
   if (used == 0 || text[0] == '-' || (has_unit && unit == std::string::npos) ||
-      value >> 32 >> 20 != 0)
+      value >> (52 - shift) != 0)
     throw Error(ErrorKind::usage,
                 fmt::format("--max-memory takes bytes, as in 512M or 2G, found {}", text));
-  return has_unit ? value << (10 * (unit + 1)) : value;
+  return value << shift;
 }
 
 }  // namespace
