@@ -1,18 +1,15 @@
 // Queries of a FAB-MAP database.
 #include <map>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "base/text.h"
 #include "decide/clustering.h"
 #include "fabmap/train.h"
 #include "present/chart.h"
 #include "present/explanation_report.h"
 #include "present/score_matrix.h"
-#include "present/table.h"
 #include "query.h"
 #include "run/fabmap_query.h"
 #include "sequence/sequence.h"

@@ -1,15 +1,12 @@
 // vpr-tune fastable and vpr-tune fabmap: sweeps over windows and thresholds.
-#include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "present/sweep_report.h"
 #include "run/plan.h"
-#include "run/train.h"
 #include "run/trials.h"
 #include "tune.h"
 

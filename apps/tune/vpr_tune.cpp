@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "base/text.h"
 #include "present/sweep_report.h"
 #include "present/trial_report.h"
 #include "run/advice.h"
