@@ -229,13 +229,6 @@ void refuse(bool is_given, const std::string& flag, const std::string& why) {
   if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
 }
 
-void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why) {
-  refuse(flags.is_distance, "--distance", why);
-  refuse(flags.is_similarity, "--similarity", why);
-  refuse(flags.train_first, "--train-first", why);
-  refuse(flags.missing.has_value(), "--missing", why);
-}
-
 void add_score_settings(const Command& command, SequenceQuerySettings& settings,
                         const std::string& group, bool has_later_frames) {
   add_setting(

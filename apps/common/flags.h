@@ -105,9 +105,6 @@ void require_order(const ScoreFlags& flags);
 /// Throws Error(usage) "FLAG WHY" for a given flag.
 void refuse(bool is_given, const std::string& flag, const std::string& why);
 
-/// As refuse, for the first given flag except --scores.
-void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why);
-
 /// --score, --exclusion-frames. `has_later_frames`: false for queries that match each frame with
 /// earlier frames only; omits zscore-offline, and relative from --t-r-scale.
 void add_score_settings(const Command& command, SequenceQuerySettings& settings,

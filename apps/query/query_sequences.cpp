@@ -205,15 +205,12 @@ void query_sequences(Session& session, const QueryOptions& options,
   const double describe_s = watch.elapsed_s();
   const std::string& name = data.source.name;
   SavedMatrix matrix;
-  const auto search = [&] {
-    QueryPlan plan =
-        settings->loop ? plan_loop(data.database, data.query, name, settings, data.times_ns,
-                                   resources, monitor)
-                       : plan_query(data.database, data.query, name, settings, resources, monitor);
-    const Sinks sinks{start_matrix(matrix, options.matrix, plan, session)};
-    return run_query(std::move(plan), resources, sinks, monitor);
-  };
-  QueryRun run = search();
+  QueryPlan plan =
+      settings->loop
+          ? plan_loop(data.database, data.query, name, settings, data.times_ns, resources, monitor)
+          : plan_query(data.database, data.query, name, settings, resources, monitor);
+  const Sinks sinks{start_matrix(matrix, options.matrix, plan, session)};
+  QueryRun run = run_query(std::move(plan), resources, sinks, monitor);
   context.seconds = std::move(run.seconds);
   context.seconds["describe"] = describe_s;
   context.seconds["total"] = watch.elapsed_s();
