@@ -11,7 +11,6 @@
 #include <new>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -273,8 +272,9 @@ void Program::add_common_flags(const Command& command) {
 }
 
 void Program::add_config(const Command& command) {
-  static NoSettings none;
-  add_config(command, none);
+  add_config_option(command, [this](const Json& json, const std::string& where) {
+    value_from_json(json, common_, where, "the configuration");
+  });
 }
 
 void Program::add_config_option(const Command& command,
@@ -341,7 +341,7 @@ int Program::main(int argc, char** argv) {
   set_up_process();
   try {
     if (argc == 3 && std::string_view(argv[1]) == "--completion") {
-      fmt::print("{}", completion_text(parser_.describe(), argv[2], program_version()));
+      write_to_stdout(completion_text(parser_.describe(), argv[2], program_version()));
       return 0;
     }
     if (!parser_.parse(argc, argv)) return 0;

@@ -80,11 +80,6 @@ void visit_fields(ConfigKeys<S>& keys, Visitor&& visit) {
   visit_fields(keys.common, visit);
 }
 
-/// The settings of a command without settings of its own.
-struct NoSettings {};
-template <class Visitor>
-void visit_fields(NoSettings&, Visitor&&) {}
-
 /// The environment of a command while it runs.
 struct Session {
   const CommonOptions& options;

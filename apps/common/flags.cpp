@@ -52,11 +52,12 @@ size_t parse_bytes(const std::string& text) {
   }
   const size_t unit = used + 1 == text.size() ? kUnits.find(text[used]) : std::string::npos;
   const bool has_unit = used != text.size();
+  const size_t shift = has_unit ? 10 * (unit + 1) : 0;
   if (used == 0 || text[0] == '-' || (has_unit && unit == std::string::npos) ||
-      value >> 32 >> 20 != 0)
+      value >> (52 - shift) != 0)
     throw Error(ErrorKind::usage,
                 fmt::format("--max-memory takes bytes, as in 512M or 2G, found {}", text));
-  return has_unit ? value << (10 * (unit + 1)) : value;
+  return value << shift;
 }
 
 }  // namespace
@@ -228,19 +229,16 @@ void refuse(bool is_given, const std::string& flag, const std::string& why) {
   if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
 }
 
-void refuse_matrix_flags(const ScoreFlags& flags, const std::string& why) {
-  refuse(flags.is_distance, "--distance", why);
-  refuse(flags.is_similarity, "--similarity", why);
-  refuse(flags.train_first, "--train-first", why);
-  refuse(flags.missing.has_value(), "--missing", why);
-}
-
 void add_score_settings(const Command& command, SequenceQuerySettings& settings,
-                        const std::string& group) {
-  add_setting(command, "--score", settings.score,
-              fmt::format("raw (distances), zscore (normalized online per training frame) or "
-                          "zscore-offline (normalized over the whole query) (default: {})",
-                          enum_name(settings.score)))
+                        const std::string& group, bool has_later_frames) {
+  add_setting(
+      command, "--score", settings.score,
+      fmt::format("raw (distances){} zscore (normalized online per training frame){} "
+                  "(default: {})",
+                  has_later_frames ? "," : " or",
+                  has_later_frames ? " or zscore-offline (normalized over the whole query)" : "",
+                  enum_name(settings.score)))
+      .type_name(has_later_frames ? value_name<Score>() : "raw|zscore")
       .group(group);
   add_setting(command, "--exclusion-frames", settings.exclusion_frames,
               "exclusion zone: frames before and after the best match (default: the frames after "
@@ -265,14 +263,16 @@ void add_rate_settings(const Command& command, SequenceQuerySettings& settings,
 }
 
 void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
-                           const std::string& group) {
+                           const std::string& group, bool has_later_frames) {
   add_setting(command, "--decide", settings.decision,
               "threshold accepts every window pair closer than --t-r, margin the best match if it "
               "is --margin better than the runner-up (default: threshold)")
       .group(group);
   add_setting(command, "--t-r-scale", settings.threshold_scale,
-              "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for z-scores "
-              "(default: relative or mean-z)")
+              has_later_frames ? "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for "
+                                 "z-scores (default: relative or mean-z)"
+                               : "scale of t_r: bits (D / c_l); mean-z for z-scores")
+      .type_name(has_later_frames ? value_name<ThresholdScale>() : "bits|mean-z")
       .group(group);
 }
 
@@ -293,12 +293,14 @@ Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
       "ignore frames that cannot be decoded; they keep their index and never match");
 }
 
-Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help) {
-  return command
+void add_memory_flag(const Command& command, size_t& bytes, const std::string& group) {
+  command
       .add_option(
           "--max-memory", [&bytes](const std::string& text) { bytes = parse_bytes(text); },
-          fmt::format("{} (default: {}G)", help, bytes >> 30))
-      .type_name("BYTES");
+          fmt::format("memory for rings and recognitions in bytes, as in 512M (default: {}G)",
+                      bytes >> 30))
+      .type_name("BYTES")
+      .group(group);
 }
 
 Flag add_format_flag(const Command& command, TableFormat& format, const std::string& help) {

@@ -194,6 +194,10 @@ Flag Command::add_list(const std::string& flag, std::vector<std::string>& values
                    ->type_name("TEXT"));
 }
 
+void Command::remove_flag(const std::string& flag) const {
+  app_->remove_option(app_->get_option(flag));
+}
+
 void Command::add_footer(const std::string& text) const {
   app_->footer(text + "\n" + app_->get_footer());
 }
@@ -241,7 +245,7 @@ bool Parser::parse(int argc, char** argv) {
       throw Error(ErrorKind::usage, *unknown);
     const std::vector<std::string> extra = app_->remaining(true);
     for (const char* flag : {"--query", "--train"})
-      if (!extra.empty() && takes(flag))
+      if (!extra.empty() && !extra.front().starts_with('-') && takes(flag))
         throw Error(ErrorKind::usage, fmt::format("unexpected argument {}; did you mean {} {}?",
                                                   extra.front(), flag, extra.front()));
     std::string path = app_->get_name();
@@ -294,16 +298,9 @@ Json read_config(const std::string& path) {
                 fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
                             "vpr-tune --save-config FILE and use that file.",
                             path));
-  if (schema == "vpr.tuning/3") {
+  if (schema == "vpr.tuning/3" || schema == "vpr.calibration/3") {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
     throw Error(ErrorKind::usage, fmt::format("{}: chooses no setting.", path));
-  }
-  if (schema == "vpr.calibration/3") {
-    if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: is a calibration without a margin. Calibrate on another sequence "
-                            "or with other settings.",
-                            path));
   }
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");

@@ -67,6 +67,8 @@ class Command {
   /// A repeatable flag. Values are not split.
   Flag add_list(const std::string& flag, std::vector<std::string>& values,
                 const std::string& help) const;
+  /// Removes a flag, such as --output of a command without output files.
+  void remove_flag(const std::string& flag) const;
   /// Inserts a section, a heading with a colon and lines, before the sections at the end of the
   /// help.
   void add_footer(const std::string& text) const;

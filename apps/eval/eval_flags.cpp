@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,7 +15,6 @@ template <class Visitor>
 void visit_fields(EvalInputs& inputs, Visitor&& visit) {
   visit("tolerance", inputs.truth.flags.tolerance_frames);
   visit("format", inputs.format);
-  visit("confidence", inputs.confidence);
 }
 
 namespace {
@@ -139,7 +137,11 @@ void check_scores(const ScoreInputs& inputs) {
                                          std::pair(inputs.window_length != 1, kWindowFlag)})
       refuse(is_given, flag, "is for a matrix (.npy), not for a list of matches");
   if (has_descriptors) {
-    refuse_matrix_flags(inputs.matrix, "is for SCORES; distances of descriptors are computed");
+    for (const auto& [is_given, flag] : {std::pair(inputs.matrix.is_distance, "--distance"),
+                                         std::pair(inputs.matrix.is_similarity, "--similarity"),
+                                         std::pair(inputs.matrix.train_first, "--train-first"),
+                                         std::pair(inputs.matrix.missing.has_value(), "--missing")})
+      refuse(is_given, flag, "is for SCORES; distances of descriptors are computed");
     refuse(inputs.window_length != 1, kWindowFlag,
            "is for SCORES; rows of descriptors are frames. For windows of N frames, use vpr-train "
            "descriptors and vpr-query --query-npy --c-l N");

@@ -112,9 +112,8 @@ void write_trajectory(const Session& session, const EvalInputs& inputs, const Ev
                      evaluation, options, session.monitor);
   if (std::ranges::all_of(positions, [](const Poses& frames) { return frames.empty(); }))
     throw Error(ErrorKind::usage,
-                fmt::format("{}: no searched training sequence has \"poses\" (FAB-MAP: "
-                            "\"place_poses\"), which --save-trajectory needs",
-                            inputs.truth.dataset));
+                "--save-trajectory: no searched training sequence has \"poses\" (FAB-MAP: "
+                "\"place_poses\") in the data set, or poses of --ground-truth-train");
   const FrameClock clock = clock_of(evaluation, options, frames_per_second, session.monitor);
   session.outputs.file(inputs.saved_trajectory)
       .write(recognized_trajectory(evaluation, positions, clock));

@@ -154,8 +154,7 @@ void add_check(Program& program) {
       "  vpr-eval check GT.npz --json",
       [inputs](Session& session) { run_check(session, *inputs); });
   command.add_option("GROUND-TRUTH", inputs->ground_truth, ground_truth_help()).required();
-  add_setting(command, "--format", inputs->format,
-              "format of the table: text, csv, markdown or latex (default: text)");
+  add_format_flag(command, inputs->format);
   add_ground_truth_flags(command, inputs->flags);
   add_scope_flags(command, inputs->scope);
 }

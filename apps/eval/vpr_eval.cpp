@@ -122,7 +122,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   claim_outputs(session, inputs);
   const Json expected = read_expected(session, inputs);
   if (!inputs.pairs.empty() && !inputs.truth.is_given() && !inputs.has_plots() &&
-      inputs.expected.empty() && inputs.map.empty() && !inputs.has_csv())
+      inputs.expected.empty() && inputs.saved_trajectory.empty() && !inputs.has_csv())
     return run_pairs(session, inputs);
   const Stopwatch watch;
   const Evaluated evaluated = evaluate(session, inputs);

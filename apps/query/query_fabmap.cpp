@@ -1,18 +1,15 @@
 // Queries of a FAB-MAP database.
 #include <map>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "base/text.h"
 #include "decide/clustering.h"
 #include "fabmap/train.h"
 #include "present/chart.h"
 #include "present/explanation_report.h"
 #include "present/score_matrix.h"
-#include "present/table.h"
 #include "query.h"
 #include "run/fabmap_query.h"
 #include "sequence/sequence.h"
@@ -32,8 +29,8 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
                      bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!options.query_bow.empty()) {
-    refuse(options.query || !options.dataset.empty(), "--query-bow",
-           "cannot be combined with --query and --dataset");
+    refuse(options.query || !options.dataset.empty() || options.selection.fps, "--query-bow",
+           "cannot be combined with --query, --dataset and --fps");
     const SequenceArgument argument = parse_sequence_argument(options.query_bow);
     query.name = sequence_names({argument}).front();
     query.path = argument.path.string();

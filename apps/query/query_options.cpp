@@ -73,38 +73,41 @@ void add_selection_flags(const Command& command, QueryOptions& options) {
       .group(kQueryGroup);
 }
 
-void add_method_flag(const Command& command, AllSettings& settings, const std::string& help) {
+// Live queries support the methods with distances in order.
+void add_method_flag(const Command& command, AllSettings& settings, bool is_live,
+                     const std::string& help) {
   std::vector<std::string> names;
   std::string text = "Methods:\n";
-  for (const SequenceMethod& method : sequence_methods()) {
-    names.emplace_back(method.name);
-    text += fmt::format("  {:<17}{}\n", method.name, method.summary);
+  const auto add = [&](std::string_view name, std::string_view summary) {
+    names.emplace_back(name);
+    text += fmt::format("  {:<17}{}\n", name, summary);
+  };
+  for (const SequenceMethod& method : sequence_methods())
+    if (method.has_scores || !is_live) add(method.name, method.summary);
+  if (!is_live) {
+    add(kLshMethod, kLshSummary);
+    names.emplace_back(enum_name(DatabaseFamily::fabmap));
   }
-  names.emplace_back(kLshMethod);
-  names.emplace_back(enum_name(DatabaseFamily::fabmap));
   add_setting(command, "--method", settings.method, help).choices("METHOD", names);
-  command.add_footer(text + fmt::format("  {:<17}{}\n", kLshMethod, kLshSummary));
+  command.add_footer(text);
 }
 
 // Windows of every command: the essential flags, then the others.
 void add_window_flags(const Command& command, QueryOptions& options,
-                      SequenceQuerySettings& settings) {
+                      SequenceQuerySettings& settings, bool has_later_frames = true) {
   add_setting(command, "--c-l", settings.window_length,
               "window length c_l in frames (default: 40)");
   add_setting(command, "--t-r", settings.distance_threshold,
               "threshold t_r of windows; a number, or auto, the smallest distance between two or "
-              "more training sequences");
-  add_score_settings(command, settings, kWindowGroup);
-  add_decision_settings(command, settings, kWindowGroup);
+              "more training sequences of a database");
+  add_score_settings(command, settings, kWindowGroup, has_later_frames);
+  add_decision_settings(command, settings, kWindowGroup, has_later_frames);
   add_setting(command, "--margin", settings.margin,
               "minimum difference of best match and runner-up in score per frame (default: 5.1 / "
               "sqrt(c_l) deviations; for raw distances 0.75 / sqrt(c_l) of the typical distance; "
               "filter: 15)")
       .group(kWindowGroup);
-  add_memory_flag(command, options.memory_limit,
-                  "memory for rings and recognitions in bytes, as in 512M; beyond it, values are "
-                  "computed twice")
-      .group(kWindowGroup);
+  add_memory_flag(command, options.memory_limit, kWindowGroup);
 }
 
 void add_matrix_output(const Command& command, QueryOptions& options) {
@@ -158,7 +161,7 @@ void add_fabmap_flags(const Command& command, QueryOptions& options,
 void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
   command.add_option("DB", options.database, "database of vpr-train");
   add_query_flags(command, options);
-  add_method_flag(command, settings,
+  add_method_flag(command, settings, false,
                   "matching method, filter by default, which recognizes places at any speed; "
                   "default: fastable if a flag of windows is set, fabmap for its databases");
   add_window_flags(command, options, settings.sequence);
@@ -187,13 +190,14 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
                      "standard input; with --dataset, the name of one of its queries");
   command.add_option("--dataset", options.dataset, "data set description with the query")
       .group(kQueryGroup);
-  add_method_flag(command, settings,
+  add_method_flag(command, settings, true,
                   "matching method, filter by default; fastable if a flag of windows is set");
-  add_window_flags(command, options, settings.sequence);
+  add_window_flags(command, options, settings.sequence, false);
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
   add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
   add_sequence_choice(command, settings.sequence);
   add_fusion_settings(command, settings.sequence, options.fuse, kWindowGroup);
+  command.remove_flag("--output");
 }
 
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
@@ -214,7 +218,7 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                   "write one line query,match,score per best match, for vpr-eval loops; only "
                   "recognitions with --t-r or --margin")
       .type_name("FILE");
-  add_window_flags(command, options, settings.sequence);
+  add_window_flags(command, options, settings.sequence, false);
   command
       .add_option("--frame-times", options.loop_times,
                   "times of the frames for a gap in seconds: a list with one per line (default: "

@@ -7,11 +7,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "evaluate/outcomes.h"
-#include "match/lsh.h"
-#include "present/evaluation_charts.h"
 #include "present/score_matrix.h"
-#include "present/table.h"
 #include "query.h"
 #include "run/advice.h"
 #include "run/own_database.h"
@@ -112,8 +108,6 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
   const SequenceArgument& argument = data.source.sequence;
   const std::string query = text_of(argument);
   const bool needs_times = settings.loop_gap_s != 0;
-  refuse(!needs_times && !options.loop_times.empty(), "--frame-times",
-         "needs a gap in seconds, as in --gap 30s");
   if (needs_times)
     data.times_ns = options.loop_times.empty()
                         ? times_of_names(query, session.monitor)
@@ -211,15 +205,12 @@ void query_sequences(Session& session, const QueryOptions& options,
   const double describe_s = watch.elapsed_s();
   const std::string& name = data.source.name;
   SavedMatrix matrix;
-  const auto search = [&] {
-    QueryPlan plan =
-        settings->loop ? plan_loop(data.database, data.query, name, settings, data.times_ns,
-                                   resources, monitor)
-                       : plan_query(data.database, data.query, name, settings, resources, monitor);
-    const Sinks sinks{start_matrix(matrix, options.matrix, plan, session)};
-    return run_query(std::move(plan), resources, sinks, monitor);
-  };
-  QueryRun run = search();
+  QueryPlan plan =
+      settings->loop
+          ? plan_loop(data.database, data.query, name, settings, data.times_ns, resources, monitor)
+          : plan_query(data.database, data.query, name, settings, resources, monitor);
+  const Sinks sinks{start_matrix(matrix, options.matrix, plan, session)};
+  QueryRun run = run_query(std::move(plan), resources, sinks, monitor);
   context.seconds = std::move(run.seconds);
   context.seconds["describe"] = describe_s;
   context.seconds["total"] = watch.elapsed_s();

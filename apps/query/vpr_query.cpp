@@ -144,6 +144,8 @@ void run(Session& session, const QueryOptions& options, AllSettings settings,
     throw Error(ErrorKind::usage,
                 fmt::format("{}: has the settings of vpr-query loops", session.options.config));
   settings.sequence.loop = settings.fabmap.loop = is_loop;
+  refuse(!options.loop_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
+         "needs a gap in seconds, as in --gap 30s");
   const bool has_own_frames = is_loop || command == kMatrixChoice;
   const DatabaseFamily family = family_of(options, !has_own_frames);
   if (settings.method.empty())

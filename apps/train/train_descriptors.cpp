@@ -124,8 +124,6 @@ std::vector<float> as_floats(const DescriptorStore& store, DescriptorRow row) {
 // Exports bits and gray levels as uint8, vectors and points as float32; unreadable frames are 0 or
 // NaN.
 void export_descriptors(const Session& session, const std::string& path, const std::string& file) {
-  if (!session.options.output.empty())
-    throw Error(ErrorKind::usage, "--descriptors names the file to write; omit -o");
   session.outputs.claim_file(file);
   const SequenceDatabase database = read_sequence_database(path);
   const DescriptorStore& store = database.descriptors;
@@ -207,6 +205,7 @@ void add_export(Program& program) {
         export_descriptors(session, options->database, options->descriptors);
       });
   program.add_config(command);
+  command.remove_flag("--output");
   command.add_option("DB", options->database, "database of a sequence method").required();
   command
       .add_option("--descriptors", options->descriptors,

@@ -26,6 +26,8 @@ bool has_sequences(const TrainOptions& options) {
 }
 
 FabmapDatabase train_frames(const FabmapOptions& options, const Session& session) {
+  refuse(!(options.vocabulary + options.tree + options.pretrain_bow + options.train_bow).empty(),
+         "a file of OpenFABMAP", "needs --from-openfabmap");
   std::vector<SequenceArgument> pretrain;
   std::vector<GroupArgument> groups;
   for (const std::string& text : options.pretrain)
@@ -48,6 +50,8 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
 }
 
 FabmapDatabase import_files(const FabmapOptions& options) {
+  refuse(has_sequences(options.train) || !options.train.places.empty() || !options.pretrain.empty(),
+         "--from-openfabmap", "imports the words of all frames. Omit the sequences");
   for (const std::string& path :
        {options.vocabulary, options.tree, options.pretrain_bow, options.train_bow})
     if (path.empty())

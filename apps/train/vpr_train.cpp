@@ -86,6 +86,7 @@ void add_info(Program& program) {
         }
       });
   program.add_config(command);
+  command.remove_flag("--output");
   command.add_option("DB", *path, "database").required();
 }
 

@@ -138,9 +138,7 @@ void add_calibrate(Program& program) {
   add_score_settings(command, tune->settings);
   add_rate_settings(command, tune->settings);
   add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
-  add_memory_flag(command, options.memory_limit,
-                  "memory for rings and recognitions in bytes, as in 512M")
-      .group("Windows");
+  add_memory_flag(command, options.memory_limit);
   add_format_flag(command, options.format);
 }
 

@@ -1,15 +1,12 @@
 // vpr-tune fastable and vpr-tune fabmap: sweeps over windows and thresholds.
-#include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "present/sweep_report.h"
 #include "run/plan.h"
-#include "run/train.h"
 #include "run/trials.h"
 #include "tune.h"
 
@@ -211,9 +208,7 @@ void add_fastable(Program& program) {
   add_decision_settings(command, tune->settings);
   add_fusion_settings(command, tune->settings, tune->options.fuse);
   add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
-  add_memory_flag(command, tune->options.memory_limit,
-                  "memory for rings and recognitions of all c_l in bytes, as in 512M")
-      .group("Windows");
+  add_memory_flag(command, tune->options.memory_limit);
 }
 
 void add_fabmap(Program& program) {

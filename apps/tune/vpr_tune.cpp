@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "base/text.h"
 #include "present/sweep_report.h"
 #include "present/trial_report.h"
 #include "run/advice.h"
@@ -125,9 +124,7 @@ void add_trials(Program& program) {
   command.add_option("--save-config", options.save_config,
                      "chosen settings for vpr-query --config; exit code 5 if there are none");
   add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
-  add_memory_flag(command, options.memory_limit,
-                  "memory for rings and recognitions in bytes, as in 512M")
-      .group("Windows");
+  add_memory_flag(command, options.memory_limit);
   add_format_flag(command, options.format).group("Outputs");
 }
 

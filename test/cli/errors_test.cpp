@@ -89,7 +89,8 @@ TEST_CASE("settings out of range are refused") {
   check_refused(bench().query({"--c-l", "5", "--t-r", "-1"}), 2, "t_r");
   check_refused(bench().query({"--c-l", "5", "--t-r-scale", "bytes"}), 2, "relative");
   check_refused(bench().query({"--c-l", "5", "--method", "fastabel"}), 2, "openable");
-  check_refused(bench().query({"--c-l", "5", "--max-memory", "lots"}), 2, "512M");
+  for (const char* size : {"lots", "5X", "17179869184G"})
+    check_refused(bench().query({"--c-l", "5", "--max-memory", size}), 2, "512M");
   check_refused(bench().query({"--c-l", "5", "--save-matrix", "m.tiff"}), 2, ".npy");
   check_refused(bench().query({"--c-l", "5", "--threads", "x"}), 2, "threads");
   check_refused(run_program("vpr-query", {}), 2, "DB");

@@ -281,6 +281,8 @@ TEST_CASE("FAB-MAP settings out of range are refused") {
                   {"fabmap", "--pretrain", world().walk("other"), "--train", world().walk("one"),
                    flag, value, "-o", out / "x.vprdb"},
                   2, word);
+  for (const Words& words : {Words{"--tree", "t.npy"}, Words{"--from-openfabmap"}})
+    check_failure(run_train(joined(words, {"-o", out / "x.vprdb"})), 2, "--from-openfabmap");
   CHECK(list_folder(out.path()).empty());
 }
 

@@ -230,6 +230,7 @@ TEST_CASE("loops without a database refuse incompatible flags") {
   };
   fabmap({"--gap", "30s"}, "frames");
   fabmap({"--gap", "-1"}, "\"--gap\"");
+  fabmap({"--gap", "30", "--frame-times", laps.poses}, "30s");
   fabmap({"--descriptor", "hog"}, "no effect with a database for fabmap");
 }
 

@@ -2,8 +2,6 @@
 #include <algorithm>
 
 #include <catch2/catch.hpp>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "base/json.h"
 #include "present/result_file.h"
@@ -14,8 +12,6 @@ using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-using Names = Words;
 
 /// Two recordings of 14 frames, and the database of the first one.
 struct Walks {

@@ -82,6 +82,10 @@ TEST_CASE("recognitions are written as a trajectory of training positions") {
   CHECK(run_program("vpr-eval",
                     {result, "--ground-truth", "aligned", "--save-trajectory", out / "g.txt"})
             .exit_code == 2);
+  check_failure("vpr-eval",
+                {result, "--ground-truth-train", result, "--pairs", out / "p.txt",
+                 "--save-trajectory", out / "g.txt"},
+                2, "there is no ground truth");
 }
 
 TEST_CASE(

@@ -73,7 +73,7 @@ TEST_CASE("scales and settings without meaning for a score are usage errors") {
         Words{"--score", "zscore", "--method", "openable", "--t-r", "-1"},
         Words{"--score", "zscore", "--method", "lsh", "--t-r", "-1"},
         Words{"--score", "zscore", "--safety-factor", "0.9"}, Words{"--score", "zscore"},
-        Words{"--score", "zscore"}, Words{"--score", "zscore", "--max-memory", "10"}}) {
+        Words{"--score", "zscore", "--max-memory", "10"}}) {
     const auto outcome = walks().query(joined(words, {"--json"}));
     INFO(fmt::format("{}", outcome.err));
     CHECK(outcome.exit_code == 2);

@@ -1,6 +1,5 @@
 // docs/schemas/common.schema.json defines the settings as in their structs: keys, types, names and
 // order follow visit_fields; the schema adds descriptions, and bounds that a type does not imply.
-#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <map>
