@@ -175,9 +175,12 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
 
 std::string short_text(Table table) {
   constexpr size_t kLongestName = 22;
-  for (auto& row : table.rows)
-    if (row[0].size() > kLongestName)
-      row[0] = fmt::format("{}...", row[0].substr(0, kLongestName - 3));
+  for (auto& row : table.rows) {
+    if (row[0].size() <= kLongestName) continue;
+    size_t cut = kLongestName - 3;
+    while (cut > 0 && (row[0][cut] & 0xc0) == 0x80) --cut;  // not within a letter in UTF-8
+    row[0] = row[0].substr(0, cut) + "...";
+  }
   return render_table(table, TableFormat::text);
 }
 
