@@ -277,11 +277,11 @@ std::string comparison_text(const ComparisonReport& comparison) {
   if (!best.empty())
     text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", common_queries(comparison.found),
                                     fmt::join(best, ", "))) +
-           "\n\n";
+           "\n";
   text += short_text(table);
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     if (const std::string note = note_of(comparison, r); !note.empty())
-      text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2) + "\n";
+      text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2);
   for (const ComparedValue& value : comparison.found.values)
     if (value.key == "recall_at_1" && value.interval) {
       const std::string verdict = verdict_of(value);
@@ -289,8 +289,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
                                        comparison.names[value.method], comparison.names.front(),
                                        *value.difference, value.interval->low, value.interval->high,
                                        verdict.empty() ? "" : ", " + verdict),
-                           2) +
-              "\n";
+                           2);
     }
   return text;
 }

@@ -17,7 +17,7 @@ constexpr size_t kLabelWidth = 14;
 
 std::string line(const std::string& label, const std::string& value) {
   const size_t indent = kLabelWidth + 2;
-  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent) + "\n";
+  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent);
 }
 
 const MetricValue& value_of(const CurveNumbers& numbers, std::string_view key) {
@@ -150,12 +150,12 @@ std::optional<double> over_frames(const Report& report, std::string_view key) {
 }  // namespace
 
 std::string wrapped_text(const std::string& text, size_t indent) {
-  return wrapped_line(text, kTerminalWidth, indent, "");
+  return wrapped_line(text, 80, indent) + "\n";
 }
 
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
                             const std::string& summary, size_t most_ranges) {
-  std::string text = wrapped_text(summary) + "\n";
+  std::string text = wrapped_text(summary);
   const Result* result = evaluation.result ? &evaluation.result->result : nullptr;
   if (result != nullptr) text += line("settings", settings_text(*result));
   if (evaluation.truth.is_known) {

@@ -10,9 +10,7 @@
 
 namespace vpr {
 
-inline constexpr size_t kTerminalWidth = 80;
-
-/// wrapped_line for a terminal. Lines after the first are indented.
+/// wrapped_line for a terminal of 80 columns, with a line feed. Lines after the first are indented.
 std::string wrapped_text(const std::string& text, size_t indent = 0);
 
 /// The headline `summary`, then lines with settings, ground truth, best matches, metrics by the

@@ -292,7 +292,7 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation) {
 std::string loops_text(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
   constexpr size_t kMostMistakes = 1;  // of each kind
-  std::string text = wrapped_text(loops_sentence(evaluation)) + "\n";
+  std::string text = wrapped_text(loops_sentence(evaluation));
   const auto value = [](std::optional<double> share) {
     return share ? fmt::format("{:.4f}", *share) : "-";
   };
