@@ -36,6 +36,10 @@ std::optional<double> recall(const LoopJudgment& judgment) {
   return share(judgment.frames_found(), judgment.frames_with_loop());
 }
 
+std::string share_text(std::optional<double> share) {
+  return share ? fmt::format("{:.4f}", *share) : "-";
+}
+
 Json seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
 
 std::string gap_words(const LoopGap& gap) {
@@ -265,17 +269,14 @@ Table loops_table(const LoopsEvaluation& evaluation) {
   table.title = fmt::format(
       "{} (within {} m, {} apart)", evaluation.name, Json(evaluation.rules.radius_m).dump(),
       gap.nanoseconds ? seconds(*gap.nanoseconds).dump() + " s" : counted(gap.frames, "frame"));
-  const auto share = [](std::optional<double> value) {
-    return value ? fmt::format("{:.4f}", *value) : "-";
-  };
   add_column(table, "listed", evaluation.list.loops.size());
   add_column(table, "correct", judgment.count(PlaceLabel::same));
   add_column(table, "incorrect", judgment.count(PlaceLabel::different));
   add_column(table, "too near", judgment.count(PlaceLabel::ignore));
-  add_column(table, "precision", share(precision(judgment)));
+  add_column(table, "precision", share_text(precision(judgment)));
   add_column(table, "frames with a loop", judgment.frames_with_loop());
   add_column(table, "found", judgment.frames_found());
-  add_column(table, "recall", share(recall(judgment)));
+  add_column(table, "recall", share_text(recall(judgment)));
   add_column(table, "longest missed", longest_missed_frames(judgment));
   add_column(table, "revisits", judgment.revisits.size());
   add_column(table, "revisits found", judgment.revisits_found());
@@ -293,15 +294,13 @@ std::string loops_text(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
   constexpr size_t kMostMistakes = 1;  // of each kind
   std::string text = wrapped_text(loops_sentence(evaluation));
-  const auto value = [](std::optional<double> share) {
-    return share ? fmt::format("{:.4f}", *share) : "-";
-  };
   text += fmt::format("  precision {} of loops, recall {} of frames; {} of {} found\n",
-                      value(precision(judgment)), value(recall(judgment)),
+                      share_text(precision(judgment)), share_text(recall(judgment)),
                       judgment.revisits_found(), counted(judgment.revisits.size(), "revisit"));
   if (judgment.curve)
-    text += fmt::format("  AP {}, R@100P {}\n", value(average_precision(*judgment.curve).value),
-                        value(recall_at_full_precision(*judgment.curve).value));
+    text +=
+        fmt::format("  AP {}, R@100P {}\n", share_text(average_precision(*judgment.curve).value),
+                    share_text(recall_at_full_precision(*judgment.curve).value));
   return text + mistakes_text(evaluation, kMostMistakes);
 }
 
