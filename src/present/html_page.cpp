@@ -74,7 +74,7 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
     filled.append(page.substr(0, begin));
     const auto part = parts.find(std::string(page.substr(begin + 2, end - begin - 2)));
     assert(part != parts.end());
-    if (part != parts.end()) filled += part->second;
+    filled += part->second;
     page.remove_prefix(end + 2);
   }
 }

@@ -99,7 +99,7 @@ TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds")
       CHECK(difference(a.dark, kDarkPaper) > 14);
       for (size_t k = 0; k < i; ++k) {
         const PaletteColor& b = color_of(picture[k]);
-        INFO(a.name << " beside " << b.name);
+        INFO(a.name << " next to " << b.name);
         CHECK(difference(a.light, b.light) > 14);
         CHECK(difference(a.dark, b.dark) > 14);
       }
