@@ -57,7 +57,7 @@ Chart curves_overlay(const std::string& title, std::span<const Report> reports,
                     reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : ""),
         {},
         SeriesStyle::line};
-    if (curve.to_find > 0) series.points = curve_points(curve, 1000);
+    if (curve.to_find > 0) series.points = curve_points(curve);
     chart.series.push_back(series);
   }
   return chart;

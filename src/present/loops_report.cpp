@@ -178,11 +178,9 @@ Series frame_series(const LoopsEvaluation& evaluation, const std::array<size_t, 
 /// Precision against recall of the best loop per frame. No series without scores.
 Chart curve_chart(const LoopsEvaluation& evaluation) {
   Chart chart = precision_recall_chart(evaluation.name);
-  if (!evaluation.judgment.curve || evaluation.judgment.curve->points.empty()) return chart;
-  const Curve& curve = *evaluation.judgment.curve;
-  Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
-  series.points = curve_points(curve, 1000);
-  chart.series.push_back(series);
+  if (const auto& curve = evaluation.judgment.curve; curve && !curve->points.empty())
+    chart.series.push_back({"best loop of every frame", curve_points(*curve), SeriesStyle::line,
+                            Meaning::best_matches});
   return chart;
 }
 
