@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 
 #include "base/text.h"
-#include "match/match.h"
 #include "present/result_text.h"
 
 namespace vpr {

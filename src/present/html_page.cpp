@@ -4,8 +4,6 @@
 #include <cassert>
 #include <cstdint>
 
-#include <fmt/format.h>
-
 #include "base/json.h"
 #include "present/chart.h"
 

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "base/json_fwd.h"
 #include "evaluate/loops.h"

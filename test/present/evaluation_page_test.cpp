@@ -4,7 +4,6 @@
 #include <limits>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
