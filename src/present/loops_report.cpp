@@ -20,8 +20,6 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMostLines = 20;  // of a list of mistakes
-
 std::optional<double> share(uint64_t part, uint64_t whole) {
   if (whole == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(whole);
@@ -194,27 +192,6 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
   return figure_html(map) + (curve.series.empty() ? "" : figure_html(curve));
 }
 
-// The first `most` incorrect loops, and revisits without a correct loop.
-std::string mistakes_text(const LoopsEvaluation& evaluation, size_t most) {
-  std::string text;
-  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
-    if (rows.empty()) return;
-    text += "\n" + title + "\n";
-    for (size_t i = 0; i < std::min(rows.size(), most); ++i) text += "  " + line(rows[i]) + "\n";
-    if (rows.size() > most) text += fmt::format("  and {} more\n", rows.size() - most);
-  };
-  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
-    const ListedLoop& loop = judged.loop;
-    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
-                       loop.match, judged.distance_m);
-  });
-  add(missed_revisits(evaluation.judgment),
-      "Revisits without a correct loop:", [](const Revisit& revisit) {
-        return fmt::format("frames {} to {}", revisit.first, revisit.last);
-      });
-  return text;
-}
-
 }  // namespace
 
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
@@ -284,13 +261,28 @@ Table loops_table(const LoopsEvaluation& evaluation) {
   return table;
 }
 
-std::string loops_mistakes(const LoopsEvaluation& evaluation) {
-  return mistakes_text(evaluation, kMostLines);
+std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most) {
+  std::string text;
+  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
+    if (rows.empty()) return;
+    text += "\n" + title + "\n";
+    for (size_t i = 0; i < std::min(rows.size(), most); ++i) text += "  " + line(rows[i]) + "\n";
+    if (rows.size() > most) text += fmt::format("  and {} more\n", rows.size() - most);
+  };
+  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
+    const ListedLoop& loop = judged.loop;
+    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
+                       loop.match, judged.distance_m);
+  });
+  add(missed_revisits(evaluation.judgment),
+      "Revisits without a correct loop:", [](const Revisit& revisit) {
+        return fmt::format("frames {} to {}", revisit.first, revisit.last);
+      });
+  return text;
 }
 
 std::string loops_text(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
-  constexpr size_t kMostMistakes = 1;  // of each kind
   std::string text = wrapped_text(loops_sentence(evaluation));
   text += fmt::format("  precision {} of loops, recall {} of frames; {} of {} found\n",
                       share_text(precision(judgment)), share_text(recall(judgment)),
@@ -299,7 +291,7 @@ std::string loops_text(const LoopsEvaluation& evaluation) {
     text +=
         fmt::format("  AP {}, R@100P {}\n", share_text(average_precision(*judgment.curve).value),
                     share_text(recall_at_full_precision(*judgment.curve).value));
-  return text + mistakes_text(evaluation, kMostMistakes);
+  return text + loops_mistakes(evaluation, 1);
 }
 
 Chart loops_map_chart(const LoopsEvaluation& evaluation) {

@@ -32,8 +32,9 @@ std::string loops_text(const LoopsEvaluation& evaluation);
 /// One row: counts of loops, frames and revisits and, if there are scores, metrics of the curve.
 Table loops_table(const LoopsEvaluation& evaluation);
 
-/// The first 20 incorrect loops and the first 20 revisits without a correct loop; may be empty.
-std::string loops_mistakes(const LoopsEvaluation& evaluation);
+/// The first `most` incorrect loops and the first `most` revisits without a correct loop; may be
+/// empty.
+std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most = 20);
 
 /// The trajectory without its shortest extent, with a line per correct and incorrect loop, and the
 /// frames that have a loop.
