@@ -22,9 +22,10 @@ namespace fs = std::filesystem;
 // The protocol of the recording's ground truth, without the selection of the query.
 std::string recording_protocol(const Report& report) {
   std::string protocol = report.protocol.ground_truth;
-  if (!report.selection_words().empty())
-    for (const std::string_view selection : {", query at speed ", ", query resampled "})
-      protocol = protocol.substr(0, protocol.find(selection));
+  const std::string selection = ", query " + selection_text(report.selection);
+  const size_t at = protocol.rfind(selection);
+  if (!report.selection_words().empty() && at != std::string::npos)
+    protocol.erase(at, selection.size());
   return protocol;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/json.h"
 #include "evaluate/metrics.h"
+#include "present/comparison_report.h"
 #include "present/evaluation_report.h"
 #include "present/html_page.h"
 #include "present/score_matrix.h"
@@ -157,6 +158,16 @@ TEST_CASE("a report is written again as it was read") {
   CHECK(json["confidence"] == "margin");
   CHECK(json["outcomes"]["recognized"] == "..ri...");
   CHECK(report_json(parse_report(json, "r.json")).dump() == json.dump());
+}
+
+TEST_CASE("a selected query has the ground truth of its recording") {
+  std::vector<Report> reports(2);
+  reports[0].protocol.ground_truth = "aligned, training frames at speed 2";
+  reports[1].protocol.ground_truth = "aligned, query at speed 0.5, training frames at speed 2";
+  reports[1].selection.speed = "0.5";
+  CHECK(compare_ground_truths(reports) == GroundTruths::same);
+  reports[0].protocol.ground_truth = "aligned";
+  CHECK(compare_ground_truths(reports) == GroundTruths::different);
 }
 
 TEST_CASE("a page has no external references, even with hostile names") {
