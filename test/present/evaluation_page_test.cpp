@@ -239,6 +239,7 @@ TEST_CASE("a page begins with its summary and states the protocol once") {
     at = page.find(part);
   }
   CHECK(count_of(page, "pairs from my desk") == 1);
+  CHECK(page.find("<dt>scores</dt><dd>distance</dd>") != std::string::npos);
   CHECK(page.find("best match incorrect, not recognized") != std::string::npos);
   CHECK(page.find("worst mistakes") != std::string::npos);
   CHECK(page.find("{{") == std::string::npos);
