@@ -128,23 +128,8 @@ std::string next_step(const Evaluation& evaluation) {
   return "next: vpr-tune DB --query QUERY --ground-truth G compares methods";
 }
 
-/// The number of frames with a match, except ignored ones.
-double frames_to_find(const Report& report) {
-  return double(report.localization.frames_with_match) - double(report.counts.best_match.ignored);
-}
-
 constexpr std::array<std::string_view, 3> kOverviewMetrics = {"recall_at", "average_precision",
                                                               "recall_at_100_precision"};
-
-// The metric, with frames without a window as misses.
-std::optional<double> over_frames(const Report& report, std::string_view key) {
-  const double frames = frames_to_find(report);
-  if (frames <= 0) return std::nullopt;
-  if (key == kOverviewMetrics[0]) return double(report.counts.best_match.correct) / frames;
-  const CurveNumbers& best = report.metrics.curves.single_best;
-  const auto value = value_of(best, key).value;
-  return value ? std::optional(*value * double(best.to_find) / frames) : std::nullopt;
-}
 
 }  // namespace
 
@@ -181,6 +166,19 @@ std::string short_text(Table table) {
     row[0] = row[0].substr(0, cut) + "...";
   }
   return render_table(table, TableFormat::text);
+}
+
+double frames_to_find(const Report& report) {
+  return double(report.localization.frames_with_match) - double(report.counts.best_match.ignored);
+}
+
+std::optional<double> over_frames(const Report& report, std::string_view key) {
+  const double frames = frames_to_find(report);
+  if (frames <= 0) return std::nullopt;
+  if (key == kOverviewMetrics[0]) return double(report.counts.best_match.correct) / frames;
+  const CurveNumbers& best = report.metrics.curves.single_best;
+  const auto value = value_of(best, key).value;
+  return value ? std::optional(*value * double(best.to_find) / frames) : std::nullopt;
 }
 
 Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
