@@ -7,7 +7,6 @@
 #include "base/json.h"
 #include "base/json_fields.h"
 #include "base/text.h"
-#include "present/evaluation_report.h"
 
 namespace vpr {
 namespace {
@@ -55,7 +54,7 @@ Json calibration_json(const CalibratedSequence& calibrated, const CalibrationReq
                {"settings", nullptr},
                {"query", {{"name", calibrated.query.name}, {"ground_truth", calibrated.protocol}}},
                {"precision", request.precision},
-               {"chosen", calibrated.chosen ? Json(*calibrated.chosen) : Json()},
+               {"chosen", or_null(calibrated.chosen)},
                {"lengths", Json::array()}};
   add_selection(json["query"], calibrated.query.selection);
   for (const CalibratedLength& length : calibrated.lengths)

@@ -147,14 +147,13 @@ std::string grays_svg(const Drawing& drawing, bool for_page, std::string_view id
   const ChartArea& area = drawing.at.area;
   const double y = area.bottom() + 56;
   const double width = std::max(area.width, std::min(400.0, drawing.at.width - area.left - 24));
-  const auto value = [&](double gray) { return fmt::format("{:.{}g}", gray, image.gray_digits); };
   std::string svg = fmt::format(
       "<defs><linearGradient id=\"{0}\"><stop stop-color=\"#000\"/><stop offset=\"1\" "
       "stop-color=\"#fff\"/></linearGradient></defs><rect class=\"grays\" fill=\"url(#{0})\" "
       "x=\"{1:.1f}\" y=\"{2:.1f}\" width=\"{3:.1f}\" height=\"12\"/>",
       id, area.left, y, width);
-  svg += svg_text(area.left, y + 28, "start", value(image.grays->first)) +
-         svg_text(area.left + width, y + 28, "end", value(image.grays->second));
+  svg += svg_text(area.left, y + 28, "start", fmt::format("{:.4g}", image.grays->first)) +
+         svg_text(area.left + width, y + 28, "end", fmt::format("{:.4g}", image.grays->second));
   return for_page ? svg : svg + svg_text(area.left, y + 46, "start", image.gray_label);
 }
 
@@ -194,8 +193,8 @@ std::string file_style() {
   for (size_t i = 0; i < series_colors().size(); ++i)
     css += fmt::format(".series-{0}{{fill:{1}}}.line.series-{0}{{stroke:{1}}}\n", i,
                        series_colors()[i]);
-  return css +
-         fmt::format("path.line{{fill:none}}.border{{stroke:{}}}\n", hex_of(Meaning::divider));
+  return css + fmt::format("path.line{{fill:none}}.border{{stroke:#{:06x}}}\n",
+                           color_of(Meaning::divider).light);
 }
 
 std::string page_svg(const Chart& chart, std::string_view screen) {

@@ -72,7 +72,6 @@ struct ChartImage {
   double columns = 1;  ///< its size in units of the axes
   double rows = 1;
   std::optional<std::pair<double, double>> grays = {};  ///< values of black and white
-  int gray_digits = 6;                                  ///< significant digits of these values
   std::string gray_label = {};
 };
 
@@ -176,7 +175,7 @@ struct ChartLayout {
 double text_width(const std::string& text, double size);
 
 /// The text, truncated with an ellipsis if it is wider than `width`.
-std::string shortened(const std::string& text, double width, double size = 13);
+std::string shortened(const std::string& text, double width);
 
 /// The axis's own range or, if it has none, one that shows all finite `values` with a margin; for
 /// logarithmic axes between values of 1, 2 and 5 times a power of ten. Without values, it is 0 to 1

@@ -154,9 +154,9 @@ double text_width(const std::string& text, double size) {
   return 0.58 * size * static_cast<double>(letters);
 }
 
-std::string shortened(const std::string& text, double width, double size) {
-  if (text_width(text, size) <= width) return text;
-  const double letters = width / text_width("x", size) - 1;
+std::string shortened(const std::string& text, double width) {
+  if (text_width(text, kLetters) <= width) return text;
+  const double letters = width / text_width("x", kLetters) - 1;
   size_t end = 0;
   for (double kept = 0; end < text.size(); ++end) {
     const bool starts_letter = (static_cast<unsigned char>(text[end]) & 0xc0) != 0x80;

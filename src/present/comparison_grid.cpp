@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "present/comparison_report.h"
+#include "present/evaluation_text.h"
 #include "present/html_page.h"
 
 namespace vpr {
@@ -15,51 +16,35 @@ namespace {
 
 using Value = std::optional<double>;
 
-double number(uint64_t count) { return static_cast<double>(count); }
-
-// A metric of best matches, multiplied by the number of queries with a match.
-Value scaled_metric(const Report& report, std::string_view key) {
-  const CurveNumbers& best = report.metrics.curves.single_best;
-  const auto metric = static_cast<size_t>(&find_metric(key) - curve_metrics().data());
-  const Value value = best.values[metric].value;
-  return value ? Value(*value * number(best.to_find)) : std::nullopt;
-}
-
 /// A share of frames with the same denominator for all methods on a query.
 struct GridMetric {
   std::string_view key;
   std::string_view name;
   std::string_view title;
-  Value (*part)(const Report& report);  ///< in frames
-  bool is_count = false;                ///< `part` is an integer
-  bool is_of_path = false;              ///< of all frames, not only of frames with a match
+  uint64_t (*count)(const Report& report) = nullptr;  ///< of frames; null: over_frames
+  bool is_of_path = false;  ///< of all frames, not only of frames with a match
   bool has_best = true;
 };
 
 constexpr std::array<GridMetric, 5> kMetrics = {
     {{"recall_at_1", "R@1", "R@1: frames with a right best match",
-      [](const Report& report) { return Value(number(report.counts.best_match.correct)); }, true},
-     {"average_precision", "AP", "AP of best matches",
-      [](const Report& report) { return scaled_metric(report, "average_precision"); }},
-     {"recall_at_100_precision", "R@100P", "R@100P of best matches",
-      [](const Report& report) { return scaled_metric(report, "recall_at_100_precision"); }},
+      [](const Report& report) { return report.counts.best_match.correct; }},
+     {"average_precision", "AP", "AP of best matches"},
+     {"recall_at_100_precision", "R@100P", "R@100P of best matches"},
      {"share", "recognized correctly", "Share of the path with a correct recognition",
-      [](const Report& report) { return Value(number(report.localization.correct)); }, true, true},
+      [](const Report& report) { return uint64_t{report.localization.correct}; }, true},
      {"incorrect", "incorrectly", "Share of the path with an incorrect recognition",
-      [](const Report& report) { return Value(number(report.localization.incorrect)); }, true, true,
-      false}}};
+      [](const Report& report) { return uint64_t{report.localization.incorrect}; }, true, false}}};
 
-/// The denominator. Frames whose best match is labeled ignore are omitted.
+/// The denominator.
 double frames_of(const Report& report, const GridMetric& metric) {
-  if (metric.is_of_path) return number(report.localization.frames);
-  return number(report.localization.frames_with_match) - number(report.counts.best_match.ignored);
+  return metric.is_of_path ? double(report.localization.frames) : frames_to_find(report);
 }
 
 Value value_of(const Report& report, const GridMetric& metric) {
-  const Value part = metric.part(report);
+  if (metric.count == nullptr) return over_frames(report, metric.key);
   const double frames = frames_of(report, metric);
-  if (!part || frames <= 0) return {};
-  return *part / frames;
+  return frames > 0 ? Value(double(metric.count(report)) / frames) : std::nullopt;
 }
 
 /// "0.9950 (199 of 200)".
@@ -67,8 +52,8 @@ std::string cell_text(const Report& report, const GridMetric& metric) {
   const Value value = value_of(report, metric);
   if (!value) return "-";
   std::string text = fmt::format("{:.4f}", *value);
-  if (metric.is_count)
-    text += fmt::format(" ({:.0f} of {:.0f}{})", *metric.part(report), frames_of(report, metric),
+  if (metric.count != nullptr)
+    text += fmt::format(" ({} of {:.0f}{})", metric.count(report), frames_of(report, metric),
                         metric.is_of_path && report.is_oracle ? ", oracle" : "");
   return text;
 }

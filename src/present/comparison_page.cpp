@@ -30,11 +30,13 @@ constexpr size_t kMostNamed = 3;  // methods in the sentence
 std::string sentence_of(const ComparisonReport& comparison) {
   std::vector<const ComparedValue*> values;
   for (const ComparedValue& value : comparison.found.values)
-    if (value.key == "recall_at_1" && value.value) values.push_back(&value);
+    if (value.key == "recall_at_1" && value.value && comparison.is_paired(value.method))
+      values.push_back(&value);
   if (values.empty()) return "The queries have nothing to find.";
   std::ranges::stable_sort(values, std::greater(), [](const auto* value) { return *value->value; });
   std::string text =
-      fmt::format("Best matches of the {} common queries are correct in ", comparison.found.judged);
+      fmt::format("Best matches of the {} are correct in ",
+                  counted(comparison.found.judged, "common query", "common queries"));
   for (size_t i = 0; i < std::min(values.size(), kMostNamed); ++i)
     text += fmt::format("{}{:.1f} % by {}", i == 0 ? "" : ", ", 100 * *values[i]->value,
                         comparison.names[values[i]->method]);
@@ -55,7 +57,7 @@ Chart curves_overlay(const std::string& title, std::span<const Report> reports,
                     reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : ""),
         {},
         SeriesStyle::line};
-    if (curve.to_find > 0) series.points = curve_points(curve, 1000);
+    if (curve.to_find > 0) series.points = curve_points(curve);
     chart.series.push_back(series);
   }
   return chart;

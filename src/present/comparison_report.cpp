@@ -22,9 +22,10 @@ namespace fs = std::filesystem;
 // The protocol of the recording's ground truth, without the selection of the query.
 std::string recording_protocol(const Report& report) {
   std::string protocol = report.protocol.ground_truth;
-  if (!report.selection_words().empty())
-    for (const std::string_view selection : {", query at speed ", ", query resampled "})
-      protocol = protocol.substr(0, protocol.find(selection));
+  const std::string selection = ", query " + selection_text(report.selection);
+  const size_t at = protocol.rfind(selection);
+  if (!report.selection_words().empty() && at != std::string::npos)
+    protocol.erase(at, selection.size());
   return protocol;
 }
 
@@ -95,6 +96,35 @@ std::string note_of(const ComparisonReport& comparison, size_t r) {
 std::string common_queries(const Comparison& found) {
   return fmt::format("{} ({} with a match)",
                      counted(found.common, "common query", "common queries"), found.judged);
+}
+
+/// A row per report; `title` has a place for the common queries. The best of paired reports is
+/// bold.
+Table method_table(const ComparisonReport& comparison, fmt::format_string<std::string> title,
+                   std::span<const PaperColumn> columns) {
+  const std::vector<Report>& reports = comparison.reports;
+  Table table;
+  table.title = comparison.query() + ": " + fmt::format(title, common_queries(comparison.found));
+  table.columns = {"method"};
+  for (const std::string& name : comparison.names) table.rows.push_back({name});
+  const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
+  for (const auto& [key, k] : columns) {
+    const Metric& metric = find_metric(key);
+    std::vector<Value> values;
+    for (size_t r = 0; r < reports.size(); ++r) {
+      values.push_back(value_of(comparison, r, metric, k));
+      table.rows[r].push_back(metric_cell(metric, values.back()));
+      // An easier query, or a threshold from the ground truth, does not make a better method.
+      const bool is_of_path = metric.of_path != nullptr;
+      if (!comparison.is_paired(r) || (is_of_path && reports[r].is_oracle != all_oracle))
+        values.back() = {};
+    }
+    if (std::ranges::count_if(values, &Value::has_value) > 1 &&
+        metric.key != "incorrect")  // a method without verdicts has none that are wrong
+      mark_best(table, table.columns.size(), values, metric.is_low_good);
+    table.columns.push_back(fmt::format("{}{}", metric.symbol, k > 0 ? std::to_string(k) : ""));
+  }
+  return table;
 }
 
 Json named_report_json(const ComparisonReport& comparison, size_t r) {
@@ -206,71 +236,34 @@ Json comparison_json(const ComparisonReport& comparison) {
 }
 
 Table paper_table(const ComparisonReport& comparison) {
-  const std::vector<Report>& reports = comparison.reports;
-  Table table;
-  table.title =
-      fmt::format("{}: over {}; share, wrong and longest gap (frames) over the whole path",
-                  comparison.query(), common_queries(comparison.found));
-  const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
-  table.columns = {"method"};
-  for (const std::string& name : comparison.names) table.rows.push_back({name});
-  for (const auto& [key, k] : kPaperColumns) {
-    const Metric& metric = find_metric(key);
-    std::vector<Value> values;
-    for (size_t r = 0; r < reports.size(); ++r) {
-      values.push_back(value_of(comparison, r, metric, k));
-      table.rows[r].push_back(metric_cell(metric, values.back()));
-      // An easier query, or a threshold from the ground truth, does not make a better method.
-      const bool is_of_path = metric.of_path != nullptr;
-      if (!comparison.is_paired(r) || (is_of_path && reports[r].is_oracle != all_oracle))
-        values.back() = {};
-    }
-    const auto known = std::ranges::count_if(values, &Value::has_value);
-    if (known > 1 &&
-        metric.key != "incorrect")  // a method without verdicts has none that are wrong
-      mark_best(table, table.columns.size(), values, metric.is_low_good);
-    table.columns.push_back(k > 0 ? fmt::format("{}{}", metric.symbol, k)
-                                  : std::string(metric.symbol));
-  }
+  Table table =
+      method_table(comparison, "over {}; share, wrong and longest gap (frames) over the whole path",
+                   kPaperColumns);
   std::vector<std::string> notes;
-  for (size_t r = 0; r < reports.size(); ++r) notes.push_back(note_of(comparison, r));
+  for (size_t r = 0; r < table.rows.size(); ++r) notes.push_back(note_of(comparison, r));
   if (std::ranges::all_of(notes, &std::string::empty)) return table;
   table.columns.emplace_back("note");
-  for (size_t r = 0; r < reports.size(); ++r) table.rows[r].push_back(notes[r]);
+  for (size_t r = 0; r < table.rows.size(); ++r) table.rows[r].push_back(notes[r]);
   return table;
 }
 
 Table short_table(const ComparisonReport& comparison) {
-  const std::vector<Report>& reports = comparison.reports;
-  Table table;
-  table.title =
-      fmt::format("{}: R@K, AP and R@100P over {}; correct and incorrect: recognized frames",
-                  comparison.query(), common_queries(comparison.found));
+  std::vector<PaperColumn> columns = {
+      {"recall_at", 1}, {"average_precision"}, {"recall_at_100_precision"}};
+  if (std::ranges::any_of(comparison.found.values, [](const ComparedValue& value) {
+        return value.key == "recall_at_5" && value.value;
+      }))
+    columns.insert(columns.begin() + 1, {"recall_at", 5});
+  Table table = method_table(
+      comparison, "R@K, AP and R@100P over {}; correct and incorrect: recognized frames", columns);
   table.label = "comparison";
-  table.columns = {"method"};
-  for (const std::string& name : comparison.names) table.rows.push_back({name});
-  constexpr std::array<PaperColumn, 4> kShortColumns = {
-      {{"recall_at", 1}, {"recall_at", 5}, {"average_precision"}, {"recall_at_100_precision"}}};
-  for (const auto& [key, k] : kShortColumns) {
-    const Metric& metric = find_metric(key);
-    std::vector<Value> values;
-    for (size_t r = 0; r < reports.size(); ++r)
-      values.push_back(value_of(comparison, r, metric, k));
-    if (k > 1 && std::ranges::none_of(values, &Value::has_value)) continue;
-    for (size_t r = 0; r < reports.size(); ++r) {
-      table.rows[r].push_back(metric_cell(metric, values[r]));
-      if (!comparison.is_paired(r)) values[r] = {};
-    }
-    if (std::ranges::count_if(values, &Value::has_value) > 1)
-      mark_best(table, table.columns.size(), values, metric.is_low_good);
-    table.columns.push_back(fmt::format("{}{}", metric.symbol, k > 0 ? std::to_string(k) : ""));
-  }
   for (const auto& [column, count] : {std::pair("correct", &Localization::correct),
                                       std::pair("incorrect", &Localization::incorrect)}) {
     table.columns.emplace_back(column);
-    for (size_t r = 0; r < reports.size(); ++r)
-      table.rows[r].push_back(
-          reports[r].is_oracle ? "-" : fmt::format("{}", reports[r].localization.*count));
+    for (size_t r = 0; r < table.rows.size(); ++r) {
+      const Report& report = comparison.reports[r];
+      table.rows[r].push_back(report.is_oracle ? "-" : fmt::to_string(report.localization.*count));
+    }
   }
   return table;
 }
@@ -285,11 +278,11 @@ std::string comparison_text(const ComparisonReport& comparison) {
   if (!best.empty())
     text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", common_queries(comparison.found),
                                     fmt::join(best, ", "))) +
-           "\n\n";
+           "\n";
   text += short_text(table);
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     if (const std::string note = note_of(comparison, r); !note.empty())
-      text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2) + "\n";
+      text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2);
   for (const ComparedValue& value : comparison.found.values)
     if (value.key == "recall_at_1" && value.interval) {
       const std::string verdict = verdict_of(value);
@@ -297,8 +290,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
                                        comparison.names[value.method], comparison.names.front(),
                                        *value.difference, value.interval->low, value.interval->high,
                                        verdict.empty() ? "" : ", " + verdict),
-                           2) +
-              "\n";
+                           2);
     }
   return text;
 }

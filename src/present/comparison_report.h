@@ -40,7 +40,7 @@ struct ComparisonReport {
   Provenance made_by;
 
   std::string query() const;
-  /// Whether the report's query has the selection of the first report's.
+  /// Whether the report has the same selection of the query as the first report.
   bool is_paired(size_t report) const {
     return reports[report].selection_words() == reports.front().selection_words();
   }

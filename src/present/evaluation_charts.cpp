@@ -143,9 +143,9 @@ ScoreUnit score_unit(const Report& report) {
   return {std::string(enum_name(report.outcomes.kind))};
 }
 
-std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most) {
+std::vector<std::pair<double, double>> curve_points(const Curve& curve) {
   std::vector<std::pair<double, double>> points;
-  for (const CurvePoint& point : thinned(curve, most))
+  for (const CurvePoint& point : thinned(curve, kMostPoints))
     points.emplace_back(curve.recall(point), Curve::precision(point));
   return points;
 }
@@ -177,7 +177,7 @@ Chart curve_chart(const Report& report, const Judgment& judgment) {
     curves.insert(curves.begin(), {Meaning::all_pairs, &judgment.all_pairs->curve});
   for (const auto& [meaning, curve] : curves) {
     chart.series.push_back(series_of(meaning, SeriesStyle::line));
-    chart.series.back().points = curve_points(*curve, kMostPoints);
+    chart.series.back().points = curve_points(*curve);
   }
   erase_empty_series(chart);
   return chart;

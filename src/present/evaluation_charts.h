@@ -20,8 +20,8 @@ namespace vpr {
 /// The axes of precision against recall, without a series.
 Chart precision_recall_chart(const std::string& title);
 
-/// Recall and precision at no more than `most` points of the curve, selected by `resampled`.
-std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most);
+/// Recall and precision at no more than 1000 points of the curve, selected by `thinned`.
+std::vector<std::pair<double, double>> curve_points(const Curve& curve);
 
 /// Consecutive frames with the same verdict other than none.
 std::vector<ChartRun> fix_runs(const std::vector<FrameVerdict>& verdicts);

@@ -9,6 +9,7 @@
 #include "base/json_fields.h"
 #include "base/text.h"
 #include "present/evaluation_report.h"
+#include "present/result_file.h"
 
 namespace vpr {
 namespace {
@@ -306,16 +307,10 @@ namespace {
 
 void read_settings(const Fields& fields, const std::string& key, Report& report) {
   const Fields settings = fields.object(key);
-  const auto read = [&](auto kind) {
-    stored_settings_from_json(fields.json(), kind, fields.where());
-    report.settings = QuerySettings(std::move(kind));
-  };
   if (settings.has("scores"))
     fields_from_json(settings.json(), report.settings.emplace<ScoreSettings>(), settings, key);
-  else if (report.method == FabmapQuerySettings{}.method)
-    read(FabmapQuerySettings{});
   else
-    read(SequenceQuerySettings{});
+    report.settings = read_query_settings(fields);
 }
 
 }  // namespace

@@ -171,8 +171,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   const std::string settings =
       evaluation.result ? settings_text(evaluation.result->result) + ". " : "";
   Json json = report_json(report);
-  Json made = json["settings"];
-  made.update(json["provenance"]);
+  Json& made = json["provenance"];
   if (!run.command_line.empty()) made["command_line"] = run.command_line;
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");  // the subtitle
@@ -192,7 +191,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
        {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
        {"tables", tables_html(report, truth.is_known)},
        {"protocol", list_html(protocol)},
-       {"provenance", list_html(made)},
+       {"provenance", list_html(json["settings"]) + list_html(made)},
        {"curves", figures_html({&charts.curve, &charts.thresholds, &charts.risk})},
        {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
        {"path", figure_html(charts.timeline) + figures_html({&charts.margins})},

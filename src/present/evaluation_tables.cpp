@@ -311,9 +311,7 @@ Table report_table(const Report& report) {
   const Json settings = report.settings_json();
   const BestMatchCounts& best = report.counts.best_match;
   Table table;
-  table.title =
-      fmt::format("{} on {} ({})", of_query != nullptr ? method_title(report) : report.method,
-                  report.query, report.protocol.ground_truth);
+  table.title = fmt::format("{} ({})", evaluation_title(report), report.protocol.ground_truth);
   if (of_query != nullptr) {
     const auto& [recognitions, places, mixed, distinct, unused] = report.counts;
     const ScoreKind& score = score_of(*of_query);

@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 
 #include "base/text.h"
-#include "match/match.h"
 #include "present/result_text.h"
 
 namespace vpr {
@@ -17,7 +16,7 @@ constexpr size_t kLabelWidth = 14;
 
 std::string line(const std::string& label, const std::string& value) {
   const size_t indent = kLabelWidth + 2;
-  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent) + "\n";
+  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent);
 }
 
 const MetricValue& value_of(const CurveNumbers& numbers, std::string_view key) {
@@ -129,33 +128,18 @@ std::string next_step(const Evaluation& evaluation) {
   return "next: vpr-tune DB --query QUERY --ground-truth G compares methods";
 }
 
-/// The number of frames with a match, except ignored ones.
-double frames_to_find(const Report& report) {
-  return double(report.localization.frames_with_match) - double(report.counts.best_match.ignored);
-}
-
 constexpr std::array<std::string_view, 3> kOverviewMetrics = {"recall_at", "average_precision",
                                                               "recall_at_100_precision"};
-
-// The metric, with frames without a window as misses.
-std::optional<double> over_frames(const Report& report, std::string_view key) {
-  const double frames = frames_to_find(report);
-  if (frames <= 0) return std::nullopt;
-  if (key == kOverviewMetrics[0]) return double(report.counts.best_match.correct) / frames;
-  const CurveNumbers& best = report.metrics.curves.single_best;
-  const auto value = value_of(best, key).value;
-  return value ? std::optional(*value * double(best.to_find) / frames) : std::nullopt;
-}
 
 }  // namespace
 
 std::string wrapped_text(const std::string& text, size_t indent) {
-  return wrapped_line(text, kTerminalWidth, indent, "");
+  return wrapped_line(text, 80, indent) + "\n";
 }
 
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
                             const std::string& summary, size_t most_ranges) {
-  std::string text = wrapped_text(summary) + "\n";
+  std::string text = wrapped_text(summary);
   const Result* result = evaluation.result ? &evaluation.result->result : nullptr;
   if (result != nullptr) text += line("settings", settings_text(*result));
   if (evaluation.truth.is_known) {
@@ -175,10 +159,26 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
 
 std::string short_text(Table table) {
   constexpr size_t kLongestName = 22;
-  for (auto& row : table.rows)
-    if (row[0].size() > kLongestName)
-      row[0] = fmt::format("{}...", row[0].substr(0, kLongestName - 3));
+  for (auto& row : table.rows) {
+    if (row[0].size() <= kLongestName) continue;
+    size_t cut = kLongestName - 3;
+    while (cut > 0 && (row[0][cut] & 0xc0) == 0x80) --cut;  // not within a letter in UTF-8
+    row[0] = row[0].substr(0, cut) + "...";
+  }
   return render_table(table, TableFormat::text);
+}
+
+double frames_to_find(const Report& report) {
+  return double(report.localization.frames_with_match) - double(report.counts.best_match.ignored);
+}
+
+std::optional<double> over_frames(const Report& report, std::string_view key) {
+  const double frames = frames_to_find(report);
+  if (frames <= 0) return std::nullopt;
+  if (key == kOverviewMetrics[0]) return double(report.counts.best_match.correct) / frames;
+  const CurveNumbers& best = report.metrics.curves.single_best;
+  const auto value = value_of(best, key).value;
+  return value ? std::optional(*value * double(best.to_find) / frames) : std::nullopt;
 }
 
 Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,

@@ -10,9 +10,7 @@
 
 namespace vpr {
 
-inline constexpr size_t kTerminalWidth = 80;
-
-/// wrapped_line for a terminal. Lines after the first are indented.
+/// wrapped_line for a terminal of 80 columns, with a line feed. Lines after the first are indented.
 std::string wrapped_text(const std::string& text, size_t indent = 0);
 
 /// The headline `summary`, then lines with settings, ground truth, best matches, metrics by the
@@ -20,6 +18,13 @@ std::string wrapped_text(const std::string& text, size_t indent = 0);
 /// nothing or something incorrect was recognized. `most_ranges`: the maximum number of ranges.
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
                             const std::string& summary, size_t most_ranges);
+
+/// The number of frames with a match, except frames whose best match is labeled ignore.
+double frames_to_find(const Report& report);
+
+/// recall_at (R@1) or a metric of the curve of best matches, over these frames: frames without a
+/// window count as misses.
+std::optional<double> over_frames(const Report& report, std::string_view key);
 
 /// One row per report, `names` in the column `key`: R@1, AP and R@100P over all frames with a
 /// match, so that frames without a window count as misses; frames recognized correctly and

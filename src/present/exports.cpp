@@ -35,12 +35,9 @@ std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& eval
   }
   const Result& result = evaluation.result->result;
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
-  for (size_t frame = 0; frame < recognitions.size(); ++frame) {
-    if (recognitions[frame] == nullptr) continue;
-    const uint32_t sequence = result.places ? 0 : recognitions[frame]->sequence;
-    matches[frame] =
-        FrameMatch{sequence, anchor_of(recognitions[frame]->train, result.window_length())};
-  }
+  for (size_t frame = 0; frame < recognitions.size(); ++frame)
+    if (const Match* match = recognitions[frame])
+      matches[frame] = FrameMatch{match->sequence, anchor_of(match->train, result.window_length())};
   return matches;
 }
 

@@ -1,7 +1,5 @@
 #include "present/ground_truth_report.h"
 
-#include <fmt/format.h>
-
 #include "base/json.h"
 
 namespace vpr {

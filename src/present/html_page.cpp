@@ -4,8 +4,6 @@
 #include <cassert>
 #include <cstdint>
 
-#include <fmt/format.h>
-
 #include "base/json.h"
 #include "present/chart.h"
 
@@ -74,7 +72,7 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
     filled.append(page.substr(0, begin));
     const auto part = parts.find(std::string(page.substr(begin + 2, end - begin - 2)));
     assert(part != parts.end());
-    if (part != parts.end()) filled += part->second;
+    filled += part->second;
     page.remove_prefix(end + 2);
   }
 }

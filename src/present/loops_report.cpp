@@ -20,8 +20,6 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMostLines = 20;  // of a list of mistakes
-
 std::optional<double> share(uint64_t part, uint64_t whole) {
   if (whole == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(whole);
@@ -34,6 +32,10 @@ std::optional<double> precision(const LoopJudgment& judgment) {
 
 std::optional<double> recall(const LoopJudgment& judgment) {
   return share(judgment.frames_found(), judgment.frames_with_loop());
+}
+
+std::string share_text(std::optional<double> share) {
+  return share ? fmt::format("{:.4f}", *share) : "-";
 }
 
 Json seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
@@ -174,11 +176,9 @@ Series frame_series(const LoopsEvaluation& evaluation, const std::array<size_t, 
 /// Precision against recall of the best loop per frame. No series without scores.
 Chart curve_chart(const LoopsEvaluation& evaluation) {
   Chart chart = precision_recall_chart(evaluation.name);
-  if (!evaluation.judgment.curve || evaluation.judgment.curve->points.empty()) return chart;
-  const Curve& curve = *evaluation.judgment.curve;
-  Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
-  series.points = curve_points(curve, 1000);
-  chart.series.push_back(series);
+  if (const auto& curve = evaluation.judgment.curve; curve && !curve->points.empty())
+    chart.series.push_back({"best loop of every frame", curve_points(*curve), SeriesStyle::line,
+                            Meaning::best_matches});
   return chart;
 }
 
@@ -190,27 +190,6 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
   curve.width = 650;
   curve.height = 450;
   return figure_html(map) + (curve.series.empty() ? "" : figure_html(curve));
-}
-
-// The first `most` incorrect loops, and revisits without a correct loop.
-std::string mistakes_text(const LoopsEvaluation& evaluation, size_t most) {
-  std::string text;
-  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
-    if (rows.empty()) return;
-    text += "\n" + title + "\n";
-    for (size_t i = 0; i < std::min(rows.size(), most); ++i) text += "  " + line(rows[i]) + "\n";
-    if (rows.size() > most) text += fmt::format("  and {} more\n", rows.size() - most);
-  };
-  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
-    const ListedLoop& loop = judged.loop;
-    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
-                       loop.match, judged.distance_m);
-  });
-  add(missed_revisits(evaluation.judgment),
-      "Revisits without a correct loop:", [](const Revisit& revisit) {
-        return fmt::format("frames {} to {}", revisit.first, revisit.last);
-      });
-  return text;
 }
 
 }  // namespace
@@ -265,17 +244,14 @@ Table loops_table(const LoopsEvaluation& evaluation) {
   table.title = fmt::format(
       "{} (within {} m, {} apart)", evaluation.name, Json(evaluation.rules.radius_m).dump(),
       gap.nanoseconds ? seconds(*gap.nanoseconds).dump() + " s" : counted(gap.frames, "frame"));
-  const auto share = [](std::optional<double> value) {
-    return value ? fmt::format("{:.4f}", *value) : "-";
-  };
   add_column(table, "listed", evaluation.list.loops.size());
   add_column(table, "correct", judgment.count(PlaceLabel::same));
   add_column(table, "incorrect", judgment.count(PlaceLabel::different));
   add_column(table, "too near", judgment.count(PlaceLabel::ignore));
-  add_column(table, "precision", share(precision(judgment)));
+  add_column(table, "precision", share_text(precision(judgment)));
   add_column(table, "frames with a loop", judgment.frames_with_loop());
   add_column(table, "found", judgment.frames_found());
-  add_column(table, "recall", share(recall(judgment)));
+  add_column(table, "recall", share_text(recall(judgment)));
   add_column(table, "longest missed", longest_missed_frames(judgment));
   add_column(table, "revisits", judgment.revisits.size());
   add_column(table, "revisits found", judgment.revisits_found());
@@ -285,24 +261,37 @@ Table loops_table(const LoopsEvaluation& evaluation) {
   return table;
 }
 
-std::string loops_mistakes(const LoopsEvaluation& evaluation) {
-  return mistakes_text(evaluation, kMostLines);
+std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most) {
+  std::string text;
+  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
+    if (rows.empty()) return;
+    text += "\n" + title + "\n";
+    for (size_t i = 0; i < std::min(rows.size(), most); ++i) text += "  " + line(rows[i]) + "\n";
+    if (rows.size() > most) text += fmt::format("  and {} more\n", rows.size() - most);
+  };
+  add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
+    const ListedLoop& loop = judged.loop;
+    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
+                       loop.match, judged.distance_m);
+  });
+  add(missed_revisits(evaluation.judgment),
+      "Revisits without a correct loop:", [](const Revisit& revisit) {
+        return fmt::format("frames {} to {}", revisit.first, revisit.last);
+      });
+  return text;
 }
 
 std::string loops_text(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
-  constexpr size_t kMostMistakes = 1;  // of each kind
-  std::string text = wrapped_text(loops_sentence(evaluation)) + "\n";
-  const auto value = [](std::optional<double> share) {
-    return share ? fmt::format("{:.4f}", *share) : "-";
-  };
+  std::string text = wrapped_text(loops_sentence(evaluation));
   text += fmt::format("  precision {} of loops, recall {} of frames; {} of {} found\n",
-                      value(precision(judgment)), value(recall(judgment)),
+                      share_text(precision(judgment)), share_text(recall(judgment)),
                       judgment.revisits_found(), counted(judgment.revisits.size(), "revisit"));
   if (judgment.curve)
-    text += fmt::format("  AP {}, R@100P {}\n", value(average_precision(*judgment.curve).value),
-                        value(recall_at_full_precision(*judgment.curve).value));
-  return text + mistakes_text(evaluation, kMostMistakes);
+    text +=
+        fmt::format("  AP {}, R@100P {}\n", share_text(average_precision(*judgment.curve).value),
+                    share_text(recall_at_full_precision(*judgment.curve).value));
+  return text + loops_mistakes(evaluation, 1);
 }
 
 Chart loops_map_chart(const LoopsEvaluation& evaluation) {

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "base/json_fwd.h"
 #include "evaluate/loops.h"
@@ -24,7 +23,7 @@ struct LoopsEvaluation {
 /// The report without "machine" and "timing".
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run);
 
-/// "3 of 190 loops are wrong. 17 of 20 frames near an earlier one have a correct loop; ..."
+/// "3 of 190 loops are incorrect. 17 of 20 frames near an earlier one have a correct loop; ..."
 std::string loops_sentence(const LoopsEvaluation& evaluation);
 
 /// The sentence, the mean values and the first mistakes in at most 12 lines of 80 columns.
@@ -33,8 +32,9 @@ std::string loops_text(const LoopsEvaluation& evaluation);
 /// One row: counts of loops, frames and revisits and, if there are scores, metrics of the curve.
 Table loops_table(const LoopsEvaluation& evaluation);
 
-/// The first 20 wrong loops and the first 20 revisits without a correct loop; may be empty.
-std::string loops_mistakes(const LoopsEvaluation& evaluation);
+/// The first `most` incorrect loops and the first `most` revisits without a correct loop; may be
+/// empty.
+std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most = 20);
 
 /// The trajectory without its shortest extent, with a line per correct and incorrect loop, and the
 /// frames that have a loop.

@@ -61,8 +61,6 @@ std::span<const PaletteColor> palette() { return kPalette; }
 
 const PaletteColor& color_of(Meaning meaning) { return kPalette[static_cast<size_t>(meaning)]; }
 
-std::string hex_of(Meaning meaning) { return fmt::format("#{:06x}", color_of(meaning).light); }
-
 cv::Vec3b bgr_of(Meaning meaning) {
   const uint32_t rgb = color_of(meaning).light;
   return {static_cast<uint8_t>(rgb), static_cast<uint8_t>(rgb >> 8),

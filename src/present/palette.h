@@ -53,9 +53,6 @@ std::span<const PaletteColor> palette();
 
 const PaletteColor& color_of(Meaning meaning);
 
-/// "#rrggbb" for light pages.
-std::string hex_of(Meaning meaning);
-
 /// Blue, green and red for light pages, as in OpenCV's pixels.
 cv::Vec<uint8_t, 3> bgr_of(Meaning meaning);
 

@@ -58,6 +58,9 @@ Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& m
 /// The checksum of everything but "machine", "timing" and the checksum itself.
 std::string result_checksum(Json json);
 
+/// "settings" of a result or a report, by its "method". Throws Error(data).
+QuerySettings read_query_settings(const Fields& file);
+
 /// A result file with a valid checksum. Throws as read_result does.
 Json read_result_json(const std::filesystem::path& path);
 

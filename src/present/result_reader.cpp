@@ -78,15 +78,8 @@ uint32_t read_sum(const Fields& item, const std::string& key, int64_t offset) {
   return static_cast<uint32_t>(number + offset);
 }
 
-void read_settings(const Json& json, const ResultSource& source, Result& result) {
-  const auto read = [&](auto settings) {
-    stored_settings_from_json(json, settings, source.where);
-    result.settings = std::move(settings);
-  };
-  if (source.fields.text("method") == FabmapQuerySettings{}.method)
-    read(FabmapQuerySettings{});
-  else
-    read(SequenceQuerySettings{});
+void read_settings(const ResultSource& source, Result& result) {
+  result.settings = read_query_settings(source.fields);
   const size_t length = result.window_length();
   const size_t longest = result.score().longest_window;
   if (length == 0 || (longest > 0 && length > longest))
@@ -320,6 +313,14 @@ Json read_result_json(const fs::path& path) {
   return json;
 }
 
+QuerySettings read_query_settings(const Fields& file) {
+  QuerySettings settings;
+  if (file.text("method") == FabmapQuerySettings{}.method) settings = FabmapQuerySettings{};
+  std::visit([&](auto& kind) { stored_settings_from_json(file.json(), kind, file.where()); },
+             settings);
+  return settings;
+}
+
 StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   const std::string where = path.string();
   const Json json = read_result_json(path);
@@ -328,7 +329,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   StoredResult stored;
   stored.fingerprint = fields.text("checksum");
   Result& result = stored.result;
-  read_settings(json, source, result);
+  read_settings(source, result);
   read_query(source, result);
   const bool has_places = std::holds_alternative<FabmapQuerySettings>(result.settings);
   if (has_places) read_places(source, result);

@@ -29,8 +29,7 @@ bool has_threshold(const ComparedSequence& compared) {
 }
 
 std::string threshold_text(const Result& result, const SequenceQuerySettings& settings) {
-  const auto searched = std::ranges::find_if(
-      result.sequences, [](const ComparedSequence& one) { return one.searched && one.threshold; });
+  const auto searched = std::ranges::find_if(result.sequences, has_threshold);
   if (searched == result.sequences.end()) return "best matches only";
   const std::string limit =
       limit_text<&ComparedSequence::threshold>(result, !settings.distance_threshold);
@@ -55,21 +54,22 @@ std::string settings_text(const Result&, const FabmapQuerySettings& settings) {
                      settings.window);
 }
 
+// "64-137", or "64" for a single frame.
+std::string frames_text(size_t first, size_t last) {
+  return first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
+}
+
 std::vector<RecognizedRange> cluster_ranges(const Result& result) {
   std::vector<RecognizedRange> ranges;
   const size_t length = result.window_length();
   for (const Cluster& cluster : result.clusters->all) {
-    RecognizedRange& range = ranges.emplace_back();
-    range.query_first = anchor_of(cluster.query_first, length);
-    range.query_last = anchor_of(cluster.query_last, length);
-    range.train = fmt::format(
-        "{} {}", result.sequences[cluster.sequence].sequence.name,
-        frames_text(anchor_of(cluster.train_first, length), anchor_of(cluster.train_last, length)));
-    if (const auto rate = mean_rate(cluster)) range.score = fmt::format("{:.1f}x", *rate);
-    range.recognitions = cluster.recognitions;
-    range.sequence = cluster.sequence;
-    range.train_first = anchor_of(cluster.train_first, length);
-    range.train_last = anchor_of(cluster.train_last, length);
+    const size_t first = anchor_of(cluster.train_first, length);
+    const size_t last = anchor_of(cluster.train_last, length);
+    const std::string& name = result.sequences[cluster.sequence].sequence.name;
+    const auto rate = mean_rate(cluster);
+    ranges.push_back({anchor_of(cluster.query_first, length), anchor_of(cluster.query_last, length),
+                      fmt::format("{} {}", name, frames_text(first, last)),
+                      rate ? fmt::format("{:.1f}x", *rate) : "", cluster.sequence, first, last});
   }
   return ranges;
 }
@@ -83,8 +83,8 @@ std::vector<RecognizedRange> place_ranges(const Result& result) {
     std::string train = places.names[run.first_place];
     if (run.last_place != run.first_place) train += " to " + places.names[run.last_place];
     ranges.push_back({run.first_frame, run.last_frame, std::move(train),
-                      fmt::format("p {:.3f}", run.probability), run.recognitions, 0,
-                      run.first_place, run.last_place});
+                      fmt::format("p {:.3f}", run.probability), 0, run.first_place,
+                      run.last_place});
   }
   return ranges;
 }
@@ -131,10 +131,6 @@ std::string ranges_text(const Result& result, size_t most) {
   if (all > most)
     text += fmt::format("  and {} (-v lists all)\n", counted(all - most, "shorter range"));
   return text;
-}
-
-std::string frames_text(size_t first, size_t last) {
-  return first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
 }
 
 }  // namespace vpr

@@ -19,9 +19,8 @@ bool has_rule(const Result& result);
 struct RecognizedRange {
   size_t query_first = 0;  ///< frame; the anchor of the first recognized window
   size_t query_last = 0;
-  std::string train;        ///< sequence and frames, "monday 66-139", or a place
-  std::string score;        ///< speed, "1.0x", or the probability of a place
-  size_t recognitions = 0;  ///< window pairs, or frames of places
+  std::string train;  ///< sequence and frames, "monday 66-139", or a place
+  std::string score;  ///< speed, "1.0x", or the probability of a place
   uint32_t sequence = 0;
   size_t train_first = 0;  ///< frame, or place
   size_t train_last = 0;
@@ -36,8 +35,5 @@ std::string range_text(const Result& result, const RecognizedRange& range);
 /// One indented line per range: the longest `most` in the order of the query, then the number of
 /// the others.
 std::string ranges_text(const Result& result, size_t most);
-
-/// "64-137", or "64" for a single frame.
-std::string frames_text(size_t first, size_t last);
 
 }  // namespace vpr

@@ -48,7 +48,6 @@ ChartImage gray_image(const PixelGrid& grid, const std::vector<double>& scores, 
   ChartImage drawn = chart_image(image, grid.cells);
   const double sign = is_distance ? 1 : -1;
   drawn.grays = {sign * best / unit.divisor, sign * worst / unit.divisor};
-  drawn.gray_digits = 4;
   drawn.gray_label =
       fmt::format("{}, from the best to the worst; the worst 1 % are clipped", unit.words);
   return drawn;

@@ -9,11 +9,10 @@
 #include "base/json_fields.h"
 #include "base/text.h"
 #include "present/evaluation_report.h"
+#include "present/evaluation_text.h"
 
 namespace vpr {
 namespace {
-
-constexpr size_t kColumns = 80;  // of a terminal
 
 Json best_json(const BestMatchCounts& best) {
   return {{"queries", best.queries}, {"correct", best.correct}, {"ignored", best.ignored}};
@@ -131,12 +130,11 @@ std::string filter_text(const Sweep& sweep, const std::optional<Localization>& p
   const Localization& filter = *sweep.filter;
   if (path && (filter.correct <= path->correct || filter.incorrect > path->incorrect)) return {};
   if (path)
-    return wrapped_line(
-               fmt::format("The default of vpr-query, the filter, recognizes {} correctly and {} "
-                           "incorrectly.",
-                           filter.correct, filter.incorrect),
-               kColumns, 2) +
-           "\n";
+    return wrapped_text(
+        fmt::format("The default of vpr-query, the filter, recognizes {} correctly and {} "
+                    "incorrectly.",
+                    filter.correct, filter.incorrect),
+        2);
   const std::string text =
       fmt::format("The filter recognizes {} of {} correctly, {} incorrectly", filter.correct,
                   counted(filter.frames, "frame"), filter.incorrect);
@@ -312,20 +310,17 @@ std::string reason_text(const Sweep& sweep) {
 std::string recommendation_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
   if (!choice.cell)
-    return wrapped_line(
-               fmt::format("{}: no recommendation: {}.", sweep.query.name, reason_text(sweep)),
-               kColumns, 2) +
-           "\n" + filter_text(sweep, {});
+    return wrapped_text(
+               fmt::format("{}: no recommendation: {}.", sweep.query.name, reason_text(sweep)), 2) +
+           filter_text(sweep, {});
   const CellCounts& cell = sweep.cells[*choice.cell];
-  std::string text = wrapped_line(fmt::format("{}: recommended: {}: {}.", sweep.query.name,
+  std::string text = wrapped_text(fmt::format("{}: recommended: {}: {}.", sweep.query.name,
                                               cell_name(sweep, cell), reason_text(sweep)),
-                                  kColumns, 2) +
-                     "\n";
+                                  2);
   text += fmt::format("It recognizes {} of {} correctly, {} incorrectly.\n", cell.path.correct,
                       counted(cell.path.frames, "frame"), cell.path.incorrect);
-  text += wrapped_line(first_error_text(sweep), kColumns, 2) + "\n";
-  if (sweep.intervals)
-    text += wrapped_line(intervals_text(*sweep.intervals, has_places(sweep)), kColumns, 2) + "\n";
+  text += wrapped_text(first_error_text(sweep), 2);
+  if (sweep.intervals) text += wrapped_text(intervals_text(*sweep.intervals, has_places(sweep)), 2);
   const std::string filter = filter_text(sweep, cell.path);
   const bool may_generalize = sweep.score == &probability_kind() || knows_untrained(sweep);
   return text + (!filter.empty()  ? filter
@@ -345,7 +340,7 @@ std::string validation_text(const ValidatedCell& validation) {
   const BestMatchCounts& best = counts.best_match;
   text +=
       fmt::format("; best matches {} of {} correct.", best.correct, best.queries - best.ignored);
-  return wrapped_line(text, kColumns, 2) + "\n";
+  return wrapped_text(text, 2);
 }
 
 }  // namespace vpr

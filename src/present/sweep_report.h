@@ -1,7 +1,6 @@
 // Sweeps (vpr.sweep/3) as JSON, charts, tables and text.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

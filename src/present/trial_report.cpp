@@ -5,16 +5,17 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/text.h"
-#include "present/evaluation_report.h"
+#include "present/evaluation_text.h"
 
 namespace vpr {
 namespace {
 
 Json path_json(const Localization& path) {
-  Json json = {{"correct", path.correct}, {"incorrect", path.incorrect}, {"first", nullptr}};
-  if (path.first_recognition_frames) json["first"] = *path.first_recognition_frames;
-  return json;
+  return {{"correct", path.correct},
+          {"incorrect", path.incorrect},
+          {"first", or_null(path.first_recognition_frames)}};
 }
 
 void add_path(Table& table, const std::string& setting, const Localization& path, double seconds) {
@@ -26,12 +27,9 @@ void add_path(Table& table, const std::string& setting, const Localization& path
 }  // namespace
 
 Json trials_json(const Trials& trials, const RunInfo& run, double seconds) {
-  Json json = {{"schema", "vpr.tuning/3"},
-               {"max_incorrect", trials.max_incorrect},
-               {"queries", Json::array()},
-               {"trials", Json::array()},
-               {"chosen", trials.chosen ? Json(*trials.chosen) : Json()},
-               {"settings", nullptr}};
+  Json json = {{"schema", "vpr.tuning/3"},         {"max_incorrect", trials.max_incorrect},
+               {"queries", Json::array()},         {"trials", Json::array()},
+               {"chosen", or_null(trials.chosen)}, {"settings", nullptr}};
   for (const Sequence& query : trials.queries) {
     json["queries"].push_back({{"name", query.name}, {"frames", query.frames}});
     add_selection(json["queries"].back(), query.selection);
@@ -70,19 +68,17 @@ Table trials_table(const Trials& trials, bool by_query) {
   return table;
 }
 
-std::string path_text(const Localization& path) {
-  return fmt::format("{} of {} correctly, {} incorrectly", path.correct,
-                     counted(path.frames, "frame"), path.incorrect);
-}
-
 std::string choice_text(const Trials& trials, const std::string& advice) {
   if (trials.chosen) {
     const Trial& trial = trials.all[*trials.chosen];
-    const std::string choice = fmt::format("Choice: {}: {}.", trial.name, path_text(trial.total()));
-    return wrapped_line(choice, 80, 2) +
+    const Localization path = trial.total();
+    const std::string choice =
+        fmt::format("Choice: {}: {} of {} correctly, {} incorrectly.", trial.name, path.correct,
+                    counted(path.frames, "frame"), path.incorrect);
+    return wrapped_text(choice, 2) +
            (trial.is_tuned
-                ? "\nIts threshold fits these frames; another recording may need another setting.\n"
-                : "\nAnother recording may need another setting.\n");
+                ? "Its threshold fits these frames; another recording may need another setting.\n"
+                : "Another recording may need another setting.\n");
   }
   const bool any_correct =
       std::ranges::any_of(trials.all, [](const Trial& trial) { return trial.total().correct > 0; });
@@ -93,8 +89,7 @@ std::string choice_text(const Trials& trials, const std::string& advice) {
   if (!advice.empty()) {
     std::string line = advice;
     std::ranges::replace(line, '\n', ' ');
-    return "No choice: no setting recognizes a frame correctly.\n" + wrapped_line(line, 80, 2) +
-           "\n";
+    return "No choice: no setting recognizes a frame correctly.\n" + wrapped_text(line, 2);
   }
   return "No choice: no setting recognizes a frame correctly, and some are recognized\n"
          "incorrectly. Check the ground truth. The query may show another place.\n";

@@ -22,7 +22,4 @@ Table trials_table(const Trials& trials, bool by_query);
 /// line feed.
 std::string choice_text(const Trials& trials, const std::string& advice);
 
-/// "52 of 111 frames correctly, 0 incorrectly".
-std::string path_text(const Localization& path);
-
 }  // namespace vpr

@@ -102,7 +102,7 @@ def relabel_with_truth(browser, folder, bin):
     report = json.load(open(f"{folder}/report.json"))
     best = report["outcomes"]["best"]
     first = report["outcomes"]["first_frame"]
-    wrong = [first + i for i, letter in enumerate(best) if letter in "wn"]
+    wrong = [first + i for i, letter in enumerate(best) if letter in "wnb"]
     lines = saved(browser, folder, "save-disagreements").splitlines()
     assert lines[0] == "query,reference,score,recognized,ground_truth", lines[0]
     assert [int(line.split(",")[0]) for line in lines[1:]] == wrong

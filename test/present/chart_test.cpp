@@ -1,6 +1,5 @@
 #include "present/chart.h"
 
-#include <cmath>
 #include <set>
 
 #include <catch2/catch.hpp>

@@ -176,7 +176,7 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   const std::vector<double> scores = pixels.scores(1000);
   CHECK(scores[0] == 0);
   CHECK(scores[26] == 26);
-  CHECK(std::isnan(scores[27]));  // no row came
+  CHECK(std::isnan(scores[27]));  // no row arrived
   const Chart chart =
       matrix_chart(judgment, truth, pixels.grid(), scores, "training frame", {"z", 2}, {});
   const cv::Mat drawn = pixels_of(chart_png({chart}));
@@ -324,7 +324,7 @@ TEST_CASE("a map can be stopped") {
   RouteMap map;
   map.query = {RoutePoint{0, 1, "a"}, RoutePoint{20, 1, "b"}, RoutePoint{40, 1, "a"}};
   const MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
-  CHECK(route_charts(map, {panel}).size() == 2);  // a chart a floor
+  CHECK(route_charts(map, {panel}).size() == 2);  // one chart per floor
   const std::atomic<bool> stop{true};
   Monitor monitor;
   monitor.stop = &stop;

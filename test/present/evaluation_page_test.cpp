@@ -4,11 +4,11 @@
 #include <limits>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
 #include "evaluate/metrics.h"
+#include "present/comparison_report.h"
 #include "present/evaluation_report.h"
 #include "present/html_page.h"
 #include "present/score_matrix.h"
@@ -160,6 +160,16 @@ TEST_CASE("a report is written again as it was read") {
   CHECK(report_json(parse_report(json, "r.json")).dump() == json.dump());
 }
 
+TEST_CASE("a selected query has the ground truth of its recording") {
+  std::vector<Report> reports(2);
+  reports[0].protocol.ground_truth = "aligned, training frames at speed 2";
+  reports[1].protocol.ground_truth = "aligned, query at speed 0.5, training frames at speed 2";
+  reports[1].selection.speed = "0.5";
+  CHECK(compare_ground_truths(reports) == GroundTruths::same);
+  reports[0].protocol.ground_truth = "aligned";
+  CHECK(compare_ground_truths(reports) == GroundTruths::different);
+}
+
 TEST_CASE("a page has no external references, even with hostile names") {
   const test::TemporaryFolder folder;
   const std::string hostile = "<img src=x onerror=alert(1)>\"'&{{data}}.png";
@@ -229,6 +239,7 @@ TEST_CASE("a page begins with its summary and states the protocol once") {
     at = page.find(part);
   }
   CHECK(count_of(page, "pairs from my desk") == 1);
+  CHECK(page.find("<dt>scores</dt><dd>distance</dd>") != std::string::npos);
   CHECK(page.find("best match incorrect, not recognized") != std::string::npos);
   CHECK(page.find("worst mistakes") != std::string::npos);
   CHECK(page.find("{{") == std::string::npos);

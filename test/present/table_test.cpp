@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "present/evaluation_text.h"
+
 using namespace vpr;
 
 namespace {
@@ -36,6 +38,11 @@ TEST_CASE("a name in a table can neither control a terminal nor leave its cell")
   for (const TableFormat format : {TableFormat::markdown, TableFormat::latex})
     CHECK(render_table(hostile, format).find('\x1b') == std::string::npos);
   CHECK(render_table(hostile, TableFormat::csv) == "\"na\nme\"\n\"a\x1b[31m\nb\"\n");
+}
+
+TEST_CASE("long names are cut between letters") {
+  const std::string begin(18, 'x');
+  CHECK(short_text({"", {"name"}, {{begin + "\xc3\xa4 and more"}}}).ends_with(begin + "...\n"));
 }
 
 TEST_CASE("CSV quotes fields if necessary and has no title") {

@@ -26,13 +26,13 @@
     return file(lines);
   };
   const sorted = () => [...anchors].sort((a, b) => a[1] - b[1] || a[0] - b[0]);
-  const isWrong = (i) => data.matches[i] && (data.best[i] === "w" || data.best[i] === "n");
+  const isWrong = (i) => data.matches[i] && "wnb".includes(data.best[i]);
   const disagreements = () => {
     const lines = [`${header},score,recognized,ground_truth`];
     for (let i = 0; i < count; ++i)
       if (isWrong(i))
         lines.push(row(frameOf(i), ...data.matches[i], data.scores[i], data.recognized[frameOf(i)] === "." ? "no" : "yes",
-          data.best[i] === "w" ? "different" : "no match"));
+          data.best[i] === "n" ? "no match" : "different"));
     return file(lines);
   };
   const save = (name, text) => {

@@ -20,7 +20,8 @@
   };
 
   // The outcome of one query.
-  const verdicts = { c: "correct", w: "incorrect", n: "incorrect: the ground truth has no match", i: "ignored", u: "unreadable" };
+  const verdicts = { c: "correct", w: "incorrect", n: "incorrect: the ground truth has no match",
+    b: "incorrect: the ground truth has matches only where no training window ends", i: "ignored", u: "unreadable" };
   const slider = byId("at");
   const count = data.best.length;
   const { words, divisor } = data.unit;
