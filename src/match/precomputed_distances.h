@@ -69,9 +69,8 @@ class ScoreFile {
 struct PrecomputedUnits {
   double best = 0;
   double unit = 1;
-  bool is_exact = false;   ///< no score is rounded
-  uint16_t largest = 0;    ///< also the distance of missing scores
-  double worst_score = 0;  ///< of the file
+  bool is_exact = false;  ///< no score is rounded
+  uint16_t largest = 0;   ///< also the distance of missing scores
 };
 
 /// A matrix of scores of all pairs of query frames and references, memory-mapped; a block is read

@@ -180,7 +180,7 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
         text.empty() ? " seem to show the same place, or places that look alike" : "",
         window_text(a, closest.window, table.window_length),
         window_text(b, closest.other_window, table.window_length), distance, mean,
-        between.unit.name);
+        distance_of(spans[other].rows.shape.element).unit.name);
   }
   if (pairs.empty()) return std::nullopt;
   if (pairs.size() > kNamedPairs)
