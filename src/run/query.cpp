@@ -200,7 +200,7 @@ Sinks ResultRows::sinks() {
 Result ResultRows::result() {
   if (paths_) return paths_->result();
   return make_result(plan_, recognitions_.result(),
-                     scan_ ? scan_->result().margins : std::vector<std::optional<uint32_t>>{});
+                     scan_ ? scan_->result() : std::vector<std::optional<uint32_t>>{});
 }
 
 std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,

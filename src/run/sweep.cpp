@@ -111,7 +111,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   for (size_t l = 0; l < lengths.size(); ++l) {
     lengths[l].found = recognitions[l].result();
     if (!has_margins) continue;
-    lengths[l].margins = margins[l].result().margins;
+    lengths[l].margins = margins[l].result();
     lengths[l].unknown_place = labeled[l].result();
   }
 }
