@@ -158,8 +158,6 @@ using WindowStage = std::function<void(const FrameDistances& distances, const Qu
 struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
-  bool has_scores;  ///< also supports distances in order, such as z-scores
-  bool has_rates;   ///< also supports windows of several rates
   /// supports only distances in order; windows have one frame, and cells are the filter's values
   bool has_paths;
   bool has_strips;  ///< can process the whole query at once (match_strips)
