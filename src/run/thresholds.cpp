@@ -89,15 +89,12 @@ bool is_left_to_queries(std::span<const DescribedFrames> sequences) {
   return pairs > kMostPairs;
 }
 
-double typical_distance(const DescribedFrames& sequence, const Monitor& monitor) {
+double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
+                        const Monitor& monitor) {
+  if (stored.typical_distance) return *stored.typical_distance;
   StatisticsSettings settings;
   settings.samples = 1000;
   return compute_statistics({&sequence, 1}, settings, monitor).typical_distance;
-}
-
-double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
-                        const Monitor& monitor) {
-  return stored.typical_distance ? *stored.typical_distance : typical_distance(sequence, monitor);
 }
 
 double largest_threshold(double typical_distance, size_t window_length) {
