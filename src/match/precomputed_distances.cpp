@@ -5,9 +5,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -15,7 +15,6 @@
 #include "fabmap/database.h"
 #include "fabmap/model.h"
 #include "fabmap/train.h"
-#include "match/fusion.h"
 
 namespace vpr {
 

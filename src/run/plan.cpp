@@ -17,7 +17,6 @@
 #include "match/fastable.h"
 #include "match/lsh.h"
 #include "match/zscores.h"
-#include "run/own_database.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "truth/times.h"

@@ -5,13 +5,10 @@
 #include <set>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/parallel.h"
 #include "evaluate/calibration.h"
 #include "evaluate/judgment.h"
-#include "evaluate/matrix_scan.h"
 #include "match/fastable.h"
 #include "match/match.h"
 #include "run/plan.h"

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "evaluate/judgment.h"
 #include "run/plan.h"
 #include "run/train.h"
 

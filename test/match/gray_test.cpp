@@ -7,7 +7,6 @@
 #include "base/random.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/match.h"
 #include "match/reference.h"
 #include "match/zscores.h"
 #include "support.h"

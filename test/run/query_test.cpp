@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "examples.h"
 #include "match/reference.h"
 #include "run/thresholds.h"
