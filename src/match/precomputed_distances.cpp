@@ -254,7 +254,7 @@ void ScoreFile::read_reference(size_t reference, size_t first, size_t count, dou
 }
 
 void ScoreFile::forget(size_t first, size_t count) const {
-  const size_t line_bytes = line_values() * type_->bytes;
+  const size_t line_bytes = (is_query_major_ ? references_ : queries_) * type_->bytes;
   array_.forget_values(first * line_bytes, count * line_bytes);
 }
 

@@ -53,7 +53,6 @@ class ScoreFile {
 
  private:
   void read(size_t index, size_t stride, size_t count, double* scores) const;
-  size_t line_values() const { return is_query_major_ ? references_ : queries_; }
 
   std::string name_;
   ScoreFormat format_;

@@ -256,7 +256,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& qu
                 settings->filter};
   plan.is_approximate = settings->method == kLshMethod;
   plan.match.method = &find_sequence_method(plan.is_approximate ? "fastable" : settings->method);
-  plan.decision = settings->decision;
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
   if (auto basis = score_basis(statistics, *settings))
     plan.basis = std::make_shared<const ScoreBasis>(*std::move(basis));
@@ -269,7 +268,7 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& qu
 }
 
 void plan_decision(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
-  if (plan.decision == Decision::margin)
+  if (plan.settings.decision == Decision::margin)
     plan_margins(plan, database, monitor);
   else
     plan_thresholds(plan, database, monitor);
@@ -505,7 +504,7 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                                      : std::numeric_limits<double>::quiet_NaN());
   }
   result.margins.assign(margins.begin(), margins.end());
-  if (plan.decision == Decision::margin) decide_by_margin(result);
+  if (plan.settings.decision == Decision::margin) decide_by_margin(result);
   return result;
 }
 

@@ -87,7 +87,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
-  const bool has_margins = first.decision == Decision::margin;
+  const bool has_margins = first.settings.decision == Decision::margin;
   QueryResources shared = resources;  // recognitions of all lengths are in memory together
   shared.memory_limit /= lengths.size();
   std::deque<RecognitionScan> recognitions;
