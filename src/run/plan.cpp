@@ -344,8 +344,7 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
                             "that arrive",
                             path));
   // A sweep sets thresholds and margins itself.
-  const bool is_swept = settings.has(kSweepChoice);
-  if (!is_swept) check_automatic(database, *settings);
+  if (!settings.has(kSweepChoice)) check_automatic(database, *settings);
   if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
   if (!fabmap.empty())
     fuse_views(database, read_fabmap_database(fabmap), fabmap);

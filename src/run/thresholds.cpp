@@ -171,8 +171,7 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
     const Sequence& b = sequences[other].sequence;
     text += fmt::format(
         "{0}{1} and {2}{3}: {1} {4} and {2} {5} differ by {6:.1f} {8}, frames of the two by "
-        "{7:.0f} "
-        "on average",
+        "{7:.0f} on average",
         text.empty() ? "" : "; so do ", a.name, b.name,
         text.empty() ? " seem to show the same place, or places that look alike" : "",
         window_text(a, closest.window, table.window_length),
