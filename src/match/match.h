@@ -38,7 +38,8 @@ struct PathReport {
   /// final.
   size_t first = 0;
   size_t settled = 0;
-  std::optional<double> rate;  ///< recent training frames per query frame; unset after few frames
+  /// recent training frames per query frame; unset after few frames
+  std::optional<double> rate = {};
   /// Matches of the last frames of the path, up to this one; they replace those of earlier reports.
   std::span<const Cell> matches = {};
 };

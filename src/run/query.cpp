@@ -130,7 +130,8 @@ PathRows::PathRows(const QueryPlan& plan)
 void PathRows::operator()(std::span<const ScoreRow> row) {
   const PathReport& report = *row.front().path;
   const size_t frame = row.front().query_window;
-  steps_[frame] = {report.path, report.margin, report.first, report.settled};
+  steps_[frame] = report;
+  steps_[frame].matches = {};
   for (const Cell& match : report.matches) best_[match.query_window] = match;
   if (report.rate) path_.rates[frame] = *report.rate;
   path_.numbers[frame] = report.path;

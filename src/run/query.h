@@ -29,7 +29,7 @@ class PathRows {
 
   const QueryPlan& plan_;
   PathDecisions decisions_;
-  std::vector<PathStep> steps_;  ///< by query frame
+  std::vector<PathReport> steps_;  ///< by query frame, without matches
   std::vector<std::optional<Cell>> best_;
   ResultPath path_;
 };
