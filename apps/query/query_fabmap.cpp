@@ -172,8 +172,8 @@ void query_places(Session& session, const QueryOptions& options,
     if (posteriors) posteriors->add(posterior);
     if (frame == explained) explained_posterior.assign(posterior.begin(), posterior.end());
   };
-  FabmapRun run = query_fabmap(database, query.words, query.name, settings, session.options.seed,
-                               observe, session.monitor);
+  QueryRun run = query_fabmap(database, query.words, query.name, settings, session.options.seed,
+                              observe, session.monitor);
   ResultContext context = make_context(options, session);
   context.run.paths["query"] = query.path;
   context.seconds = std::move(run.seconds);

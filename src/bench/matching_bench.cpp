@@ -169,7 +169,7 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   constexpr size_t kCheckedRows = 20;
   const size_t length = example.settings.window_length;
   const FrameDistances some = first_rows(example, kCheckedRows);
-  CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedScores, 1));
+  CellScan scan(choose_cells(some, length, kCheckedScores, 1));
   const ScoreBasis basis = score_basis(example);
   match(zscores(some, basis, monitor), example.settings, {{std::ref(scan)}}, monitor);
   if (!wrong_scores(scan.result(), some.train, some.query, length, basis, monitor).empty())
@@ -351,7 +351,7 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   const auto check = [&](std::string_view method, size_t rows) {
     if (std::ranges::count(methods, method) == 0) return;
     const FrameDistances some = first_rows(example, rows);
-    CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedCells, 1));
+    CellScan scan(choose_cells(some, length, kCheckedCells, 1));
     MatchSettings settings = example.settings;
     settings.method = &find_sequence_method(method);
     match(some, settings, {{std::ref(scan)}}, monitor);

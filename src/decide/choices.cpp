@@ -107,10 +107,6 @@ constexpr std::array kChoices = {
            .excludes = kPast,
            .is_implied = is<&Settings::loop, false>},
     Choice{.flag = kFabmapChoice, .excludes = kSeconds | kDescriptor},
-    Choice{.flag = "a --gap in frames",
-           .excludes = kSeconds,
-           .is_implied = [](const Settings& s,
-                            const RunChoices&) { return s.loop && s.loop_gap_s == 0; }},
     Choice{.flag = kMatrixChoice, .excludes = kTrainingDistances | kFrames},
     Choice{.flag = kDatabaseChoice, .needs = kSequences | kFrames, .instead = "Omit the database."},
     Choice{.flag = kLiveChoice,
@@ -312,7 +308,8 @@ void check_gap(const Settings& settings) {
   require(settings.loop_gap == 0 || !has_seconds,
           "the gap of a loop is in frames or in seconds. Set loop_gap or loop_gap_s, not both.");
   require(!has_seconds || (settings.loop_gap_s > 0 && settings.loop_gap_s <= kMostGapSeconds),
-          fmt::format("loop_gap_s must be above 0, found {}", settings.loop_gap_s));
+          fmt::format("loop_gap_s must be above 0, at most {}, found {}", kMostGapSeconds,
+                      settings.loop_gap_s));
 }
 
 void check_ranges(const Settings& settings) {

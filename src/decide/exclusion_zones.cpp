@@ -66,10 +66,7 @@ size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor)
 }
 
 MarginScan::MarginScan(ExclusionZones zones, size_t query_windows, const RowKernels& kernels)
-    : zones_(std::move(zones)), kernels_(kernels) {
-  result_.best.resize(query_windows);
-  result_.margins.resize(query_windows);
-}
+    : zones_(std::move(zones)), kernels_(kernels), margins_(query_windows) {}
 
 void MarginScan::operator()(std::span<const ScoreRow> row) {
   const Cell best = closest(row, kernels_);
@@ -83,8 +80,7 @@ void MarginScan::operator()(std::span<const ScoreRow> row) {
     else if (zones_.shared[best.sequence][piece.sequence] == 0)
       runner_up = std::min(runner_up, smallest_outside(piece, 0, 0, kernels_));
   }
-  result_.best[best.query_window] = best;
-  if (runner_up != kNoCell) result_.margins[best.query_window] = runner_up - best.score;
+  if (runner_up != kNoCell) margins_[best.query_window] = runner_up - best.score;
 }
 
 }  // namespace vpr

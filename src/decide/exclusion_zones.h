@@ -31,25 +31,20 @@ ExclusionZones make_exclusion_zones(std::vector<uint32_t> radii,
 /// Uses every frame, or about 10 000 evenly spread frames of a longer sequence.
 size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor = {});
 
-/// By query window; nullopt for a window without a row.
-struct MarginScanResult {
-  std::vector<std::optional<Cell>> best;         ///< ties to the smallest sequence and train window
-  std::vector<std::optional<uint32_t>> margins;  ///< never negative; nullopt also for a best match
-                                                 ///< without a runner-up
-};
-
-/// The margin of every row: the smallest score outside the exclusion zone minus the smallest score.
-/// Accepts whole rows of integers of which smaller ones are better.
+/// The margin of every row: the smallest score outside the exclusion zone minus the smallest score,
+/// with ties to the smallest sequence and train window. Accepts whole rows of integers of which
+/// smaller ones are better.
 class MarginScan {
  public:
   MarginScan(ExclusionZones zones, size_t query_windows, const RowKernels& kernels);
   void operator()(std::span<const ScoreRow> row);
-  const MarginScanResult& result() const { return result_; }
+  /// By query window; nullopt for a window without a row or without a runner-up.
+  const std::vector<std::optional<uint32_t>>& result() const { return margins_; }
 
  private:
   ExclusionZones zones_;
   RowKernels kernels_;
-  MarginScanResult result_;
+  std::vector<std::optional<uint32_t>> margins_;
 };
 
 }  // namespace vpr

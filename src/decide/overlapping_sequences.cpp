@@ -71,7 +71,7 @@ bool is_recognized(const DescribedFrames& query, const Searched& train, const Ro
     MarginScan scan(train.zone, part.count - length + 1, kernels);
     match(zscores(train.distances.of_query(frames), train.basis, monitor),
           {length, kDefaultMemoryLimit, kernels}, {{}, {std::ref(scan)}}, monitor);
-    for (const auto& margin : scan.result().margins) {
+    for (const auto& margin : scan.result()) {
       windows += margin ? 1 : 0;
       recognized += margin && score.frame_value(*margin, length) >= least ? 1 : 0;
     }

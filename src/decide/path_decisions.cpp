@@ -30,7 +30,7 @@ std::vector<Cell> PathDecisions::pop_before(size_t frame) {
   return recognized;
 }
 
-std::vector<uint32_t> settled_margins(std::vector<PathStep> steps) {
+std::vector<uint32_t> settled_margins(std::vector<PathReport> steps) {
   std::vector<uint32_t> margins(steps.size());
   if (!steps.empty()) steps.back().settled = steps.size();
   std::deque<size_t> best;  // steps that recognize the frame, with decreasing margins

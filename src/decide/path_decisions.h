@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <span>
 #include <vector>
 
 #include "match/match.h"
@@ -36,16 +35,9 @@ class PathDecisions {
   std::deque<Cell> open_;  ///< consecutive frames of the path that may still be recognized
 };
 
-/// What remains of the report at a query frame.
-struct PathStep {
-  uint32_t path = 0;  ///< 0: an unreadable frame
-  uint32_t margin = 0;
-  size_t first = 0;  ///< of the frames that the margin recognizes
-  size_t settled = 0;
-};
-
 /// By query frame: the largest margin that recognizes it, so that a least margin accepts what
-/// PathDecisions recognizes. The end of the query settles all matches.
-std::vector<uint32_t> settled_margins(std::vector<PathStep> steps);
+/// PathDecisions recognizes. The end of the query settles all matches. `steps`: the reports by
+/// query frame, without matches; path 0: an unreadable frame.
+std::vector<uint32_t> settled_margins(std::vector<PathReport> steps);
 
 }  // namespace vpr

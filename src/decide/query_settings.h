@@ -71,8 +71,6 @@ struct ScoreKind {
   std::string_view measure = {};           ///< in sentences: "distance"
   std::string_view window_symbol = {};     ///< c_l, c_w
   std::string_view threshold_symbol = {};  ///< t_r, t_p
-  std::string_view frame_unit = {};        ///< of frame_value, as the head of a column
-  int frame_digits = {};                   ///< decimals of frame_value
   ThresholdScale number_scale = {};        ///< default scale of a t_r that is a number
   ThresholdScale frame_scale = {};         ///< of frame_value; the default for loop queries
   size_t longest_window = {};              ///< in frames: longer sums may exceed 32 bits

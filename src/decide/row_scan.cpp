@@ -19,16 +19,17 @@ Cell cell_at(const ScoreRow& row, size_t x) {
           row.rates.empty() ? uint8_t{0} : row.rates[x]};
 }
 
+// Whether cell a is a better match than cell b of the same row.
+bool is_closer(const Cell& a, const Cell& b) {
+  return std::tie(a.score, a.sequence, a.train_window) <
+         std::tie(b.score, b.sequence, b.train_window);
+}
+
 }  // namespace
 
 bool by_position(const Cell& a, const Cell& b) {
   return std::tie(a.query_window, a.sequence, a.train_window) <
          std::tie(b.query_window, b.sequence, b.train_window);
-}
-
-bool is_closer(const Cell& a, const Cell& b) {
-  return std::tie(a.score, a.sequence, a.train_window) <
-         std::tie(b.score, b.sequence, b.train_window);
 }
 
 void MaximumScan::operator()(const ScoreRow& row) {

@@ -13,9 +13,6 @@ namespace vpr {
 
 /// Orders by query window, sequence, train window.
 bool by_position(const Cell& a, const Cell& b);
-/// Whether cell a is a better match than cell b of the same row; ties to the smallest sequence and
-/// train window.
-bool is_closer(const Cell& a, const Cell& b);
 
 /// The largest score of each training sequence; 0 for a sequence without cells.
 class MaximumScan {

@@ -26,7 +26,7 @@ class UnknownPlaceScan {
                    size_t query_windows, const RowKernels& kernels);
   void operator()(std::span<const ScoreRow> row);
   /// One per query window; unset without a runner-up.
-  std::vector<std::optional<uint32_t>> result() const { return untrained_.result().margins; }
+  std::vector<std::optional<uint32_t>> result() const { return untrained_.result(); }
 
  private:
   const GroundTruth& truth_;

@@ -1,7 +1,6 @@
 #include "match/fastable.h"
 
 #include <algorithm>
-#include <cassert>
 #include <charconv>
 #include <limits>
 #include <memory>

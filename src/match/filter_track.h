@@ -10,9 +10,6 @@
 
 namespace vpr {
 
-/// Which training sequences overlap, [a][b]; empty: none.
-using SharedPlaces = std::vector<std::vector<uint8_t>>;
-
 /// A keyframe of the query on a path.
 struct PathKeyframe {
   size_t frame = 0;  ///< its first frame
@@ -24,10 +21,10 @@ struct PathKeyframe {
 struct PathTrack {
   FilterSettings settings;
   RowKernels kernels;
-  SharedPlaces shared;
-  uint32_t number = 0;              ///< of the path, from 1 on
-  size_t keyframes = 0;             ///< of the path; 0 before the first one
-  uint32_t margin = 0;              ///< 0: the path has fewer than path_keyframes
+  std::vector<std::vector<uint8_t>> shared;  ///< MatchSettings::overlapping_sequences
+  uint32_t number = 0;                       ///< of the path, from 1 on
+  size_t keyframes = 0;                      ///< of the path; 0 before the first one
+  uint32_t margin = 0;                       ///< 0: the path has fewer than path_keyframes
   std::deque<PathKeyframe> recent;  ///< its last keyframes, at most path_keyframes * 3 / 2 + 1
 };
 

@@ -21,7 +21,6 @@ FrameDistances compare(const std::vector<DescribedFrames>& train, const Describe
                        const PreparedTraining& prepared) {
   FrameDistances distances;
   distances.largest = largest_distance(query.rows.shape);
-  distances.unit = distance_of(query.rows.shape.element).unit;
   distances.train = train;
   distances.query = query;
   distances.train_frames = count_frames(train);

@@ -54,7 +54,7 @@ inline constexpr size_t kBlockFrames = 8;
 /// The unit of distances: its name after a number, and its size in the units of the method.
 struct DistanceUnit {
   std::string_view name;  ///< "bits"
-  double size = 1;        ///< 2/65535 of a cosine distance, 1/1024 of a deviation
+  double size = 1;        ///< 2/65535 of a cosine distance
 };
 
 /// Frame distances, from 0 to `largest`, between any frame of a query and any range of training
@@ -68,7 +68,6 @@ struct FrameDistances {
   std::vector<FrameRun> train_runs;  ///< runs in which windows may lie, increasing
   std::vector<FrameRun> query_runs;
   uint16_t largest = 0;
-  DistanceUnit unit;
 
   /// Writes the distances of queries[t] to training frames [first, last) to out[t * stride] and on.
   /// `first` is a multiple of kBlockFrames; up to kBlockFrames - 1 more values may be written
@@ -110,7 +109,6 @@ using PreparedTraining = std::function<void(FrameDistances& distances)>;
 
 /// An entry of the table of distances: the distance of two descriptors of an element type.
 struct DistanceKind {
-  std::string_view name;
   ElementType element;
   DistanceUnit unit;
   uint16_t (*largest)(const DescriptorShape& shape);

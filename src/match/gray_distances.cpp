@@ -214,7 +214,6 @@ Projector make_projector(const DescriptorRows& to, std::span<const ComponentValu
 }  // namespace
 
 const DistanceKind kGrayDistance = {
-    "absolute differences",
     ElementType::gray_levels,
     {"256ths of a gray level", 1.0 / 256},
     [](const DescriptorShape&) -> uint16_t { return (kLevels - 1) * kUnits; },

@@ -180,9 +180,11 @@ uint32_t hamming_distance(DescriptorRow a, DescriptorRow b) {
 }
 
 const DistanceKind kHammingDistance = {
-    "hamming",        ElementType::bits,
-    {"bits", 1},      [](const DescriptorShape& shape) { return uint16_t(shape.length); },
-    hamming_distance, make_projector,
+    ElementType::bits,
+    {"bits", 1},
+    [](const DescriptorShape& shape) { return uint16_t(shape.length); },
+    hamming_distance,
+    make_projector,
     prepare};
 
 }  // namespace vpr

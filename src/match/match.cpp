@@ -63,14 +63,13 @@ WindowStage openable_stage([[maybe_unused]] const FrameDistances& distances,
 }
 
 constexpr std::array<SequenceMethod, 4> kMethods = {{
-    {"fastable", "reuses distances between rows, for the whole query at once", true, true, false,
-     true, fastable_stage},
-    {"fastable-online", "as fastable, one query frame after the other as on a phone", true, true,
-     false, false, fastable_stage},
-    {"openable", "every window distance by definition (slow)", false, false, false, false,
-     openable_stage},
+    {"fastable", "reuses distances between rows, for the whole query at once", false, true,
+     fastable_stage},
+    {"fastable-online", "as fastable, one query frame after the other as on a phone", false, false,
+     fastable_stage},
+    {"openable", "every window distance by definition (slow)", false, false, openable_stage},
     {"filter", "follows a path at any speed; accepts matches that the path confirms", true, false,
-     true, false, filter_stage},
+     filter_stage},
 }};
 
 const SequenceMethod& method_of(const MatchSettings& settings) {

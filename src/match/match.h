@@ -38,7 +38,8 @@ struct PathReport {
   /// final.
   size_t first = 0;
   size_t settled = 0;
-  std::optional<double> rate;  ///< recent training frames per query frame; unset after few frames
+  /// recent training frames per query frame; unset after few frames
+  std::optional<double> rate = {};
   /// Matches of the last frames of the path, up to this one; they replace those of earlier reports.
   std::span<const Cell> matches = {};
 };
@@ -158,8 +159,6 @@ using WindowStage = std::function<void(const FrameDistances& distances, const Qu
 struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
-  bool has_scores;  ///< also supports distances in order, such as z-scores
-  bool has_rates;   ///< also supports windows of several rates
   /// supports only distances in order; windows have one frame, and cells are the filter's values
   bool has_paths;
   bool has_strips;  ///< can process the whole query at once (match_strips)

@@ -173,7 +173,6 @@ FrameDistances past_zscores(FrameDistances distances, const ZScoreSettings& sett
   const auto state = start_past(std::move(distances), settings);
   FrameDistances scores = state->distances;
   scores.largest = std::numeric_limits<uint16_t>::max();
-  scores.unit = {"standard deviations", 1.0 / kScoreUnit};
   scores.row_total = nullptr;
   scores.of_query = nullptr;
   scores.start_row = [state](size_t query) { begin_row(*state, query); };

@@ -5,9 +5,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,8 +37,7 @@ struct Extent {
 PrecomputedUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   const double best = is_similarity ? all.most : std::min(all.least, 0.0);
   const double range = is_similarity ? all.most - all.least : all.most - best;
-  PrecomputedUnits units{best, 1, is_whole && range <= kSteps, 0,
-                         is_similarity ? all.least : all.most};
+  PrecomputedUnits units{best, 1, is_whole && range <= kSteps, 0};
   if (!units.is_exact && range / kSteps > 0) units.unit = range / kSteps;
   units.largest = static_cast<uint16_t>(
       units.is_exact ? std::max(range, 1.0) : kSteps);  // equal scores have a unit as well
@@ -103,7 +100,6 @@ PreparedTraining prepare(std::span<const DescribedFrames> train, const Descripto
                   "a matrix of scores has no distances between training frames: pass a number to "
                   "--t-r, or use --margin and --exclusion-frames");
     distances.largest = given->units().largest;
-    distances.unit.size = given->units().unit;
     distances.tile = [given, rows = distances.query.rows, stretches](
                          std::span<const uint32_t> queries, size_t first, size_t last,
                          uint16_t* out, size_t stride) {
@@ -210,7 +206,6 @@ uint32_t frame_number(DescriptorRow row) {
 
 // Frames with precomputed distances have no known components.
 const DistanceKind kPrecomputedDistance = {
-    "given",
     ElementType::frame_numbers,
     {"units of the scores", 1},
     [](const DescriptorShape&) { return static_cast<uint16_t>(kSteps); },
@@ -259,7 +254,7 @@ void ScoreFile::read_reference(size_t reference, size_t first, size_t count, dou
 }
 
 void ScoreFile::forget(size_t first, size_t count) const {
-  const size_t line_bytes = line_values() * type_->bytes;
+  const size_t line_bytes = (is_query_major_ ? references_ : queries_) * type_->bytes;
   array_.forget_values(first * line_bytes, count * line_bytes);
 }
 

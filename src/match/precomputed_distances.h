@@ -53,7 +53,6 @@ class ScoreFile {
 
  private:
   void read(size_t index, size_t stride, size_t count, double* scores) const;
-  size_t line_values() const { return is_query_major_ ? references_ : queries_; }
 
   std::string name_;
   ScoreFormat format_;
@@ -69,9 +68,8 @@ class ScoreFile {
 struct PrecomputedUnits {
   double best = 0;
   double unit = 1;
-  bool is_exact = false;   ///< no score is rounded
-  uint16_t largest = 0;    ///< also the distance of missing scores
-  double worst_score = 0;  ///< of the file
+  bool is_exact = false;  ///< no score is rounded
+  uint16_t largest = 0;   ///< also the distance of missing scores
 };
 
 /// A matrix of scores of all pairs of query frames and references, memory-mapped; a block is read

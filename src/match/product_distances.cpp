@@ -190,9 +190,8 @@ Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentVa
 }
 
 template <class T>
-constexpr DistanceKind cosine_kind(std::string_view name, ElementType element) {
-  return {name,
-          element,
+constexpr DistanceKind cosine_kind(ElementType element) {
+  return {element,
           {"units of cosine distance", 2 / kLargest},
           [](const DescriptorShape&) { return static_cast<uint16_t>(kLargest); },
           cosine_distance<T>,
@@ -222,12 +221,10 @@ Projector point_projector(const DescriptorRows& to, std::span<const ComponentVal
 
 }  // namespace
 
-const DistanceKind kCosineDistance = cosine_kind<int8_t>("cosine", ElementType::int8);
-const DistanceKind kWideCosineDistance =
-    cosine_kind<int16_t>("cosine of 16-bit integers", ElementType::int16);
+const DistanceKind kCosineDistance = cosine_kind<int8_t>(ElementType::int8);
+const DistanceKind kWideCosineDistance = cosine_kind<int16_t>(ElementType::int16);
 
 const DistanceKind kPointDistance = {
-    "euclidean",
     ElementType::points16,
     {"units of coordinates", 1},
     [](const DescriptorShape&) -> uint16_t { return 2 * kLongestPoint; },

@@ -1,7 +1,7 @@
 #include "match/reference.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -14,15 +14,6 @@
 namespace vpr {
 
 namespace {
-
-constexpr std::array<uint8_t, 256> bit_counts() {
-  std::array<uint8_t, 256> counts{};
-  for (size_t value = 0; value < counts.size(); ++value)
-    counts[value] = static_cast<uint8_t>(counts[value / 2] + value % 2);
-  return counts;
-}
-
-constexpr std::array<uint8_t, 256> kBitCounts = bit_counts();
 
 std::vector<int64_t> bytes_of(DescriptorRow row) {
   std::vector<int64_t> values;
@@ -140,7 +131,8 @@ double z_of(double x, const Sums& sums, const ZScoreSettings& settings, uint16_t
 
 uint32_t reference_hamming(DescriptorRow a, DescriptorRow b) {
   uint32_t distance = 0;
-  for (size_t i = 0; i < a.size(); ++i) distance += kBitCounts[a[i] ^ b[i]];
+  for (size_t i = 0; i < a.size(); ++i)
+    distance += std::popcount(static_cast<uint8_t>(a[i] ^ b[i]));
   return distance;
 }
 

@@ -14,7 +14,7 @@
 
 namespace vpr {
 
-/// Differing bits, counted byte by byte with a table of 256 entries.
+/// Differing bits, counted byte by byte.
 uint32_t reference_hamming(DescriptorRow a, DescriptorRow b);
 
 /// The distance of two descriptors before rounding and clamping: differing bits; (1 - cos) * 65535

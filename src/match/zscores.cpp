@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -221,7 +220,6 @@ std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const Score
 FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
   FrameDistances scores = state->distances;
   scores.largest = std::numeric_limits<uint16_t>::max();
-  scores.unit = {"standard deviations", 1.0 / kScoreUnit};
   scores.typical_distance = state->basis.typical_distance;
   scores.row_total = nullptr;
   scores.of_query = nullptr;

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/monitor.h"
 #include "evaluate/calibration.h"
-#include "evaluate/matrix_scan.h"
 #include "evaluate/outcomes.h"
 
 namespace vpr {

@@ -69,7 +69,7 @@ std::optional<std::string> length_warning(const Evaluation& evaluation,
                      counted(frames, "frame"), train_frames, step);
 }
 
-/// The smallest larger tolerance at which at least 9 of 10 matches are correct; nullopt: none.
+// Names the smallest larger tolerance at which at least 9 of 10 matches are correct.
 std::optional<std::string> tolerance_warning(const GroundTruth& truth,
                                              const std::vector<MatchedFrame>& matches,
                                              const std::string& noun) {

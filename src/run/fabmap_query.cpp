@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -167,9 +168,9 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
   return extended;
 }
 
-FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                       const std::string& query_name, const FabmapQuerySettings& settings,
-                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
+QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                      const std::string& query_name, const FabmapQuerySettings& settings,
+                      uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
   check_query_settings(settings);
   if (settings.loop && !query.sequence.selection.is_all())
     throw Error(ErrorKind::usage,
@@ -180,7 +181,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   const FabmapDatabase& searched = extended ? *extended : database;
   const std::vector<uint32_t> place_of = places_of(searched);
   const size_t frames = query.sequence.frames;
-  FabmapRun run{make_result(searched, query, query_name, settings), {}};
+  QueryRun run{make_result(searched, query, query_name, settings), {}};
   Result& result = run.result;
   Stopwatch watch;
   const FabmapMatcher matcher(searched, settings, seed);

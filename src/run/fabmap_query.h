@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,15 +14,9 @@
 #include "fabmap/database.h"
 #include "fabmap/model.h"
 #include "fabmap/train.h"
-#include "match/fusion.h"
+#include "run/query.h"
 
 namespace vpr {
-
-/// A result, and the time of each step.
-struct FabmapRun {
-  Result result;
-  std::map<std::string, double> seconds;  ///< by step
-};
 
 /// Receives the posterior of every frame, in order: the new place, then the views; empty for an
 /// unreadable frame. With `loop` it grows: the views of query frames follow in the order of frames,
@@ -47,9 +40,9 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
 /// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
 /// no best match and no recognition, and interrupt a window of c_w frames. Throws Error(usage) for
 /// settings out of range, or a database without places unless `loop`.
-FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                       const std::string& query_name, const FabmapQuerySettings& settings,
-                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
+QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                      const std::string& query_name, const FabmapQuerySettings& settings,
+                      uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
 
 /// The part of a query that is the same for all frames. `database` and `settings` must outlive it.
 /// Not copyable, because its indices refer to its lists.

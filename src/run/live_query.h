@@ -62,8 +62,6 @@ class LiveQuery {
   /// nullopt without recognitions.
   std::optional<Result> finish();
 
-  const QueryPlan& plan() const { return plan_; }
-
  private:
   QueryResources resources_;
   QueryPlan plan_;

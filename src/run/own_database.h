@@ -2,7 +2,6 @@
 #pragma once
 
 #include "decide/query_settings.h"
-#include "evaluate/loops.h"
 #include "match/precomputed_distances.h"
 #include "run/train.h"
 #include "store/sequence_database.h"

@@ -17,7 +17,6 @@
 #include "match/fastable.h"
 #include "match/lsh.h"
 #include "match/zscores.h"
-#include "run/own_database.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "truth/times.h"
@@ -257,7 +256,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& qu
                 settings->filter};
   plan.is_approximate = settings->method == kLshMethod;
   plan.match.method = &find_sequence_method(plan.is_approximate ? "fastable" : settings->method);
-  plan.decision = settings->decision;
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
   if (auto basis = score_basis(statistics, *settings))
     plan.basis = std::make_shared<const ScoreBasis>(*std::move(basis));
@@ -270,7 +268,7 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& qu
 }
 
 void plan_decision(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
-  if (plan.decision == Decision::margin)
+  if (plan.settings.decision == Decision::margin)
     plan_margins(plan, database, monitor);
   else
     plan_thresholds(plan, database, monitor);
@@ -346,8 +344,7 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
                             "that arrive",
                             path));
   // A sweep sets thresholds and margins itself.
-  const bool is_swept = settings.has(kSweepChoice);
-  if (!is_swept) check_automatic(database, *settings);
+  if (!settings.has(kSweepChoice)) check_automatic(database, *settings);
   if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
   if (!fabmap.empty())
     fuse_views(database, read_fabmap_database(fabmap), fabmap);
@@ -506,7 +503,7 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                                      : std::numeric_limits<double>::quiet_NaN());
   }
   result.margins.assign(margins.begin(), margins.end());
-  if (plan.decision == Decision::margin) decide_by_margin(result);
+  if (plan.settings.decision == Decision::margin) decide_by_margin(result);
   return result;
 }
 

@@ -14,12 +14,12 @@
 
 namespace vpr {
 
-/// Resources of a query that do not change its result.
+/// Resources of a query. Only the method lsh has other results for another seed.
 struct QueryResources {
   RowKernels kernels;
   size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
   size_t verify_cells = 0;                    ///< number of cells to recompute by definition
-  uint64_t seed = 1;                          ///< for the choice of these cells
+  uint64_t seed = 1;                          ///< of lsh, these cells and intervals
 };
 
 /// The frames to compare, the stages, and the decision of a query. Points into its database and its
@@ -35,12 +35,11 @@ struct QueryPlan {
   std::shared_ptr<const ScoreBasis> basis;     ///< z-scores from training statistics; or null
   std::vector<uint32_t> past;                  ///< for a loop query (FrameDistances::past)
   std::optional<ZScoreSettings> past_zscores;  ///< z-scores of a loop query
-  Decision decision = Decision::threshold;
   std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
   /// For keyframes: the mean distance of training frames, nullopt if unknown.
   std::optional<double> typical_distance;
   std::optional<UsedStatistics> statistics;
-  SequenceQuerySettings settings;  ///< for the result only
+  SequenceQuerySettings settings;
 
   /// The difference between the sums of rows and the scores of a result.
   int64_t score_offset() const { return score_kind(settings.score).offset(match.window_length); }

@@ -32,30 +32,6 @@ std::pair<size_t, size_t> find_window(const std::vector<FrameRun>& runs, size_t 
   return {};
 }
 
-// The number of windows that end before training frame `past`.
-uint64_t past_windows(const std::vector<FrameRun>& runs, size_t window_length, size_t past) {
-  uint64_t windows = 0;
-  for (const FrameRun& run : runs) {
-    const size_t end = std::min(run.first + run.count, past);
-    if (end >= run.first + window_length) windows += end - run.first - window_length + 1;
-  }
-  return windows;
-}
-
-// By query window, over all runs: the number of cells up to the last one of its row.
-std::vector<uint64_t> row_ends(const CellRuns& runs, size_t window_length) {
-  std::vector<uint64_t> ends;
-  uint64_t cells = 0;
-  const uint64_t all = count_windows(runs.train, window_length);
-  for (const FrameRun& run : runs.query)
-    for (size_t window = 0; window < run.windows(window_length); ++window) {
-      const size_t end = run.first + window + window_length - 1;
-      cells += runs.past.empty() ? all : past_windows(runs.train, window_length, runs.past[end]);
-      ends.push_back(cells);
-    }
-  return ends;
-}
-
 // Up to `count` different numbers below `bound`, by Floyd's algorithm.
 std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint64_t seed) {
   RandomEngine engine(seed);
@@ -154,7 +130,8 @@ PathRows::PathRows(const QueryPlan& plan)
 void PathRows::operator()(std::span<const ScoreRow> row) {
   const PathReport& report = *row.front().path;
   const size_t frame = row.front().query_window;
-  steps_[frame] = {report.path, report.margin, report.first, report.settled};
+  steps_[frame] = report;
+  steps_[frame].matches = {};
   for (const Cell& match : report.matches) best_[match.query_window] = match;
   if (report.rate) path_.rates[frame] = *report.rate;
   path_.numbers[frame] = report.path;
@@ -200,20 +177,18 @@ Sinks ResultRows::sinks() {
 Result ResultRows::result() {
   if (paths_) return paths_->result();
   return make_result(plan_, recognitions_.result(),
-                     scan_ ? scan_->result().margins : std::vector<std::optional<uint32_t>>{});
+                     scan_ ? scan_->result() : std::vector<std::optional<uint32_t>>{});
 }
 
-std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,
+std::vector<Cell> choose_cells(const FrameDistances& distances, size_t window_length, size_t count,
                                uint64_t seed) {
-  if (count == 0) return {};
-  const std::vector<uint64_t> ends = row_ends(runs, window_length);
+  const uint64_t columns = count_windows(distances.train_runs, window_length);
+  const uint64_t all = columns * count_windows(distances.query_runs, window_length);
   std::vector<Cell> cells;
-  for (const uint64_t index : choose_indices(ends.empty() ? 0 : ends.back(), count, seed)) {
-    const auto row = std::upper_bound(ends.begin(), ends.end(), index);
-    const uint64_t column = index - (row == ends.begin() ? 0 : *(row - 1));
-    const size_t query =
-        find_window(runs.query, window_length, static_cast<uint64_t>(row - ends.begin())).second;
-    const auto [sequence, train] = find_window(runs.train, window_length, column);
+  for (const uint64_t index : choose_indices(all, count, seed)) {
+    const size_t query = find_window(distances.query_runs, window_length, index / columns).second;
+    const auto [sequence, train] =
+        find_window(distances.train_runs, window_length, index % columns);
     cells.push_back({static_cast<uint32_t>(query), static_cast<uint32_t>(sequence),
                      static_cast<uint32_t>(train), 0});
   }
@@ -291,8 +266,8 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks&
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), plan, last_pass);
-  CellScan cells(choose_cells({distances.train_runs, distances.query_runs},
-                              plan.match.window_length, resources.verify_cells, resources.seed));
+  CellScan cells(
+      choose_cells(distances, plan.match.window_length, resources.verify_cells, resources.seed));
   {
     ResultRows rows(plan, resources);
     Sinks sinks = rows.sinks();

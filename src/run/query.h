@@ -29,7 +29,7 @@ class PathRows {
 
   const QueryPlan& plan_;
   PathDecisions decisions_;
-  std::vector<PathStep> steps_;  ///< by query frame
+  std::vector<PathReport> steps_;  ///< by query frame, without matches
   std::vector<std::optional<Cell>> best_;
   ResultPath path_;
 };
@@ -63,16 +63,9 @@ class ResultRows {
 QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
                    const Monitor& monitor);
 
-/// The windows among which cells are chosen.
-struct CellRuns {
-  std::vector<FrameRun> train;
-  std::vector<FrameRun> query;
-  std::vector<uint32_t> past = {};  ///< FrameDistances::past
-};
-
-/// Up to `count` different cells of valid window pairs, uniformly chosen, in the order of CellScan
-/// and without scores; fewer if the matrix is smaller.
-std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,
+/// Up to `count` different cells of pairs of windows in runs, uniformly chosen, in the order of
+/// CellScan and without scores; fewer if the matrix is smaller. The past is not considered.
+std::vector<Cell> choose_cells(const FrameDistances& distances, size_t window_length, size_t count,
                                uint64_t seed);
 
 /// The cells whose distance differs from the reference implementation's, with the correct distance.

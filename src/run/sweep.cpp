@@ -5,13 +5,10 @@
 #include <set>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/parallel.h"
 #include "evaluate/calibration.h"
 #include "evaluate/judgment.h"
-#include "evaluate/matrix_scan.h"
 #include "match/fastable.h"
 #include "match/match.h"
 #include "run/plan.h"
@@ -90,7 +87,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
-  const bool has_margins = first.decision == Decision::margin;
+  const bool has_margins = first.settings.decision == Decision::margin;
   QueryResources shared = resources;  // recognitions of all lengths are in memory together
   shared.memory_limit /= lengths.size();
   std::deque<RecognitionScan> recognitions;
@@ -111,7 +108,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   for (size_t l = 0; l < lengths.size(); ++l) {
     lengths[l].found = recognitions[l].result();
     if (!has_margins) continue;
-    lengths[l].margins = margins[l].result().margins;
+    lengths[l].margins = margins[l].result();
     lengths[l].unknown_place = labeled[l].result();
   }
 }

@@ -89,15 +89,12 @@ bool is_left_to_queries(std::span<const DescribedFrames> sequences) {
   return pairs > kMostPairs;
 }
 
-double typical_distance(const DescribedFrames& sequence, const Monitor& monitor) {
+double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
+                        const Monitor& monitor) {
+  if (stored.typical_distance) return *stored.typical_distance;
   StatisticsSettings settings;
   settings.samples = 1000;
   return compute_statistics({&sequence, 1}, settings, monitor).typical_distance;
-}
-
-double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
-                        const Monitor& monitor) {
-  return stored.typical_distance ? *stored.typical_distance : typical_distance(sequence, monitor);
 }
 
 double largest_threshold(double typical_distance, size_t window_length) {
@@ -174,13 +171,12 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
     const Sequence& b = sequences[other].sequence;
     text += fmt::format(
         "{0}{1} and {2}{3}: {1} {4} and {2} {5} differ by {6:.1f} {8}, frames of the two by "
-        "{7:.0f} "
-        "on average",
+        "{7:.0f} on average",
         text.empty() ? "" : "; so do ", a.name, b.name,
         text.empty() ? " seem to show the same place, or places that look alike" : "",
         window_text(a, closest.window, table.window_length),
         window_text(b, closest.other_window, table.window_length), distance, mean,
-        between.unit.name);
+        distance_of(spans[other].rows.shape.element).unit.name);
   }
   if (pairs.empty()) return std::nullopt;
   if (pairs.size() > kNamedPairs)

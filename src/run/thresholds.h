@@ -46,9 +46,7 @@ ThresholdTable compute_thresholds(std::span<const DescribedFrames> sequences, si
 bool is_left_to_queries(std::span<const DescribedFrames> sequences);
 
 /// The mean distance of frames of one sequence that are not neighbors, in units of frame_distances:
-/// by compute_statistics for this sequence, with default neighbors and 1000 samples.
-double typical_distance(const DescribedFrames& sequence, const Monitor& monitor);
-/// The stored typical distance of a sequence, or else the computed one.
+/// the stored one, or else by compute_statistics, with default neighbors and 1000 samples.
 double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
                         const Monitor& monitor);
 

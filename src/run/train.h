@@ -8,7 +8,6 @@
 #include "base/monitor.h"
 #include "describe/descriptor_rows.h"
 #include "fabmap/database.h"
-#include "match/fusion.h"
 #include "match/row_kernels.h"
 #include "sequence/sequence_source.h"
 #include "store/sequence_database.h"

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "evaluate/judgment.h"
 #include "run/plan.h"
 #include "run/train.h"
 
@@ -182,7 +181,7 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
               {},
               0};
   for (const LabeledWords& query : queries) {
-    FabmapRun run = query_fabmap(database, query.frames, query.name, settings, seed, {}, monitor);
+    QueryRun run = query_fabmap(database, query.frames, query.name, settings, seed, {}, monitor);
     trial.seconds += total_seconds(run.seconds);
     trial.paths.push_back(evaluate_result(std::move(run.result), std::nullopt, query.by, monitor)
                               .judgment.localization);

@@ -1,6 +1,7 @@
 // The table of choices: every refused combination is refused by name, and nothing else is.
 #include "decide/choices.h"
 
+#include <algorithm>
 #include <bit>
 #include <functional>
 
@@ -8,8 +9,6 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "match/match.h"
-#include "support.h"
 
 using namespace vpr;
 
@@ -238,22 +237,6 @@ TEST_CASE("each facet is needed by a choice and excluded by another") {
   }
   CHECK(needed == excluded);
   CHECK(std::has_single_bit(needed + 1));
-}
-
-TEST_CASE("the table knows what each method can do") {
-  for (const SequenceMethod& method : sequence_methods()) {
-    INFO(method.name);
-    SequenceQuerySettings settings;
-    settings.method = method.name;
-    settings.score = Score::zscore;
-    if (!method.has_paths) settings.distance_threshold = -1;
-    const auto refused = [&] { return test::error_kind([&] { ResolvedSettings{settings}; }); };
-    CHECK(refused().has_value() != method.has_scores);
-    settings.score = Score::raw;
-    if (!method.has_paths) settings.distance_threshold = 0.5;
-    settings.rates = {"1/2"};
-    CHECK(refused().has_value() != method.has_rates);
-  }
 }
 
 TEST_CASE("settings of windows select FastABLE; otherwise the filter is the method") {

@@ -63,7 +63,7 @@ TEST_CASE("a path that ends does not recognize its open frames") {
 TEST_CASE("settled margins accept what decisions recognize") {
   for (uint64_t seed = 1; seed <= 40; ++seed) {
     RandomEngine engine(seed);
-    std::vector<PathStep> steps;
+    std::vector<PathReport> steps;
     PathDecisions decisions(10);
     Frames recognized;
     const auto take = [&](const std::vector<Cell>& matches) {

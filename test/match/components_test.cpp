@@ -6,7 +6,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/simd.h"

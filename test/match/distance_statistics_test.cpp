@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "match/reference.h"
-#include "match/zscores.h"
 #include "support.h"
 
 using namespace vpr;

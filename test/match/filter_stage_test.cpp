@@ -121,9 +121,6 @@ TEST_CASE("unreadable frames have no rows and reset the filter") {
   CHECK_FALSE(found.cells.contains({20, 0, 5}));
   CHECK_FALSE(found.cells.contains({5, 0, 30}));
   // The frame after the gap is a first frame.
-  test::Example rest = example;
-  rest.query.erase(rest.query.begin(), rest.query.begin() + 21);
-  rest.query_unreadable = {28};
   CHECK(found.reports.at(21).margin == 0);
   CHECK_FALSE(found.reports.at(21).rate);
 }

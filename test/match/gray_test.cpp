@@ -7,7 +7,6 @@
 #include "base/random.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/match.h"
 #include "match/reference.h"
 #include "match/zscores.h"
 #include "support.h"
@@ -72,7 +71,7 @@ TEST_CASE("distances of images equal the reference implementation, on every SIMD
       INFO(target << ", " << pixels << " pixels");
       const FrameDistances distances = frame_distances(train, query.span());
       CHECK(distances.largest == 65280);
-      CHECK(distances.unit.size * distances.largest == 255);
+      CHECK(distance_of(ElementType::gray_levels).unit.size * distances.largest == 255);
       const std::vector<uint32_t> order = {4, 0, 1, 3};
       std::vector<uint16_t> tile(order.size() * 100, 7);
       distances.tile(order, 8, 86, tile.data(), 100);

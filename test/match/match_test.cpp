@@ -2,9 +2,7 @@
 #include "match/match.h"
 
 #include <algorithm>
-#include <map>
 #include <mutex>
-#include <tuple>
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,5 @@
 // Precomputed distances.
-#include <cmath>
 #include <limits>
-#include <numeric>
 
 #include <catch2/catch.hpp>
 

@@ -1,11 +1,9 @@
 #include <map>
-#include <tuple>
 
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/random.h"
 #include "examples.h"
 #include "match/fastable.h"
 #include "match/match.h"

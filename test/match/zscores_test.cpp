@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
-#include <tuple>
 
 #include <catch2/catch.hpp>
 

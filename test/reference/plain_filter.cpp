@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "match/filter_track.h"
 #include "match/score_kernels.h"
 
 namespace vpr {

@@ -1,8 +1,6 @@
 // Advice if a query recognizes nothing, or everything.
 #include "run/advice.h"
 
-#include <algorithm>
-
 #include <catch2/catch.hpp>
 
 #include "examples.h"

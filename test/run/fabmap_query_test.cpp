@@ -1,6 +1,5 @@
 #include "run/fabmap_query.h"
 
-#include <cmath>
 #include <limits>
 
 #include <catch2/catch.hpp>

@@ -171,7 +171,7 @@ TEST_CASE("unreadable frames have no margin") {
 
 TEST_CASE("by margin, recognitions are best matches that beat the runner-up by the margin") {
   QueryPlan plan;
-  plan.decision = Decision::margin;
+  plan.settings.decision = Decision::margin;
   plan.settings.window_length = plan.match.window_length = 5;
   plan.sequences.resize(2);
   plan.sequences[0].margin = plan.sequences[1].margin = 2;

@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "examples.h"
 #include "match/reference.h"
 #include "run/thresholds.h"
@@ -246,19 +245,20 @@ TEST_CASE("invalid settings are usage errors with advice") {
 }
 
 TEST_CASE("random cells are distinct, valid, and the same for a seed") {
-  const std::vector<FrameRun> train = {{0, 10, 0, 0}, {12, 5, 1, 2}};
-  const std::vector<FrameRun> query = {{0, 4, 0, 0}, {6, 6, 0, 6}};
-  const auto cells = choose_cells({train, query}, 4, 20, 7);
+  FrameDistances distances;
+  distances.train_runs = {{0, 10, 0, 0}, {12, 5, 1, 2}};
+  distances.query_runs = {{0, 4, 0, 0}, {6, 6, 0, 6}};
+  const auto cells = choose_cells(distances, 4, 20, 7);
   CHECK(cells.size() == 20);
-  CHECK(cells == choose_cells({train, query}, 4, 20, 7));
-  CHECK(cells != choose_cells({train, query}, 4, 20, 8));
+  CHECK(cells == choose_cells(distances, 4, 20, 7));
+  CHECK(cells != choose_cells(distances, 4, 20, 8));
   for (const Cell& cell : cells) {
     CHECK((cell.query_window == 0 || (cell.query_window >= 6 && cell.query_window <= 8)));
     CHECK((cell.sequence == 0 ? cell.train_window <= 6
                               : cell.train_window == 2 || cell.train_window == 3));
   }
-  CHECK(choose_cells({train, query}, 4, 1000, 7).size() == 9 * 4);
-  CHECK(choose_cells({train, query}, 11, 10, 7).empty());
+  CHECK(choose_cells(distances, 4, 1000, 7).size() == 9 * 4);
+  CHECK(choose_cells(distances, 11, 10, 7).empty());
 }
 
 TEST_CASE("a wrong cell is detected") {

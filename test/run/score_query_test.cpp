@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "examples.h"
 #include "reference/verified_query.h"
 #include "run/plan.h"

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "examples.h"
-#include "run/train.h"
 #include "support.h"
 
 using namespace vpr;

@@ -102,7 +102,7 @@ TEST_CASE(
       }
     mean += sum / static_cast<double>(count) / static_cast<double>(walk.size());
   }
-  CHECK(typical_distance({walk, {}}, {}) == Approx(mean));
+  CHECK(typical_distance({}, {walk, {}}, {}) == Approx(mean));
 }
 
 namespace {
