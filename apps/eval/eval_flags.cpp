@@ -263,6 +263,7 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
 void check_inputs(const EvalInputs& inputs) {
   check_scores(inputs.scores);
   check_range("--stretch", inputs.stretch_frames, kMaxFrames);
+  refuse(!inputs.map_with.empty() && inputs.map.empty(), "--map-with", "needs --map FOLDER");
 }
 
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames) {
@@ -286,7 +287,6 @@ void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> qu
 void claim_outputs(const Session& session, const EvalInputs& inputs) {
   session.claim_output();
   check_inputs(inputs);
-  refuse(!inputs.map_with.empty() && inputs.map.empty(), "--map-with", "needs --map FOLDER");
   refuse(!inputs.map.empty() && inputs.truth.dataset.empty(), "--map",
          "needs --dataset, whose \"poses\" have the positions of frames");
   refuse(!inputs.saved_trajectory.empty() && inputs.truth.dataset.empty() &&

@@ -45,6 +45,11 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
     rules.max_difference_ns = std::llround(*seconds * double{kSecond});
   }
   if (path.extension() == ".json") {
+    refuse(inputs.scores.has_order() || inputs.max_difference_s ||
+               inputs.frames != LoopFrames::automatic,
+           path.string(),
+           "states its frames and scores; omit --similarity, --distance, --frames-by and "
+           "--max-difference");
     const Result result = read_result(path).result;
     found.list = loop_list_of(result, path.string(), found.trajectory);
     found.rules.order = result.score().order;

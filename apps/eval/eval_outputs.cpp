@@ -64,7 +64,13 @@ FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   const Selection& selection = evaluation.query().selection;
   if (!selection.speed.empty()) return clock;  // its frames have no times
   clock.sources = selection.sources;
-  if (!options.query_times.empty()) clock.times_ns = read_frame_times(options.query_times, monitor);
+  if (options.query_times.empty()) return clock;
+  clock.times_ns = read_frame_times(options.query_times, monitor);
+  if (clock.times_ns.size() < evaluation.query().recorded_frames())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has {}, the query has {}", options.query_times,
+                            counted(clock.times_ns.size(), "time"),
+                            counted(evaluation.query().recorded_frames(), "frame")));
   return clock;
 }
 

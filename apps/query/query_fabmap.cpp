@@ -29,8 +29,11 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
                      bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!options.query_bow.empty()) {
-    refuse(options.query || !options.dataset.empty() || options.selection.fps, "--query-bow",
-           "cannot be combined with --query, --dataset and --fps");
+    const SelectionFlags& selected_by = options.selection;
+    refuse(options.query || !options.query_npy.empty() || !options.dataset.empty() ||
+               selected_by.fps || selected_by.recorded_fps || !options.query_times.empty(),
+           "--query-bow",
+           "cannot be combined with --query, --query-npy, --dataset, --fps and frame rates");
     const SequenceArgument argument = parse_sequence_argument(options.query_bow);
     query.name = sequence_names({argument}).front();
     query.path = argument.path.string();

@@ -96,6 +96,7 @@ void compute_thresholds(Session& session, const Threshold& command) {
   std::vector<AutomaticThresholds> all;
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
     check_window_length(length);
+    check_sums(database.descriptors, length);
     ThresholdTable table =
         compute_thresholds(descriptor_spans(database), length, command.safety_factor,
                            session.kernels, session.monitor);

@@ -63,11 +63,7 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& qu
                     queried.rows().size() == trained.shape().length
                         ? "Is the query's array transposed? Rows are frames."
                         : "Describe both alike."));
-  // Files store sums over a window as signed 32-bit integers.
-  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape());
-  if (window_length > longest)
-    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for {} descriptors, found {}",
-                                              longest, name, window_length));
+  check_sums(trained, window_length);
 }
 
 void plan_windows(QueryPlan& plan, const Monitor& monitor) {
@@ -300,6 +296,14 @@ void decide_by_margin(Result& result) {
 }
 
 }  // namespace
+
+void check_sums(const DescriptorStore& descriptors, uint64_t window_length) {
+  const uint64_t longest =
+      std::numeric_limits<int32_t>::max() / largest_distance(descriptors.shape());
+  if (window_length > longest)
+    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for {} descriptors, found {}",
+                                              longest, descriptors.kind->name, window_length));
+}
 
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
   const std::vector<DescribedFrames> spans = descriptor_spans(database);

@@ -45,6 +45,9 @@ struct QueryPlan {
   int64_t score_offset() const { return score_kind(settings.score).offset(match.window_length); }
 };
 
+/// Throws Error(usage) if sums over a window may exceed the signed 32-bit integers of files.
+void check_sums(const DescriptorStore& descriptors, uint64_t window_length);
+
 /// Adds the initial statistics of z-scores: the components of the training frames, which are not
 /// stored, and statistics by default settings if the database has none.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);

@@ -26,9 +26,7 @@ struct TrainSequence {
   std::optional<size_t> exclusion_radius = std::nullopt;
 };
 
-/// The window of another training sequence that is closest to any window of this one. For a
-/// database with a single sequence: two of its windows that show different places; `other_sequence`
-/// is then the sequence itself.
+/// The window of another training sequence that is closest to any window of this one.
 struct ClosestWindows {
   uint32_t score = 0;  ///< D, summed over the window, or the biased sum of scores
   size_t window = 0;   ///< of this sequence
@@ -45,7 +43,7 @@ void visit_fields(ClosestWindows& closest, Visitor&& visit) {
 }
 
 /// The basis of automatic thresholds for one window length. `closest` has one entry per training
-/// sequence, or none if there are no such windows.
+/// sequence: nullopt if no other sequence has a window.
 struct ThresholdTable {
   size_t window_length = 0;
   double safety_factor = 1;

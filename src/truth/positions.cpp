@@ -246,6 +246,7 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
   if (rows.has("frame")) {
     if (rows.has("x") && rows.has("y"))
       rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
+    if (!images.empty()) rows.fail("has frame numbers (frame), so it needs no folder of images");
     return read_pose_csv(path, {frames});
   }
   const std::string name_column = find_column(rows.header(), {"image", "name", "file", "filename"});

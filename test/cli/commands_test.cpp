@@ -335,6 +335,8 @@ TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
   write_text(out / "walk/back/poses.csv", "frame,x,y\n");
   CHECK(eval({"--dataset", out / "walk/two_walks.json", "--map", out / "m"}).exit_code == 4);
   CHECK(eval({"--dataset", world().dataset(), "--map-with", out / "b.json"}).exit_code == 2);
+  CHECK(eval({out / "b.json", "--dataset", world().dataset(), "--map-with", out / "b.json"})
+            .exit_code == 2);
   ok(eval({"--dataset", world().dataset(), "--map", out / "m", "--map-with", out / "b.json"}));
   CHECK(list_folder(out / "m") == Words{".vpr-files", "map.png", "map.svg"});
   CHECK_FALSE(has(read_text(out / "m/map.svg"), "recognized, incorrect"));

@@ -116,6 +116,11 @@ TEST_CASE(
                       out / "poses.tum", "--radius", "0.1", "--query-times", out / "times.txt",
                       "--train-times", out / "times.txt", "--save-trajectory", out / "f.txt"});
   CHECK(read_text(out / "f.txt") == expected);
+  write_text(out / "few.txt", "100\n");
+  CHECK(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned",
+                                 "--ground-truth-train", out / "poses.tum", "--query-times",
+                                 out / "few.txt", "--save-trajectory", out / "g.txt"})
+            .exit_code != 0);
 }
 
 TEST_CASE("a folder of results and reports becomes one table and one page") {

@@ -11,7 +11,7 @@ import tempfile
 import termios
 
 source, programs = map(pathlib.Path, sys.argv[1:3])
-COLUMNS = 72  # narrower than a whole bar
+COLUMNS = 60  # narrower than a whole bar
 ERASE = "\r\x1b[K"
 
 
