@@ -152,6 +152,9 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
     ok(laps.query({"--gap", "15", "--score", score, "-o", laps.result, "--save-loops", list}));
     const Json by_result = laps.judge(laps.result, {});
     const Json by_list = laps.judge(list, {"--distance"});
+    CHECK(run_program("vpr-eval", {"loops", laps.result, "--poses", laps.poses, "--radius", "0.5",
+                                   "--gap", "15", "--distance"})
+              .exit_code == 2);
     CHECK(by_list["loops"] == by_result["loops"]);
     CHECK(by_list["metrics"] == by_result["metrics"]);
     CHECK(by_list["incorrect_loops"] == by_result["incorrect_loops"]);
