@@ -68,7 +68,7 @@ FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   clock.times_ns = read_frame_times(options.query_times, monitor);
   if (clock.times_ns.size() < evaluation.query().recorded_frames())
     throw Error(ErrorKind::data,
-                fmt::format("{}: has {}, the query has {}", options.query_times,
+                fmt::format("{}: has {}, the query has {}", options.query_times.string(),
                             counted(clock.times_ns.size(), "time"),
                             counted(evaluation.query().recorded_frames(), "frame")));
   return clock;

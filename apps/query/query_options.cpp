@@ -73,7 +73,7 @@ void add_selection_flags(const Command& command, QueryOptions& options) {
       .group(kQueryGroup);
 }
 
-// Live queries support the methods with distances in order.
+// Live queries refuse OpenABLE, LSH and FAB-MAP (decide/choices.cpp).
 void add_method_flag(const Command& command, AllSettings& settings, bool is_live,
                      const std::string& help) {
   std::vector<std::string> names;
@@ -83,7 +83,7 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
     text += fmt::format("  {:<17}{}\n", name, summary);
   };
   for (const SequenceMethod& method : sequence_methods())
-    if (method.has_scores || !is_live) add(method.name, method.summary);
+    if (!is_live || method.name != "openable") add(method.name, method.summary);
   if (!is_live) {
     add(kLshMethod, kLshSummary);
     names.emplace_back(enum_name(DatabaseFamily::fabmap));
