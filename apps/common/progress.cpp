@@ -14,7 +14,8 @@ namespace vpr {
 namespace {
 
 constexpr double kRedrawMs = 100;
-constexpr size_t kBarWidth = 24;
+constexpr size_t kBarWidth = 24;      // less on a narrow terminal
+constexpr size_t kNumbersWidth = 20;  // " [", "] 100 %", "  ETA 12:34"
 constexpr size_t kLabelWidth = 30;
 constexpr size_t kUsualWidth = 80;
 // Minimum for an estimate of the remaining time.
@@ -61,9 +62,11 @@ std::string progress_text(const std::string& step, size_t done, size_t total, do
     text += fmt::format(" {}", done);
   } else {
     const double share = share_of(done, total);
-    const auto filled = static_cast<size_t>(share * kBarWidth);
+    const size_t other = text.size() + kNumbersWidth;
+    const size_t bar = std::clamp<size_t>(width - std::min(width, other), 4, kBarWidth);
+    const auto filled = static_cast<size_t>(share * static_cast<double>(bar));
     text += fmt::format(" [{}{}] {:3.0f} %", std::string(filled, '#'),
-                        std::string(kBarWidth - filled, ' '), 100 * share);
+                        std::string(bar - filled, ' '), 100 * share);
     if (seconds_left >= 0) text += fmt::format("  ETA {}", duration_text(seconds_left));
   }
   return text.substr(0, width);

@@ -56,5 +56,7 @@ TEST_CASE("lines have the same width before the bar, and fit the terminal") {
   CHECK(progress_text("match a\x1b[2J\nb", 5, 10, -1, 100) ==
         "match a\\x1b[2J\\x0ab            [############            ]  50 %");
   CHECK(progress_text("frames", 7, 0, -1, 100) == "frames                         7");
+  CHECK(progress_text("match monday 3/14", 14, 28, 12, 59) ==
+        "match monday 3/14              [####     ]  50 %  ETA 0:12");
   CHECK(progress_text("match monday 3/14", 5, 28, 12, 40).size() == 40);
 }
