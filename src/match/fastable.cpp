@@ -139,24 +139,22 @@ void advance(FastableState& state, const FrameDistances& distances, const RowKer
     distances.tile({&query, 1}, first, last, out, 0);
   };
   if (distances.start_row) distances.start_row(frame.row);
+  const auto slide_all = [&](size_t first, size_t last) {
+    for (WindowSums& sums : state.sums) slide(state, sums, kernels, frame.number, first, last);
+  };
+  // Without a ring, the codes of a chunk are in the cache when outgoing frames are compared with
+  // it.
   for_each_chunk(compared, [&](size_t first, size_t last) {
     compare(static_cast<uint32_t>(frame.row), first, last,
             state.distances.at(frame.number, 0, first));
-    if (state.has_ring)
-      for (WindowSums& sums : state.sums) slide(state, sums, kernels, frame.number, first, last);
+    if (state.has_ring) return slide_all(first, last);
+    for (WindowSums& sums : state.sums)
+      if (frame.number >= sums.length)
+        compare(state.recent[(frame.number - sums.length) % state.recent.size()], first, last,
+                sums.recomputed.at(0, 0, first));
   });
   if (state.has_ring) return;
-  for (WindowSums& sums : state.sums) {
-    if (frame.number >= sums.length) {
-      const uint32_t outgoing = state.recent[(frame.number - sums.length) % state.recent.size()];
-      for_each_chunk(compared, [&](size_t first, size_t last) {
-        compare(outgoing, first, last, sums.recomputed.at(0, 0, first));
-      });
-    }
-    for_each_chunk(compared, [&](size_t first, size_t last) {
-      slide(state, sums, kernels, frame.number, first, last);
-    });
-  }
+  for_each_chunk(compared, slide_all);  // reads outgoing distances of the chunk before
   state.recent[frame.number % state.recent.size()] = static_cast<uint32_t>(frame.row);
 }
 
