@@ -389,8 +389,9 @@ Outputs::Claim& Outputs::claim(const fs::path& path, FolderCheck is_ours) {
   check_protected(path);
   const auto identity = identity_of(path);
   const bool is_extended = identity && extended_.contains(*identity);
-  return claims_.emplace_back(
-      std::make_unique<Output>(path, is_extended ? Existing::replace : existing_, is_ours));
+  claims_.push_back(
+      {std::make_unique<Output>(path, is_extended ? Existing::replace : existing_, is_ours)});
+  return claims_.back();
 }
 
 Output& Outputs::folder(const fs::path& path, FolderCheck is_ours) {

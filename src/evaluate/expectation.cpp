@@ -92,7 +92,8 @@ struct Check {
     if (found.is_null()) return;
     if (!found.is_number()) fail(key, "is not a number in the report");
     const auto number = found.get<double>();
-    checked.is_met = value ? std::abs(number - *value) <= tolerance
+    // The difference of decimal fractions is rounded: 0.4 is within 0.1 of 0.3.
+    checked.is_met = value ? std::abs(number - *value) <= tolerance * (1 + 1e-9)
                            : (!min || number >= *min) && (!max || number <= *max);
     if (value && number != *value) checked.found += fmt::format(" ({:+g})", number - *value);
   }
