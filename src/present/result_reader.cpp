@@ -289,7 +289,7 @@ void check_companions(const ResultSource& source, const Json& companions, const 
       source.fields.fail("\"companions\" is not a list of file names with checksums");
     const fs::path path = source.path.parent_path() / name;
     std::error_code error;
-    if (fs::is_regular_file(path, error) && file_checksum(path, monitor) != sum)
+    if (fs::is_regular_file(path, error) && file_checksum(path, monitor) != sum.get<std::string>())
       throw Error(ErrorKind::data,
                   fmt::format("{}: belongs to another run than {}; run vpr-query again, with "
                               "--force, or remove this file",
