@@ -23,12 +23,16 @@ struct Form {
   Write write;
   Read read;
 };
+template <class Write, class Read>
+Form(Write, Read) -> Form<Write, Read>;  // Clang 14 deduces no arguments of aggregates
 
 /// An object whose fields a function visits.
 template <class Visit>
 struct Part {
   Visit visit;
 };
+template <class Visit>
+Part(Visit) -> Part<Visit>;
 
 template <class Visit, class Visitor>
 void visit_fields(Part<Visit>& part, Visitor&& visitor) {
