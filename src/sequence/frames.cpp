@@ -241,15 +241,19 @@ std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Mo
   VideoReader reader(argument, PixelFormat::gray);
   std::vector<int64_t> times;
   std::vector<int64_t> by_rate;
+  constexpr double kMaxMs = 1e12;  // 31 years; damaged videos state any time
   bool do_rise = true;
   const double fps = reader.frames_per_second();
   for (IndexedFrame frame; reader.next(frame, monitor);) {
-    times.push_back(std::llround(reader.shown_at_ms() * 1e6));
-    by_rate.push_back(fps > 0 ? std::llround(static_cast<double>(frame.recorded) * 1e9 / fps) : 0);
+    const double ms = reader.shown_at_ms();
+    do_rise = do_rise && ms >= 0 && ms <= kMaxMs;
+    times.push_back(do_rise ? std::llround(ms * 1e6) : 0);
+    by_rate.push_back(fps > 1e-3 ? std::llround(static_cast<double>(frame.recorded) * 1e9 / fps)
+                                 : 0);
     do_rise = do_rise && (times.size() < 2 || times.back() > times[times.size() - 2]);
   }
   if (do_rise) return times;
-  if (fps > 0 && fps < 1e6) return by_rate;
+  if (fps > 1e-3 && fps < 1e6) return by_rate;
   throw Error(ErrorKind::input, fmt::format("{}: has neither times of its frames nor a frame rate",
                                             argument.path.string()));
 }

@@ -20,6 +20,8 @@
 namespace vpr {
 namespace {
 
+// 1896 and 2116 in nanoseconds since 1970: differences of two times and an offset fit 64 bits.
+constexpr int64_t kMinTime = -(int64_t{1} << 61);
 constexpr int64_t kMaxTime = int64_t{1} << 62;
 /// Longer dates, which have many digits below nanoseconds, are refused.
 constexpr size_t kMaxDate = 64;
@@ -130,7 +132,8 @@ std::optional<int64_t> parse_time(std::string_view text, TimeUnit unit) {
   const int64_t scale = kNanoseconds[static_cast<size_t>(unit)];
   if (text.find_first_of("eE") != std::string_view::npos) {
     const double rounded = *value * static_cast<double>(scale);
-    if (!(std::abs(rounded) <= static_cast<double>(kMaxTime))) return std::nullopt;
+    if (!(rounded >= static_cast<double>(kMinTime) && rounded <= static_cast<double>(kMaxTime)))
+      return std::nullopt;
     return std::llround(rounded);
   }
   const bool is_negative = text.starts_with('-');
@@ -144,7 +147,8 @@ std::optional<int64_t> parse_time(std::string_view text, TimeUnit unit) {
     digit /= 10;
     nanoseconds += (text[i] - '0') * digit;
   }
-  return is_negative ? -nanoseconds : nanoseconds;
+  if (is_negative) nanoseconds = -nanoseconds;
+  return nanoseconds >= kMinTime ? std::optional(nanoseconds) : std::nullopt;
 }
 
 std::string time_text(int64_t nanoseconds) {

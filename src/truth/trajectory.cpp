@@ -24,7 +24,7 @@ namespace {
 
 /// Tolerance for the products of a matrix's rows: files with three digits have errors of 0.002.
 constexpr double kRotationError = 0.01;
-constexpr double kMaxSeconds = 4e9;
+constexpr double kMaxSeconds = 2e9;  // 63 years
 
 // A quaternion x, y, z, w as a matrix.
 std::array<double, 9> rotation_of(const FileLocation& location, std::array<double, 4> q) {
