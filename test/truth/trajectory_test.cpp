@@ -39,7 +39,7 @@ TEST_CASE("times are exact to the nanosecond, and their magnitude determines the
   CHECK(parse_time(".5", TimeUnit::milliseconds) == 500000);
   CHECK(parse_time("1403636579763555584", TimeUnit::nanoseconds) == 1403636579763555584);
   CHECK(parse_time("1.036000e-01", TimeUnit::seconds) == 103600000);
-  CHECK_FALSE(parse_time("4611686018427387905", TimeUnit::nanoseconds));  // 2^62 + 1
+  CHECK_FALSE(parse_time("4611686018427387905", TimeUnit::nanoseconds));   // 2^62 + 1
   CHECK_FALSE(parse_time("-2305843009213693953", TimeUnit::nanoseconds));  // -2^61 - 1
   CHECK_FALSE(parse_time("1e300", TimeUnit::seconds));
   CHECK_FALSE(parse_time("99999999999", TimeUnit::seconds));
