@@ -135,8 +135,10 @@ BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   return counts;
 }
 
-void LabelCounts::add(PlaceLabel label) {
-  ++(label == PlaceLabel::same ? correct : label == PlaceLabel::different ? incorrect : ignored);
+void LabelCounts::add(PlaceLabel label, uint64_t pairs) {
+  (label == PlaceLabel::same        ? correct
+   : label == PlaceLabel::different ? incorrect
+                                    : ignored) += pairs;
 }
 
 PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length) {
@@ -189,8 +191,11 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
   counts.distinct = places.size();
   if (result.clusters) {
     LabelCounts& clusters = counts.clusters.emplace();
+    LabelCounts& by_place = counts.recognitions_by_place.emplace();
     for (const JudgedCluster& cluster : judge_clusters(result, *result.clusters, truth, monitor)) {
+      const auto& [correct, incorrect, ignored] = cluster.recognitions;
       clusters.add(cluster.label);
+      by_place.add(cluster.label, correct + incorrect + ignored);
       counts.mixed_clusters += cluster.is_mixed();
     }
     counts.distinct = clusters.correct;

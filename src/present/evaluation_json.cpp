@@ -169,6 +169,7 @@ void visit_fields(Counts& counts, Visitor&& visit) {
           visit_fields(counts.recognitions, inner);
           inner("distinct", counts.distinct);
         }});
+  visit("recognitions_by_place", IfSet{counts.recognitions_by_place});
   visit("places", IfSet{counts.clusters});
   if (counts.clusters) visit("mixed_places", counts.mixed_clusters);
 }

@@ -45,6 +45,7 @@ void define_windows(Definitions& define, const Result& result) {
         fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
        {"places", result.path ? "paths, judged at their middle frame"
                               : "clusters of recognitions, judged at their mean"},
+       {"recognitions_by_place", "recognitions, each with the verdict on its place"},
        {"mixed_places", "correct places with incorrect recognitions"},
        {"distinct", "correct places"},
        {"best_match", fmt::format("the window with the lowest {}, ties to the first; rate = "

@@ -235,6 +235,11 @@ Table csv_row(const Report& report) {
   const Table counts = comparable_table(report);
   table.title = counts.title;
   add_columns(table, counts);
+  if (const auto& by_place = report.counts.recognitions_by_place) {
+    add_column(table, "recognitions by place correct", by_place->correct);
+    add_column(table, "recognitions by place incorrect", by_place->incorrect);
+    add_column(table, "recognitions by place ignored", by_place->ignored);
+  }
   if (report.by_keyframe) add_columns(table, view_table(*report.by_keyframe));
   for (const NamedNumbers& curve : curves_of(report))
     for (size_t m = 0; m < curve_metrics().size(); ++m)
@@ -313,7 +318,7 @@ Table report_table(const Report& report) {
   Table table;
   table.title = fmt::format("{} ({})", evaluation_title(report), report.protocol.ground_truth);
   if (of_query != nullptr) {
-    const auto& [recognitions, places, mixed, distinct, unused] = report.counts;
+    const Counts& counts = report.counts;
     const ScoreKind& score = score_of(*of_query);
     for (const std::string_view symbol : {score.window_symbol, decided_by(*of_query)})
       add_column(table, symbol, text(settings[std::string(symbol)]));
@@ -321,14 +326,14 @@ Table report_table(const Report& report) {
       add_column(table, "scale",
                  settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
                                              : text(settings["t_r_scale"]));
-    add_column(table, "recognitions correct", recognitions.correct);
-    add_column(table, "recognitions incorrect", recognitions.incorrect);
-    if (places) {
-      add_column(table, "places correct", places->correct);
-      add_column(table, "of these mixed", mixed);
-      add_column(table, "places incorrect", places->incorrect);
+    add_column(table, "recognitions correct", counts.recognitions.correct);
+    add_column(table, "recognitions incorrect", counts.recognitions.incorrect);
+    if (counts.clusters) {
+      add_column(table, "places correct", counts.clusters->correct);
+      add_column(table, "of these mixed", counts.mixed_clusters);
+      add_column(table, "places incorrect", counts.clusters->incorrect);
     }
-    add_column(table, "distinct", distinct);
+    add_column(table, "distinct", counts.distinct);
   } else {
     add_column(table, "scores", text(settings["scores"]));
     add_column(table, "window", text(settings["window"]));

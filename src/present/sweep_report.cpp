@@ -240,8 +240,10 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
   Table table;
   for (const std::string_view column :
        split("query,,,scale,recognitions_correct,recognitions_incorrect,recognitions_ignored,"
-             "places_correct,places_mixed,places_incorrect,places_ignored,distinct,"
-             "best_match_correct,best_match_queries,best_match_ignored,pareto,recommended",
+             "recognitions_by_place_correct,recognitions_by_place_incorrect,"
+             "recognitions_by_place_ignored,places_correct,places_mixed,places_incorrect,"
+             "places_ignored,distinct,best_match_correct,best_match_queries,best_match_ignored,"
+             "pareto,recommended",
              ','))
     table.columns.emplace_back(column);
   table.columns[1] = sweeps.front().score->window_symbol;
@@ -249,16 +251,18 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
   for (const Sweep& sweep : sweeps)
     for (size_t c = 0; c < sweep.cells.size(); ++c) {
       const CellCounts& cell = sweep.cells[c];
-      const auto& [recognitions, places, mixed, distinct, best] = cell.counts;
+      const auto& [recognitions, by_place, places, mixed, distinct, best] = cell.counts;
       const Recommendation& choice = sweep.recommendation;
       const auto of_places = [has_places = places.has_value()](uint64_t count) {
         return has_places ? std::to_string(count) : "";
       };
+      const LabelCounts pairs = by_place.value_or(LabelCounts{});
       const LabelCounts judged = places.value_or(LabelCounts{});
       const bool is_pareto = std::ranges::find(choice.pareto, c) != choice.pareto.end();
       add_row(table, sweep.query.name, cell.window, threshold_text(cell),
               cell.scale ? enum_name(*cell.scale) : sweep.score->measure, recognitions.correct,
-              recognitions.incorrect, recognitions.ignored, of_places(judged.correct),
+              recognitions.incorrect, recognitions.ignored, of_places(pairs.correct),
+              of_places(pairs.incorrect), of_places(pairs.ignored), of_places(judged.correct),
               of_places(mixed), of_places(judged.incorrect), of_places(judged.ignored), distinct,
               best.correct, best.queries, best.ignored, is_pareto ? "yes" : "no",
               choice.cell == c ? "yes" : "no");

@@ -35,6 +35,7 @@ TEST_CASE("train, query and evaluate yield correct counts") {
   CHECK(report == file_json(out / "e.json"));
   CHECK(report["counts"]["recognitions"]["correct"].get<int>() > 20);
   CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
+  CHECK(report["counts"]["recognitions_by_place"]["correct"].get<int>() > 20);
   CHECK(report["counts"]["recognitions"]["distinct"].get<int>() >= 1);
   CHECK(report["best_match"]["rate"].get<double>() > 0.8);
 }
@@ -290,6 +291,8 @@ TEST_CASE("tables can be text, CSV, Markdown and LaTeX") {
   CHECK(has(table("text"), "c_l"));
   CHECK(table("csv").find(
             "name,method,query,c_l,t_r,scale,recognitions correct,recognitions incorrect,") == 0);
+  CHECK(has(table("csv"), ",recognitions by place correct,"));
+  CHECK_FALSE(has(table("text"), "by place"));
   CHECK(has(table("markdown"), "| c_l |"));
   CHECK(has(table("latex"), "\\begin{tabular}"));
 }

@@ -185,6 +185,28 @@ TEST_CASE("places are evaluated at their mean, and the correct ones are distinct
   CHECK(counts.distinct == 1);
 }
 
+TEST_CASE("recognitions by place have the verdict on their place") {
+  Result result = example();
+  // Clusters around (2, 2), (6, 6) and at (0, 7); the pairs (2, 2) and (5, 5) are correct one by
+  // one, and (6, 6) is ignored.
+  GroundTruth truth;
+  truth.pairs.resize(10);
+  truth.pairs[4].push_back({0, 4, PlaceLabel::same});
+  truth.pairs[7].push_back({0, 7, PlaceLabel::same});
+  truth.pairs[8].push_back({0, 8, PlaceLabel::ignore});
+  result.recognitions = {{0, 0, 7, 0, 5}, {1, 0, 1, 0, 5}, {2, 0, 2, 0, 5}, {3, 0, 3, 0, 5},
+                         {5, 0, 5, 0, 5}, {6, 0, 6, 0, 5}, {7, 0, 7, 0, 5}};
+  cluster(result);
+  REQUIRE(result.clusters->all.size() == 3);
+  const Counts counts = count_recognitions(result, truth);
+  const LabelCounts& one_by_one = counts.recognitions;
+  const LabelCounts& by_place = *counts.recognitions_by_place;
+  CHECK((one_by_one.correct == 2 && one_by_one.incorrect == 4 && one_by_one.ignored == 1));
+  CHECK((by_place.correct == 3 && by_place.incorrect == 1 && by_place.ignored == 3));
+  result.clusters.reset();
+  CHECK_FALSE(count_recognitions(result, truth).recognitions_by_place);
+}
+
 TEST_CASE("a place that is correct at its mean counts its incorrect recognitions") {
   Result result = example();
   // One cluster around (3, 3), in which only the diagonal is correct; one separate incorrect

@@ -10,6 +10,8 @@ CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts recognition
                 LabelCounts places, uint64_t mixed) {
   CellCounts made{c_l, t_r, ThresholdScale::relative, {}};
   made.counts.recognitions = recognitions;
+  made.counts.recognitions_by_place = {recognitions.correct + recognitions.incorrect, 0,
+                                       recognitions.ignored};
   made.counts.clusters = places;
   made.counts.mixed_clusters = mixed;
   made.counts.distinct = places.correct;
@@ -33,12 +35,13 @@ Sweep example() {
 TEST_CASE("a sweep as CSV has one row per cell, with recognitions and places") {
   CHECK(render_table(cells_table({example()}), TableFormat::csv) ==
         "query,c_l,t_r,scale,recognitions_correct,recognitions_incorrect,recognitions_ignored,"
-        "places_correct,places_mixed,"
+        "recognitions_by_place_correct,recognitions_by_place_incorrect,"
+        "recognitions_by_place_ignored,places_correct,places_mixed,"
         "places_incorrect,places_ignored,distinct,best_match_correct,best_match_queries,"
         "best_match_ignored,pareto,recommended\n"
-        "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,1,0,0,0,1,7,9,1,no,yes\n"
-        "\"a walk, \"\"quoted\"\"\",5,0.4,relative,6,0,1,1,0,0,0,1,7,9,1,yes,no\n"
-        "\"a walk, \"\"quoted\"\"\",5,0.5,relative,24,8,2,2,1,0,1,2,7,9,1,yes,no\n");
+        "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,4,0,0,1,0,0,0,1,7,9,1,no,yes\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.4,relative,6,0,1,6,0,1,1,0,0,0,1,7,9,1,yes,no\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.5,relative,24,8,2,32,0,2,2,1,0,1,2,7,9,1,yes,no\n");
 }
 
 TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
@@ -51,8 +54,9 @@ TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
   sweep.cells = {fabmap};
   const Table table = cells_table({sweep});
   CHECK(table.columns.size() == cells_table({example()}).columns.size());
-  CHECK(table.rows[0] == std::vector<std::string>{"q", "3", "0.9", "probability", "5", "1", "0", "",
-                                                  "", "", "", "2", "0", "0", "0", "no", "no"});
+  CHECK(table.rows[0] ==
+        std::vector<std::string>{"q", "3", "0.9", "probability", "5", "1", "0", "",   "",  "", "",
+                                 "",  "",  "",    "2",           "0", "0", "0", "no", "no"});
 }
 
 TEST_CASE(

@@ -1,6 +1,8 @@
 // A sweep's cells equal single queries.
 #include "run/sweep.h"
 
+#include <numeric>
+
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -71,6 +73,9 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
       CHECK(cells[c].window == settings.window_length);
       CHECK(cells[c].threshold == settings.distance_threshold);
       CHECK(numbers(cells[c].counts.recognitions) == numbers(alone.recognitions));
+      const std::vector<uint64_t> by_place = numbers(*cells[c].counts.recognitions_by_place);
+      CHECK(by_place == numbers(*alone.recognitions_by_place));
+      CHECK(std::reduce(by_place.begin(), by_place.end()) == result.recognitions.size());
       CHECK(numbers(*cells[c].counts.clusters) == numbers(*alone.clusters));
       CHECK(cells[c].counts.distinct == alone.distinct);
       CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
