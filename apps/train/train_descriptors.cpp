@@ -148,10 +148,9 @@ void export_descriptors(const Session& session, const std::string& path, const s
         output.write(std::as_bytes(is_missing ? std::span(no_bytes) : row.first(columns)));
     }
   }
-  session.print_result(
-      fmt::format("{}: {} of {} values, {}\n", file, counted(store.rows().size(), "row"), columns,
-                  type),
-      database_json(database, stored_thresholds(database, session.monitor), session.run));
+  session.print_result(fmt::format("{}: {} of {} values, {}\n", file,
+                                   counted(store.rows().size(), "row"), columns, type),
+                       database_json(database, session.run));
 }
 
 }  // namespace

@@ -24,9 +24,7 @@ std::vector<NamedArgument> selected_arguments(const TrainOptions& options, const
 
 void print_database(const Session& session, const SequenceDatabase& database,
                     const std::string& path, const std::string& more) {
-  const std::vector<AutomaticThresholds> thresholds = stored_thresholds(database, session.monitor);
-  session.print_result(database_text(database, thresholds, path) + more,
-                       database_json(database, thresholds, session.run));
+  session.print_result(database_text(database, path) + more, database_json(database, session.run));
 }
 
 void add_fastable(Program& program) {

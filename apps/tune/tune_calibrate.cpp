@@ -74,12 +74,12 @@ VPR_FIELDS(Threshold, safety_factor)
 
 // Replaces the thresholds of the database for the same window lengths.
 void store_thresholds(const Session& session, const std::string& path, SequenceDatabase& database,
-                      const std::vector<AutomaticThresholds>& all) {
-  for (const AutomaticThresholds& one : all) {
+                      const std::vector<ThresholdTable>& all) {
+  for (const ThresholdTable& one : all) {
     std::erase_if(database.thresholds, [&](const ThresholdTable& stored) {
-      return stored.window_length == one.table.window_length;
+      return stored.window_length == one.window_length;
     });
-    database.thresholds.push_back(one.table);
+    database.thresholds.push_back(one);
   }
   write_sequence_database(path, database, session.outputs);
 }
@@ -93,15 +93,13 @@ void compute_thresholds(Session& session, const Threshold& command) {
   }
   SequenceDatabase database = read_sequence_database(command.database);
   check_automatic(database, {});
-  std::vector<AutomaticThresholds> all;
+  std::vector<ThresholdTable> all;
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
     check_window_length(length);
     check_sums(database.descriptors, length);
-    ThresholdTable table =
-        compute_thresholds(descriptor_spans(database), length, command.safety_factor,
-                           session.kernels, session.monitor);
-    warn_of_overlaps(database, table, session.monitor);
-    all.push_back(automatic_thresholds(database, std::move(table), session.monitor));
+    all.push_back(compute_thresholds(descriptor_spans(database), length, command.safety_factor,
+                                     session.kernels, session.monitor));
+    warn_of_overlaps(database, all.back(), session.monitor);
   }
   if (command.write) store_thresholds(session, command.database, database, all);
   const Json json = thresholds_json(database.sequences, all, command.safety_factor, session.run);

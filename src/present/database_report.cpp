@@ -41,20 +41,21 @@ std::string frame_span(const Sequence& sequence, size_t window, size_t length) {
 struct Line {
   const Sequence& sequence;
   size_t window_length;
-  const std::optional<AutomaticThreshold>& threshold;
+  std::optional<double> threshold;
   const std::optional<ClosestWindows>& closest;
   std::string own_frames;  ///< of the closest windows; "-" without
   std::string closest_frames;
 };
 
 std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
-                           const std::vector<AutomaticThresholds>& thresholds) {
+                           const std::vector<ThresholdTable>& thresholds) {
   std::vector<Line> lines;
-  for (const AutomaticThresholds& automatic : thresholds)
+  for (const ThresholdTable& table : thresholds)
     for (size_t s = 0; s < sequences.size(); ++s) {
-      const size_t length = automatic.table.window_length;
-      Line& line = lines.emplace_back(Line{sequences[s].sequence, length, automatic.sequences[s],
-                                           automatic.table.closest[s], "-", "-"});
+      const size_t length = table.window_length;
+      Line& line =
+          lines.emplace_back(Line{sequences[s].sequence, length, automatic_threshold(table, s),
+                                  table.closest[s], "-", "-"});
       if (!line.closest) continue;
       line.own_frames = frame_span(sequences[s].sequence, line.closest->window, length);
       line.closest_frames = frame_span(sequences[line.closest->other_sequence].sequence,
@@ -65,8 +66,7 @@ std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
 
 }  // namespace
 
-Json database_json(const SequenceDatabase& database,
-                   const std::vector<AutomaticThresholds>& thresholds, const RunInfo& run) {
+Json database_json(const SequenceDatabase& database, const RunInfo& run) {
   Json json = head_json(DatabaseFamily::sequences);
   json["descriptor"] = database.descriptors.kind->name;
   if (database.descriptors.kind->is_imported) json["length"] = database.descriptors.length;
@@ -76,9 +76,11 @@ Json database_json(const SequenceDatabase& database,
     const Sequence& sequence = database.sequences[s].sequence;
     Json item = sequence_json(sequence, {{"unreadable", sequence.unreadable.size()}});
     item["t_r"] = Json::array();
-    for (const AutomaticThresholds& one : thresholds)
-      item["t_r"].push_back({{"c_l", one.table.window_length},
-                             {"bits", one.sequences[s] ? Json(one.sequences[s]->value) : Json()}});
+    for (const ThresholdTable& table : database.thresholds) {
+      const std::optional<double> threshold = automatic_threshold(table, s);
+      item["t_r"].push_back(
+          {{"c_l", table.window_length}, {"bits", threshold ? Json(*threshold) : Json()}});
+    }
     json["sequences"].push_back(item);
   }
   json["provenance"] = provenance_json(run);
@@ -98,21 +100,21 @@ Json database_json(const FabmapDatabase& database, const RunInfo& run) {
   return json;
 }
 
-std::string database_text(const SequenceDatabase& database,
-                          const std::vector<AutomaticThresholds>& thresholds,
-                          const std::string& name) {
+std::string database_text(const SequenceDatabase& database, const std::string& name) {
   Table table;
   table.columns = {"sequence", "frames", "unreadable"};
-  for (const AutomaticThresholds& one : thresholds)
-    table.columns.push_back(fmt::format("t_r at c_l {}", one.table.window_length));
+  for (const ThresholdTable& one : database.thresholds)
+    table.columns.push_back(fmt::format("t_r at c_l {}", one.window_length));
   size_t frames = 0;
   for (size_t s = 0; s < database.sequences.size(); ++s) {
     const Sequence& sequence = database.sequences[s].sequence;
     frames += sequence.frames;
     std::vector<std::string>& row = table.rows.emplace_back();
     row = {sequence.name, frames_text(sequence), std::to_string(sequence.unreadable.size())};
-    for (const AutomaticThresholds& one : thresholds)
-      row.push_back(one.sequences[s] ? fmt::format("{:.2f} bits", one.sequences[s]->value) : "-");
+    for (const ThresholdTable& one : database.thresholds) {
+      const std::optional<double> threshold = automatic_threshold(one, s);
+      row.push_back(threshold ? fmt::format("{:.2f} bits", *threshold) : "-");
+    }
   }
   table.title = fmt::format("{}: {}, {}, {}{}", name, enum_name(DatabaseFamily::sequences),
                             counted(database.sequences.size(), "sequence"),
@@ -143,18 +145,15 @@ std::string database_text(const FabmapDatabase& database, const std::string& nam
 }
 
 Json thresholds_json(std::span<const TrainSequence> sequences,
-                     const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                     const std::vector<ThresholdTable>& thresholds, double safety_factor,
                      const RunInfo& run) {
   Json json = {{"schema", "vpr.thresholds/3"}, {"safety_factor", safety_factor}};
   json["thresholds"] = Json::array();
   for (const Line& line : lines_of(sequences, thresholds)) {
     Json item = {{"sequence", line.sequence.name}, {"c_l", line.window_length}, {"t_r", nullptr}};
     if (line.threshold) {
-      item["t_r"] = line.threshold->value;
+      item["t_r"] = *line.threshold;
       item["t_r_scale"] = enum_name(ThresholdScale::bits);
-      item["limited"] = line.threshold->is_largest;
-    }
-    if (line.closest) {
       item["distance"] = line.closest->score;
       item["own_frames"] = line.own_frames;
       item["closest_frames"] = line.closest_frames;
@@ -166,20 +165,15 @@ Json thresholds_json(std::span<const TrainSequence> sequences,
 }
 
 Table thresholds_table(std::span<const TrainSequence> sequences,
-                       const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                       const std::vector<ThresholdTable>& thresholds, double safety_factor,
                        const std::string& name) {
   Table table;
   table.title = fmt::format("{}: automatic t_r, safety factor {:g}", name, safety_factor);
-  table.columns = {"sequence", "c_l", "t_r (bits)", "from", "own frames", "closest other frames"};
-  for (const Line& line : lines_of(sequences, thresholds)) {
-    const auto& threshold = line.threshold;
+  table.columns = {"sequence", "c_l", "t_r (bits)", "own frames", "closest other frames"};
+  for (const Line& line : lines_of(sequences, thresholds))
     add_row(table, line.sequence.name, line.window_length,
-            threshold ? fmt::format("{:.2f}", threshold->value) : "-",
-            !threshold              ? "-"
-            : threshold->is_largest ? "upper limit"
-                                    : "closest windows",
-            line.own_frames, line.closest_frames);
-  }
+            line.threshold ? fmt::format("{:.2f}", *line.threshold) : "-", line.own_frames,
+            line.closest_frames);
   return table;
 }
 

@@ -14,25 +14,21 @@
 
 namespace vpr {
 
-/// `thresholds`: the stored ones (stored_thresholds).
-Json database_json(const SequenceDatabase& database,
-                   const std::vector<AutomaticThresholds>& thresholds, const RunInfo& run);
+Json database_json(const SequenceDatabase& database, const RunInfo& run);
 Json database_json(const FabmapDatabase& database, const RunInfo& run);
 
 /// A table of sequences or, for FAB-MAP, groups.
-std::string database_text(const SequenceDatabase& database,
-                          const std::vector<AutomaticThresholds>& thresholds,
-                          const std::string& name);
+std::string database_text(const SequenceDatabase& database, const std::string& name);
 std::string database_text(const FabmapDatabase& database, const std::string& name);
 
 /// Thresholds by window length and sequence, with the frames that determine them.
 Json thresholds_json(std::span<const TrainSequence> sequences,
-                     const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                     const std::vector<ThresholdTable>& thresholds, double safety_factor,
                      const RunInfo& run);
 
 /// A row per window length and sequence. `name`: of the database.
 Table thresholds_table(std::span<const TrainSequence> sequences,
-                       const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                       const std::vector<ThresholdTable>& thresholds, double safety_factor,
                        const std::string& name);
 
 }  // namespace vpr

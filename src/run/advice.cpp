@@ -45,16 +45,28 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
 
 std::optional<std::string> excess_advice(const Result& result) {
   constexpr double kMostShare = 0.2;
-  double train_windows = 0;
-  for (const ComparedSequence& compared : result.sequences)
-    if (compared.searched) train_windows += static_cast<double>(compared.windows);
+  std::vector<uint64_t> counts(result.sequences.size());
+  for (const Match& recognition : result.recognitions) ++counts[recognition.sequence];
   const auto queries = static_cast<double>(
       std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
-  const double share = static_cast<double>(result.recognitions.size()) / (train_windows * queries);
-  if (!(share > kMostShare)) return std::nullopt;
+  double largest = 0;
+  size_t worst = 0;
+  size_t excesses = 0;
+  for (size_t s = 0; s < counts.size(); ++s) {
+    const auto windows = static_cast<double>(result.sequences[s].windows);
+    const double share = static_cast<double>(counts[s]) / (windows * queries);
+    if (!result.sequences[s].threshold || !(share > kMostShare)) continue;
+    ++excesses;
+    if (share > largest) worst = s;
+    largest = std::max(largest, share);
+  }
+  if (excesses == 0) return std::nullopt;
   return fmt::format(
-      "{:.0f} % of all window pairs are recognitions: t_r is too large to tell places apart",
-      100 * share);
+      "t_r accepts {:.0f} % of the window pairs of {}{}: too many to tell places apart",
+      100 * largest, result.sequences[worst].sequence.name,
+      excesses == 1
+          ? ""
+          : ", and more than a fifth of " + counted(excesses - 1, "other training sequence"));
 }
 
 std::string no_recognition_advice(const Result& result) {

@@ -8,7 +8,7 @@
 
 namespace vpr {
 
-/// A sentence if more than a fifth of all window pairs of a result are recognitions.
+/// A sentence if more than a fifth of the window pairs of a training sequence are recognitions.
 std::optional<std::string> excess_advice(const Result& result);
 
 /// Whether a result deserves advice: windows without a recognition, or a filter that recognizes

@@ -196,19 +196,26 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
 void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
                                const Monitor& monitor) {
   check_automatic(database, plan.settings);
-  const AutomaticThresholds automatic =
-      automatic_thresholds(database, automatic_table(plan, database, monitor), monitor);
-  warn_of_overlaps(database, automatic.table, monitor);
+  const ThresholdTable table = automatic_table(plan, database, monitor);
+  std::vector<std::string> without;  // sequences that have windows, but no t_r
+  bool any = false;
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
     ComparedSequence& sequence = plan.sequences[s];
-    if (!sequence.searched || !automatic.sequences[s]) continue;
-    sequence.threshold = automatic.sequences[s]->value;
-    if (!automatic.table.closest[s])
-      warn(monitor, fmt::format("{}: no windows of {} frames show other places, so its automatic "
-                                "t_r is the upper limit, which accepts wrong places. Use a smaller "
-                                "--c-l, or --method filter.",
-                                sequence.sequence.name, plan.match.window_length));
+    if (!sequence.searched || sequence.windows == 0) continue;
+    sequence.threshold = automatic_threshold(table, s);
+    any = any || sequence.threshold;
+    if (!sequence.threshold) without.push_back(sequence.sequence.name);
   }
+  if (!any)
+    throw Error(ErrorKind::usage,
+                fmt::format("the automatic t_r needs two training sequences with windows of {} "
+                            "frames (c_l). Use a smaller --c-l, or a number, as in --t-r 0.6.",
+                            table.window_length));
+  if (!without.empty())
+    warn(monitor, fmt::format("{}: cannot be recognized without an automatic t_r, because no other "
+                              "training sequence has a window to compare with",
+                              fmt::join(without, ", ")));
+  warn_of_overlaps(database, table, monitor);
 }
 
 // Thresholds, and the limits that need no distances: of automatic thresholds, and of numbers that

@@ -97,43 +97,11 @@ double typical_distance(const TrainSequence& stored, const DescribedFrames& sequ
   return compute_statistics({&sequence, 1}, settings, monitor).typical_distance;
 }
 
-double largest_threshold(double typical_distance, size_t window_length) {
-  // The closest windows of independent distances would be below the typical distance by a share of
-  // 1 / sqrt(c_l). Measured on floors that look alike (docs/reference/methods.md).
-  constexpr double kSpread = 0.65;
-  return (1 - kSpread / std::sqrt(static_cast<double>(window_length))) * typical_distance;
-}
-
-AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& closest,
-                                       double typical_distance, size_t window_length,
-                                       double safety_factor) {
-  const double most = largest_threshold(typical_distance, window_length);
-  const double found =
-      closest ? static_cast<double>(closest->score) / static_cast<double>(window_length) : most;
-  return {std::min(found, most) * safety_factor, !closest || most < found};
-}
-
-AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,
-                                         const Monitor& monitor) {
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
-  AutomaticThresholds automatic{std::move(table), {}};
-  const size_t length = automatic.table.window_length;
-  for (size_t s = 0; s < spans.size(); ++s) {
-    auto& threshold = automatic.sequences.emplace_back();
-    if (spans.size() == 1 || count_windows(readable_runs(spans[s]), length) == 0) continue;
-    threshold = automatic_threshold(automatic.table.closest[s],
-                                    typical_distance(database.sequences[s], spans[s], monitor),
-                                    length, automatic.table.safety_factor);
-  }
-  return automatic;
-}
-
-std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& database,
-                                                   const Monitor& monitor) {
-  std::vector<AutomaticThresholds> all;
-  for (const ThresholdTable& table : database.thresholds)
-    all.push_back(automatic_thresholds(database, table, monitor));
-  return all;
+std::optional<double> automatic_threshold(const ThresholdTable& table, size_t sequence) {
+  const auto& closest = table.closest[sequence];
+  if (!closest) return std::nullopt;
+  return static_cast<double>(closest->score) / static_cast<double>(table.window_length) *
+         table.safety_factor;
 }
 
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings) {

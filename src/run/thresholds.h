@@ -13,19 +13,6 @@
 
 namespace vpr {
 
-/// An automatic t_r of one training sequence, on the scale bits.
-struct AutomaticThreshold {
-  double value = 0;
-  bool is_largest = false;  ///< limited by largest_threshold
-};
-
-/// Closest windows of one length, and the t_r of each sequence; nullopt for a sequence without a
-/// window.
-struct AutomaticThresholds {
-  ThresholdTable table;
-  std::vector<std::optional<AutomaticThreshold>> sequences;
-};
-
 /// By training sequence; nullopt if there are no such windows.
 using ClosestTable = std::vector<std::optional<ClosestWindows>>;
 
@@ -50,25 +37,9 @@ bool is_left_to_queries(std::span<const DescribedFrames> sequences);
 double typical_distance(const TrainSequence& stored, const DescribedFrames& sequence,
                         const Monitor& monitor);
 
-/// The largest automatic t_r, as a mean frame distance: (1 - 0.65 / sqrt(c_l)) of the sequence's
-/// typical distance. It applies if training sequences look so different that their closest windows
-/// say nothing.
-double largest_threshold(double typical_distance, size_t window_length);
-
-/// The distance of the closest windows / window_length, or largest_threshold if this is smaller or
-/// there are no closest windows; times safety_factor.
-AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& closest,
-                                       double typical_distance, size_t window_length,
-                                       double safety_factor);
-
-/// The automatic t_r of every sequence, from the closest windows and the safety factor of the
-/// table; nullopt for a single sequence.
-AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,
-                                         const Monitor& monitor);
-
-/// The automatic thresholds for every table of the database.
-std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& database,
-                                                   const Monitor& monitor);
+/// The automatic t_r of a training sequence on the scale bits (paper, equation (5)): the distance
+/// of its closest windows / window_length, times safety_factor. Nullopt without closest windows.
+std::optional<double> automatic_threshold(const ThresholdTable& table, size_t sequence);
 
 /// Throws Error(usage) if the settings need an automatic t_r and the database has one sequence.
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings);

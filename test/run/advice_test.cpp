@@ -47,15 +47,25 @@ std::string finding(const test::Example& walk, size_t first, size_t step) {
 
 }  // namespace
 
-TEST_CASE("more than a fifth of all pairs as recognitions is too many") {
+TEST_CASE("more than a fifth of the pairs of a sequence as recognitions is too many") {
   Result result = planned_result(200);
   for (uint32_t j = 0; j < 20; ++j)
     for (uint32_t i = 0; i < 2; ++i) result.recognitions.push_back({j, 0, i, 0, 300});
   CHECK_FALSE(excess_advice(result));  // 40 of 200
   result.recognitions.push_back({19, 0, 2, 0, 300});
   CHECK(excess_advice(result) ==
-        "20 % of all window pairs are recognitions: t_r is too large to tell places apart");
+        "t_r accepts 20 % of the window pairs of walk: too many to tell places apart");
   CHECK(recognized_windows(result) == 20);
+  result.sequences.insert(result.sequences.begin(), 2, result.sequences[0]);  // of other places
+  for (Match& recognition : result.recognitions) recognition.sequence = 2;
+  CHECK(excess_advice(result) ==
+        "t_r accepts 20 % of the window pairs of walk: too many to tell places apart");
+  for (uint32_t j = 0; j < 20; ++j)
+    for (uint32_t i = 0; i < 10; ++i) result.recognitions.push_back({j, 0, i, 0, 300});
+  result.sequences[0].sequence.name = "stairs";
+  CHECK(excess_advice(result) ==
+        "t_r accepts 100 % of the window pairs of stairs, and more than a fifth of 1 other "
+        "training sequence: too many to tell places apart");
   CHECK_FALSE(excess_advice(Result{}));
 }
 

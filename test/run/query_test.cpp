@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "examples.h"
 #include "match/reference.h"
+#include "run/advice.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "support.h"
@@ -115,7 +116,7 @@ TEST_CASE("a missing window length is computed") {
             .threshold == computed.result.sequences[1].threshold);
 }
 
-TEST_CASE("training sequences that look different do not make every match a recognition") {
+TEST_CASE("training sequences that look different accept every window, with a warning") {
   // Frames of one building differ by about 180 bits, frames of two buildings by about 690.
   std::vector<std::vector<LdbCode>> walks(2);
   for (size_t w = 0; w < 2; ++w) {
@@ -131,9 +132,37 @@ TEST_CASE("training sequences that look different do not make every match a reco
   SequenceQuerySettings settings;
   settings.window_length = 5;
   const Result result = query_all(database, make_query(walks[0]), settings).result;
-  CHECK(result.recognitions.size() ==
-        36);  // each window matches itself; with the closest windows all 1296
-  CHECK(*result.sequences[0].threshold < 180);
+  CHECK(result.recognitions.size() == 36 * 36);
+  CHECK(*result.sequences[0].threshold > 600);
+  CHECK(excess_advice(result) ==
+        "t_r accepts 100 % of the window pairs of a: too many to tell places apart");
+}
+
+TEST_CASE("an automatic threshold needs another training sequence with a window") {
+  const auto walks = [](size_t second) {
+    return std::vector<std::vector<LdbCode>>{test::walk_codes(60, 1, 120),
+                                             test::walk_codes(second, 2, 120)};
+  };
+  const DescriptorSet query = make_query(test::walk_codes(50, 3, 120));
+  std::vector<std::string> said;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  const SequenceDatabase alone = make_database(walks(9), 10);
+  CHECK_THROWS_WITH(query_all(alone, query, settings),
+                    "the automatic t_r needs two training sequences with windows of 10 frames "
+                    "(c_l). Use a smaller --c-l, or a number, as in --t-r 0.6.");
+  auto three = walks(60);
+  three.push_back(test::walk_codes(12, 4, 120));  // too short at twice the speed
+  settings.rates = {"2"};
+  const SequenceDatabase database = make_database(three, 10);
+  const QueryPlan plan = plan_query(database, query, "q", settings, resources(), monitor);
+  CHECK(plan.sequences[0].threshold.has_value());
+  CHECK_FALSE(plan.sequences[2].threshold);
+  CHECK(said == std::vector<std::string>{
+                    "c: cannot be recognized without an automatic t_r, because no other training "
+                    "sequence has a window to compare with"});
 }
 
 TEST_CASE("the automatic threshold needs two training sequences, and raw distances") {

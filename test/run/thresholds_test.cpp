@@ -63,21 +63,12 @@ TEST_CASE("the closest windows equal those of comparing all sequences") {
   }
 }
 
-TEST_CASE("the automatic threshold is in bits per frame, times the safety factor") {
-  const AutomaticThreshold found = automatic_threshold(ClosestWindows{500, 0, 1, 0}, 400, 4, 0.8);
-  CHECK(found.value == 100);
-  CHECK_FALSE(found.is_largest);
-}
-
-TEST_CASE("if training sequences look different, a share of the typical distance is the limit") {
-  CHECK(largest_threshold(400, 4) == Approx((1 - 0.65 / 2) * 400));
-  CHECK(largest_threshold(400, 1) == Approx(0.35 * 400));
-  const AutomaticThreshold far = automatic_threshold(ClosestWindows{2000, 0, 1, 0}, 400, 4, 0.5);
-  CHECK(far.value == Approx(135));
-  CHECK(far.is_largest);
-  const AutomaticThreshold alone = automatic_threshold(std::nullopt, 400, 4, 1);
-  CHECK(alone.value == Approx(270));
-  CHECK(alone.is_largest);
+TEST_CASE("the automatic threshold is the closest distance per frame, times the safety factor") {
+  const ThresholdTable table{4, 0.8, {ClosestWindows{500, 0, 1, 0}, std::nullopt}};
+  CHECK(automatic_threshold(table, 0) == 100);
+  CHECK_FALSE(automatic_threshold(table, 1));
+  const ThresholdTable far{4, 1, {ClosestWindows{4 * 1386, 0, 1, 0}}};
+  CHECK(automatic_threshold(far, 0) == 1386);  // however different the sequences are
 }
 
 TEST_CASE("a single sequence has no closest windows in another one") {
