@@ -146,6 +146,8 @@ void add_fabmap(Program& program) {
   add_values(command, "--words-per-frame", settings.words_per_frame, "words per frame");
   add_setting(command, "--count", settings.descriptors,
               "descriptors to cluster with k-means; 0: skip it (default: 20000)");
+  add_setting(command, "--frame-ms", settings.frame_ms,
+              "time of a frame's features, included in frames per second, in ms (default: 0)");
   add_setting(command, "--seconds", settings.seconds,
               "shortest time of a measurement in seconds (default: 0.3)");
 }

@@ -112,10 +112,11 @@ struct FabmapBenchSettings {
   uint64_t iterations = 20;           ///< of k-means
   double seconds = 0.3;               ///< per measurement
   double slow_limit = 1'000'000'000;  ///< places x words above which slow variants are omitted
+  double frame_ms = 0;                ///< time of a frame's features, included in frames per second
 };
 
 VPR_FIELDS(FabmapBenchSettings, variants, places, words, words_per_frame, pretrain_frames,
-           descriptors, iterations, seconds, slow_limit)
+           descriptors, iterations, seconds, slow_limit, frame_ms)
 
 /// Words are drawn uniformly. Before a variant is timed, its results are compared with the
 /// reference implementation on a hundred places. Also times the new place, the normalization of the

@@ -293,6 +293,42 @@ Chart time_chart(const BenchResult& result, const MatchingBenchSettings& setting
   return chart;
 }
 
+/// A chart of a value of one method by database size, with a series per window length.
+struct ValueChart {
+  const char* work;
+  const char* value;
+  const char* file;
+  const char* title;
+  const char* label;
+  bool is_log;
+};
+
+constexpr std::array<ValueChart, 3> kValueCharts = {{
+    {"fastable-online", "times_openable", "speed-up", "FastABLE over OpenABLE, same kernels",
+     "times faster", false},
+    {"openable", "fps", "openable-fps", "OpenABLE: most frames per second", "frames per second",
+     true},
+    {"fastable-online", "cpu_at_10_hz_percent", "fastable-cpu",
+     "FastABLE: load of one core at 10 frames per second", "CPU %", true},
+}};
+
+// Without series if the method was not measured.
+Chart value_chart(const BenchResult& result, const MatchingBenchSettings& settings,
+                  const ValueChart& of) {
+  Chart chart{of.file, of.title, {"database frames", true}, {of.label, of.is_log, true}};
+  for (const uint64_t length : settings.window_lengths) {
+    Series series{fmt::format("c_l {}", length), {}};
+    for (const uint64_t frames : settings.databases) {
+      const BenchRow* row =
+          find_row(result, of.work, parameters_of(frames, length, settings.query_frames.front()));
+      const auto value = row == nullptr ? std::nullopt : find_number(row->values, of.value);
+      if (value) series.points.emplace_back(static_cast<double>(frames), *value);
+    }
+    if (!series.points.empty()) chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
 // Adds the value `name` to every row of `work`: the speed-up over the row of `slower` with the same
 // parameters.
 void add_speed_up(BenchResult& result, const std::string& work, const std::string& slower,
@@ -311,22 +347,8 @@ void add_comparisons(BenchResult& result, const MatchingBenchSettings& settings)
   const uint64_t most_frames = settings.databases.back();
   const uint64_t longest = settings.window_lengths.back();
   const uint64_t query = settings.query_frames.front();
-  Chart speed_ups{"speed-up",
-                  "FastABLE over OpenABLE, same kernels",
-                  {"database frames", true},
-                  {"times faster", false, true}};
-  for (const uint64_t length : settings.window_lengths) {
-    Series series{fmt::format("c_l {}", length), {}};
-    for (const uint64_t frames : settings.databases) {
-      const BenchRow* row =
-          find_row(result, "fastable-online", parameters_of(frames, length, query));
-      if (row == nullptr) continue;
-      if (const auto times = find_number(row->values, "times_openable"))
-        series.points.emplace_back(static_cast<double>(frames), *times);
-    }
-    if (!series.points.empty()) speed_ups.series.push_back(series);
-  }
-  if (!speed_ups.series.empty()) result.charts.push_back(speed_ups);
+  for (const ValueChart& chart : kValueCharts)
+    result.charts.push_back(value_chart(result, settings, chart));
   result.charts.push_back(time_chart(result, settings, "frames", "database frames",
                                      {{"c_l", longest}, {"query_frames", query}}));
   if (settings.window_lengths.size() > 1)
