@@ -69,22 +69,34 @@ unpack() {
   mv "$folder.part" "$folder"
 }
 
-# The sequences in the archive of the first floor, which has no ground truth.
+# The sequences in the archive of the first floor, which has no ground truth. Each folder of images in the
+# test folder, or the test folder itself, is a query. The paper's has 320 frames: the nearest is "query".
 describe_floor1() {
   python3 - "$1" <<'PYTHON'
 import json, pathlib, sys
 folder = pathlib.Path(sys.argv[1])
-train = sorted(path for path in folder.glob("**/SP_PUT_CM_1_train/*") if path.is_dir())
-query = next(iter(folder.glob("**/SP_PUT_CM_1_test")), None)
-if not train or query is None:
-    sys.exit(f"fetch-data: {folder} holds no SP_PUT_CM_1_train and SP_PUT_CM_1_test")
-inner = [path for path in query.iterdir() if path.is_dir()]
-query = inner[0] if len(inner) == 1 else query
+
+
+def sequences(name):
+    """The folders that contain images, with the number of these."""
+    folders = [path for top in folder.glob(f"**/{name}") for path in (top, *top.glob("**/")) if path.is_dir()]
+    counts = {path: sum(file.suffix.lower() in (".jpg", ".jpeg", ".png", ".bmp", ".pgm", ".ppm")
+                        for file in path.iterdir()) for path in sorted(set(folders))}
+    return {path: count for path, count in counts.items() if count > 0}
+
+
+train, queries = sequences("SP_PUT_CM_1_train"), sequences("SP_PUT_CM_1_test")
+if not train or not queries:
+    sys.exit(f"fetch-data: {folder} has no images in SP_PUT_CM_1_train and SP_PUT_CM_1_test")
+paper = min(queries, key=lambda path: abs(queries[path] - 320))
 relative = lambda path: str(path.relative_to(folder))
 (folder / "dataset.json").write_text(json.dumps({
     "schema": "vpr.dataset/3", "name": "PUT MC, first floor", "fps": 10,
     "train": [{"name": path.name, "sequence": relative(path)} for path in train],
-    "queries": [{"name": "query", "sequence": relative(query)}]}, indent=2) + "\n")
+    "queries": [{"name": "query" if path == paper else path.name, "sequence": relative(path)}
+                for path in queries]}, indent=2) + "\n")
+print(f"put-mc-floor1: {len(train)} training sequences of {sum(train.values())} frames (paper: 14 of 2127), "
+      f"query {relative(paper)} of {queries[paper]} frames (paper: 320)")
 PYTHON
 }
 
