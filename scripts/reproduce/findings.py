@@ -1,11 +1,4 @@
-#!/usr/bin/env python3
 """Checks the paper's findings on numbers.
-
-    findings.py EXPERIMENT... [--into FILE]
-
-Checks the current findings on stored numbers (out/EXPERIMENT.json, of any version) and prints two
-tables: "failing" with our numbers, and "holding". --into writes each between the lines
-"<!-- NAME: begin -->" and "<!-- NAME: end -->" of FILE (docs/benchmarks/reproduction.md).
 
 A finding is data (configs/paper): a sentence, its place in the paper, one of KINDS, and `where`,
 its numbers, selected by the settings and the measure of their cells. Each number, series or pair of
@@ -17,16 +10,18 @@ numbers, or `rows` of them, must satisfy the kind.
                 have them, are the same
   contradicted  how the paper's table contradicts its text; the finding is not counted
   unchecked     why the paper has no number for the finding
+  needs         what the finding needs that is not available, such as the paper's phones; it is then
+                checked on the paper's numbers only
+  tried         what was tried while the finding failed, in one sentence with its numbers
 """
-import argparse
 import json
 import math
-import pathlib
 from dataclasses import dataclass
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Data set and query by the name of a sequence.
-NO_SETTINGS = ("paper", "ours", "low", "high", "data", "query")
+NO_SETTINGS = ("paper", "ours", "low", "high", "data", "query", "unmeasured")
+SUBJECTS = ("recognition", "time")
+BOUND_WORDS = ("over", "below", "around", "almost")
 EXPONENT_TOLERANCE = 0.15  # of growth: time ~ parameter ^ exponent
 
 
@@ -90,7 +85,8 @@ KINDS = {
 def number(value):
     """A number, or the bound of a text such as "over 50"; None if there is none."""
     if isinstance(value, str):
-        return float(value.removeprefix("over ")) if value.startswith("over ") else None
+        word, _, bound = value.partition(" ")
+        return float(bound) if word in BOUND_WORDS else None
     return value
 
 
@@ -154,32 +150,58 @@ def parts_of(finding, all_cells, whose):
     return parts if known else []
 
 
+def reason_of(finding, cells):
+    """Why a finding has no numbers."""
+    where = finding["where"]
+    used = select(cells, where) + select(cells, {**where, **finding.get("than", {})})
+    used += select(cells, {"measure": where["measure"], **finding.get("than", {})})
+    reasons = dict.fromkeys(cell["unmeasured"] for cell in used if cell.get("unmeasured"))
+    return "; ".join(reasons) or "there are no such numbers"
+
+
 def check(finding, cells, whose="ours"):
     """Whether a finding holds on our numbers, or on the paper's, with its parts. `holds` is None if a
-    number is missing."""
+    number is missing, with the reason."""
+    if "needs" in finding and whose == "ours":
+        return {"holds": None, "reason": f"needs {finding['needs']}", "parts": []}
     parts = parts_of(finding, cells, whose)
+    if not parts:
+        return {"holds": None, "reason": reason_of(finding, cells), "parts": []}
     judge = KINDS[finding["kind"]][1]
     fits = [bool(judge(part, finding)) for part in parts]
     is_series = KINDS[finding["kind"]][0] == "series"
-    return {"holds": sum(fits) >= finding.get("rows", len(fits)) if fits else None,
+    return {"holds": sum(fits) >= finding.get("rows", len(fits)),
             "parts": [{"settings": part.settings, "values": part.values,
                        **({"over": part.others} if is_series else
                           {"than": part.others} if part.others else {}), "fits": fit}
                       for part, fit in zip(parts, fits)]}
 
 
-def check_all(findings, cells):
+def check_all(experiment, cells):
     """The findings for the JSON, with the outcome on our numbers."""
-    words = ("finding", "place", "kind", "contradicted", "unchecked")
-    return [{**{key: finding[key] for key in words if key in finding}, **check(finding, cells)}
-            for finding in findings]
+    words = ("finding", "place", "kind", "contradicted", "unchecked", "tried")
+    subject = SUBJECTS[experiment["kind"] == "bench"]
+    return [{**{key: finding[key] for key in words if key in finding}, "subject": subject,
+             **check(finding, cells)} for finding in experiment["findings"]]
 
 
-def summary(outcomes):
-    """How many findings hold, among those that were measured and that the paper's tables do not contradict."""
-    counted = [outcome["holds"] for outcome in outcomes
-               if outcome["holds"] is not None and "contradicted" not in outcome]
-    return {"hold": sum(counted), "of": len(counted)}
+def counted(outcomes, subject=None):
+    """Without those that the paper's own tables contradict."""
+    return [outcome for outcome in outcomes if "contradicted" not in outcome
+            and subject in (None, outcome["subject"])]
+
+
+def summary(outcomes, subject=None):
+    """How many findings hold, do not, and were not measured."""
+    held = [outcome["holds"] for outcome in counted(outcomes, subject)]
+    return {"hold": held.count(True), "fail": held.count(False), "not_measured": held.count(None)}
+
+
+def summary_table(outcomes):
+    """The summary of each subject, as Markdown."""
+    rows = [(subject, *summary(outcomes, subject).values()) for subject in SUBJECTS]
+    return ["| findings on | hold | do not hold | not measured |", "|---|---:|---:|---:|",
+            *(f"| {' | '.join(map(str, row))} |" for row in rows)]
 
 
 def name(settings, all_settings):
@@ -212,62 +234,59 @@ def evidence(outcome):
 def line(outcome):
     start = f"{outcome['finding']} ({outcome['place']}): "
     if outcome["holds"] is None:
-        return start + "not measured"
+        return f"{start}not measured ({outcome['reason']})"
     end = "holds" if outcome["holds"] else "does not hold"
     if "contradicted" in outcome:
         end = f"not counted, since {outcome['contradicted']}; {end}"
-    return f"{start}{end} ({evidence(outcome)})"
+    tried = f". {outcome['tried']}" if outcome["holds"] is False and "tried" in outcome else ""
+    return f"{start}{end} ({evidence(outcome)}){tried}"
 
 
 def lines(outcomes):
     """The last lines of a table."""
     counts = summary(outcomes)
+    missing = f", {counts['not_measured']} not measured" if counts["not_measured"] else ""
     return [*(f"- {line(outcome)}" for outcome in outcomes), "",
-            f"{counts['hold']} of {counts['of']} findings hold."]
+            f"{counts['hold']} of {counts['hold'] + counts['fail']} findings hold{missing}."]
 
 
-def sections(experiments):
-    """Title and findings of each experiment, checked again on its stored numbers."""
-    for experiment in experiments:
-        written = json.loads((ROOT / f"out/{experiment}.json").read_text())
-        config = json.loads((ROOT / f"configs/paper/{experiment}.json").read_text())
-        yield config["title"], check_all(config["findings"], written["cells"])
+def failing(results):
+    """The findings that do not hold, as Markdown."""
+    outcomes = [outcome for result in results for outcome in counted(result["findings"])]
+    lines = summary_table(outcomes)
+    for subject in SUBJECTS:
+        lines += ["", f"### Findings on {subject} that do not hold", "",
+                  "| finding | in the paper | our numbers that do not fit | what was tried |", "|---|---|---|---|"]
+        lines += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} | "
+                  f"{outcome.get('tried', 'unexplained')} |" for outcome in outcomes
+                  if outcome["holds"] is False and outcome["subject"] == subject]
+    return lines
 
 
-def overview(checked):
-    """The blocks of the page by name, from pairs of title and findings."""
-    counts = summary([outcome for _, outcomes in checked for outcome in outcomes])
-    failing = [f"{counts['hold']} of {counts['of']} findings hold on rendered stand-ins and generated codes.", "",
-               "| finding | in the paper | our numbers that do not fit |", "|---|---|---|"]
-    holding = []
-    for title, outcomes in checked:
-        counted = [outcome for outcome in outcomes if "contradicted" not in outcome]
-        own = summary(outcomes)
-        failing += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} |"
-                    for outcome in counted if outcome["holds"] is False]
-        holding += [*([""] if holding else []), f"### {title}", "", f"{own['hold']} of {own['of']}:", "",
-                    *(f"- {outcome['finding']} ({outcome['place']})" for outcome in counted if outcome["holds"])]
-        holding += [f"- not measured: {outcome['finding']} ({outcome['place']})"
-                    for outcome in counted if outcome["holds"] is None]
-        holding += [f"- not counted, since {outcome['contradicted']}: {outcome['finding']} ({outcome['place']})"
-                    for outcome in outcomes if "contradicted" in outcome]
-    return {"failing": failing, "holding": holding}
+def holding(results):
+    """The findings that hold, were not measured, or are not counted, of each experiment."""
+    lines = []
+    for result in results:
+        outcomes = result["findings"]
+        counts = summary(outcomes)
+        lines += [*([""] if lines else []), f"### {result['title']}", "",
+                  f"{counts['hold']} of {counts['hold'] + counts['fail']}:", ""]
+        for outcome in outcomes:
+            text = f"{outcome['finding']} ({outcome['place']})"
+            if "contradicted" in outcome:
+                lines.append(f"- not counted, since {outcome['contradicted']}: {text}")
+            elif outcome["holds"]:
+                lines.append(f"- {text}")
+            elif outcome["holds"] is None:
+                lines.append(f"- not measured, {outcome['reason']}: {text}")
+    return lines
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("experiments", nargs="+")
-    parser.add_argument("--into", type=pathlib.Path)
-    options = parser.parse_args()
-    for name, block in overview(list(sections(options.experiments))).items():
-        text = "\n".join(block) + "\n"
-        print(text)
-        if options.into:
-            begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
-            before, rest = options.into.read_text().split(begin)
-            options.into.write_text(before + begin + text + end + rest.split(end)[1])
-
-
-if __name__ == "__main__":
-    main()
+def write_page(path, results, context):
+    """Replaces the blocks of a page, between lines such as "<!-- failing: begin -->"."""
+    text = path.read_text()
+    for name, block in (("failing", [context, "", *failing(results)]), ("holding", holding(results))):
+        begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
+        before, rest = text.split(begin)
+        text = before + begin + "\n".join(block) + "\n" + end + rest.split(end)[1]
+    path.write_text(text)

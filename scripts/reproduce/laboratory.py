@@ -8,9 +8,19 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BIN = pathlib.Path(os.environ.get("VPR_BIN") or ROOT / "build/release/bin")
-WORK = ROOT / "out/reproduce"
+BIN = pathlib.Path(os.environ.get("VPR_BIN") or ROOT / "build/release/bin").absolute()
+PROGRAMS = ("vpr-synth", "vpr-train", "vpr-query", "vpr-eval", "vpr-tune")  # of counts
 SIGN_OF_LIFE_S = 30
+QUICK_WIDTH, QUICK_HEIGHT = 160, 120  # of rendered images, in pixels
+QUICK_SHARE = 2 / 3  # of the frames of recordings: windows of 80 frames still fit all sequences
+
+
+class Failure(Exception):
+    """An experiment cannot be finished; `code` is the exit code."""
+
+    def __init__(self, message, code=1):
+        super().__init__(message)
+        self.code = code
 
 
 def say(sentence):
@@ -20,9 +30,6 @@ def say(sentence):
 def run(what, program, *arguments):
     """Runs a program of the toolkit and reports its purpose, its elapsed time at intervals, and its total
     time. Discards stdout, shows errors."""
-    if not (BIN / program).exists():
-        sys.exit(f"reproduce: {BIN / program} is missing; build it with cmake --build --preset "
-                 f"release --target {program}, or name the programs' folder in VPR_BIN")
     say(what)
     start = time.monotonic()
     child = subprocess.Popen([str(BIN / program), *map(str, arguments)], stdout=subprocess.DEVNULL)
@@ -37,7 +44,7 @@ def run(what, program, *arguments):
             child.wait()
             sys.exit(130)
     if code != 0:
-        sys.exit(code)
+        raise Failure(f"{program} ended with exit code {code} ({what})", code)
     if time.monotonic() - start > SIGN_OF_LIFE_S:
         say(f"{what}: done after {time.monotonic() - start:.0f} s")
 
@@ -52,30 +59,63 @@ def is_fresh(target, *sources):
         target.stat().st_mtime >= source.stat().st_mtime for source in sources)
 
 
+def data_state(name, folder):
+    """Text that changes with the world of a stand-in, or with any file of the user's recordings."""
+    if folder is None:
+        return (ROOT / f"configs/worlds/{name}.json").read_text()
+    files = sorted(path for path in (pathlib.Path(folder) / name).rglob("*") if path.is_file())
+    return "\n".join(f"{path} {path.stat().st_size} {path.stat().st_mtime_ns}" for path in files)
+
+
+def sha256(text):
+    return hashlib.sha256(text if isinstance(text, bytes) else text.encode()).hexdigest()
+
+
 class DataSet:
     """The user's recordings, or a synthetic stand-in that is rendered on first use."""
 
-    def __init__(self, name, folder):
+    def __init__(self, name, laboratory):
         self.name = name
-        self.is_stand_in = folder is None
+        self.work = laboratory.work
+        self.is_stand_in = laboratory.folder is None
         if self.is_stand_in:
-            world = ROOT / f"configs/worlds/{name}.json"
-            target = WORK / name
-            self.description = target / "dataset.json"
-            if not is_fresh(self.description, world, BIN / "vpr-synth"):
-                run(f"render the stand-in {name}", "vpr-synth", world, "-o", target, "--force")
+            self.description = self.work / name / "dataset.json"
+            self.render(laboratory.is_quick)
         else:
-            self.description = pathlib.Path(folder) / name / "dataset.json"
+            self.description = laboratory.folder / name / "dataset.json"
             if not self.description.exists():
-                sys.exit(f"reproduce: {self.description} is missing; "
-                         "docs/benchmarks/datasets.md describes its contents")
-        description = read(self.description)
-        self.title = description["name"]
-        self.has_places = bool(description.get("places") and description.get("pretrain"))
+                raise Failure(f"{self.description} is missing; docs/benchmarks/datasets.md "
+                              "describes its contents", 2)
+        self.content = read(self.description)
+        self.title = self.content["name"]
+        self.suffix = ""  # of names of databases
+        if not self.is_stand_in:
+            self.suffix = f".{sha256(data_state(name, laboratory.folder))[:8]}"
+        self.thinned = []  # flags that select a part of the frames
+        if laboratory.is_quick and not self.is_stand_in and "fps" in self.content:
+            self.thinned = ["--fps", f"{self.content['fps'] * QUICK_SHARE:g}"]
+
+    def render(self, is_quick):
+        world = ROOT / f"configs/worlds/{self.name}.json"
+        if is_fresh(self.description, world, BIN / "vpr-synth"):
+            return
+        if is_quick:
+            small = self.work / f"{self.name}.json"
+            small.write_text(json.dumps(
+                {**read(world), "image_width": QUICK_WIDTH, "image_height": QUICK_HEIGHT}))
+            world = small
+        run(f"render the stand-in {self.name}", "vpr-synth", world, "-o", self.description.parent,
+            "--force")
+
+    def query(self, name):
+        found = [query for query in self.content["queries"] if query["name"] == name]
+        if not found:
+            raise Failure(f"{self.description}: there is no query named {name}. Add it there", 2)
+        return found[0]
 
     def train(self, method):
-        database = WORK / f"{self.name}{'' if self.is_stand_in else '.data'}.{method}.vprdb"
-        options = ["--c-l", 40] if method == "fastable" else []
+        database = self.work / f"{self.name}{self.suffix}.{method}.vprdb"
+        options = ["--c-l", 40, *self.thinned] if method == "fastable" else []
         if not is_fresh(database / "manifest.json", self.description, BIN / "vpr-train"):
             run(f"train {method} on {self.name}", "vpr-train", method, "--dataset",
                 self.description, *options, "-o", database, "--force")
@@ -83,18 +123,24 @@ class DataSet:
 
 
 class Laboratory:
-    """Data sets and databases of one run, each made once."""
+    """Data sets and databases of one experiment, each made once."""
 
-    def __init__(self, folder):
-        self.folder = folder
+    def __init__(self, out, folder, is_quick):
+        self.folder = pathlib.Path(folder) if folder else None
+        self.is_quick = is_quick
+        self.work = out / "reproduce"
+        self.figures = out / "figures"
         self.data_sets = {}
         self.databases = {}
         self.machine = None  # on which times were measured
         self.makers = []  # program, version, commit and seed of the numbers
+        self.notes = []  # of this run
+        for made in (self.work, self.figures):
+            made.mkdir(parents=True, exist_ok=True)
 
     def data(self, name):
         if name not in self.data_sets:
-            self.data_sets[name] = DataSet(name, self.folder)
+            self.data_sets[name] = DataSet(name, self)
         return self.data_sets[name]
 
     def database(self, name, method):
@@ -104,26 +150,33 @@ class Laboratory:
 
     def sweep(self, method, name, query, grids):
         """Cells of a sweep by its two settings, from a single run of vpr-tune."""
-        out = WORK / "sweep.json"
+        out = self.work / "sweep.json"
         flags = [word for flag, values in grids.items()
                  for word in (flag, ",".join(str(v) for v in sorted(set(values))))]
         run(f"sweep {method} on {name}, query {query}", "vpr-tune", method,
             self.database(name, method), "--dataset", self.data(name).description, "--query", query,
-            *flags, "-o", out, "--force", "--quiet")
+            *self.data(name).thinned, *flags, "-o", out, "--force", "--quiet")
         keys = ("c_w", "t_p") if method == "fabmap" else ("c_l", "t_r")
         return {tuple(cell[key] for key in keys): cell for cell in self.written(out)["cells"]}
 
-    def report(self, method, name, query, *settings):
+    def report(self, method, name, query, *settings, evaluation=()):
         """The evaluation report of one query."""
         family = "fabmap" if method == "fabmap" else "fastable"
-        result, report = WORK / "result.json", WORK / "report.json"
+        result, report = self.work / "result.json", self.work / "report.json"
         data = ["--dataset", self.data(name).description]
         words = " ".join(map(str, settings))
         run(f"query {name} with {query}: {method} {words}", "vpr-query",
-            self.database(name, family), *data, "--query", query, "--method", method, *settings,
-            "-o", result, "--force", "--quiet")
-        run(f"evaluate {query}", "vpr-eval", result, *data, "-o", report, "--force", "--quiet")
+            self.database(name, family), *data, "--query", query, *self.data(name).thinned,
+            "--method", method, *settings, "-o", result, "--force", "--quiet")
+        run(f"evaluate {query}", "vpr-eval", result, *data, *evaluation, "-o", report, "--force",
+            "--quiet")
         return self.written(report)
+
+    def keep_result(self, stem):
+        """Renames the last result and its companions; returns its path."""
+        for file in self.work.glob("result.*"):
+            file.replace(self.work / (stem + file.name.removeprefix("result")))
+        return self.work / f"{stem}.json"
 
     def written(self, path):
         """Reads a file written by a program, and records its makers."""
@@ -134,16 +187,17 @@ class Laboratory:
             self.makers.append(maker)
         return content
 
-    def provenance(self):
+    def provenance(self, inputs):
         """The makers of the numbers and their data, without paths and times."""
         return {
             "program": "reproduce.py",
             "version": self.makers[0]["version"],
             "commit": self.makers[0]["commit"],
             "seed": self.makers[0]["seed"],
+            "inputs_sha256": inputs,
             "programs": self.makers,
             "data": [{"name": data.name, "title": data.title, "stand_in": data.is_stand_in,
-                      "dataset_sha256": hashlib.sha256(data.description.read_bytes()).hexdigest()}
+                      "dataset_sha256": sha256(data.description.read_bytes())}
                      for _, data in sorted(self.data_sets.items())],
             "databases": {f"{name}.{method}": read(path / "manifest.json")["checksum"]
                           for (name, method), path in sorted(self.databases.items())}}

@@ -1,203 +1,206 @@
 #!/usr/bin/env python3
-"""Runs one experiment of the paper and writes the paper's numbers next to ours.
+"""Runs experiments of the paper and writes the paper's numbers next to ours.
 
-    reproduce.py EXPERIMENT [--data DIR]
+    reproduce.py EXPERIMENT|all [--data DIR] [--quick] [--again] [--out DIR] [--page FILE]
 
 EXPERIMENT is a file in configs/paper without .json. Without --data, the rendered stand-in of each
-data set is used (vpr-synth, configs/worlds); with it, DIR/<data set>/dataset.json
-(docs/benchmarks/datasets.md). Writes out/EXPERIMENT.json (docs/schemas/reproduction.schema.json),
-.csv and .md, which end with the paper's findings and whether they hold. Rendered and trained data
-stay in out/reproduce. Uses the programs in build/release/bin, or in the folder $VPR_BIN.
+data set is used (vpr-synth, configs/worlds). Writes out/EXPERIMENT.json
+(docs/schemas/reproduction.schema.json), .csv and .md, which end with the paper's findings and whether
+they hold; figures are in out/figures. Rendered and trained data stay in out/reproduce. Builds the
+programs into build/release, or uses those in the folder $VPR_BIN.
+
+An experiment is not repeated if its output has the same programs, settings and data. After a failure,
+`all` continues with the next experiment and ends with exit code 1.
 """
 import argparse
+import json
+import os
 import pathlib
+import subprocess
 import sys
+import time
+import traceback
 
+import experiments
 import findings
-from laboratory import ROOT, WORK, Laboratory, read, run, say
-from tables import cells_of, write_csv, write_json, write_markdown
+from laboratory import BIN, PROGRAMS, ROOT, Failure, Laboratory, data_state, read, say, sha256
+from tables import write_csv, write_json, write_markdown
 
-PARAMETERS = ("frames", "c_l", "query_frames", "places")  # of measurements by vpr-bench
-
-
-def measures(counts):
-    """Counts of a cell or report, with the names of the paper's columns."""
-    found = {"correct": counts["recognitions"]["correct"], "incorrect": counts["recognitions"]["incorrect"],
-             "correct recognitions": counts["recognitions"]["correct"],
-             "incorrect recognitions": counts["recognitions"]["incorrect"],
-             "recognitions": sum(counts["recognitions"][key] for key in ("correct", "incorrect", "ignored")), "distinct": counts["recognitions"]["distinct"]}
-    if "places" in counts:
-        found["correct places"] = counts["places"]["correct"]
-        found["incorrect places"] = counts["places"]["incorrect"]
-    return found
+ORDER = ("tab1", "tab2", "tab3", "tab4", "floor1", "figures", "tab5", "tab6", "tab7", "times")
 
 
-def run_grid(experiment, laboratory):
-    """FAB-MAP over c_w and t_p, or OpenABLE over c_l and t_r (computed by FastABLE; the last
-    cell of each query also without reuse, which must be equal)."""
-    is_fabmap = experiment["kind"] == "fabmap"
-    method, keys = ("fabmap", ("c_w", "t_p")) if is_fabmap else ("fastable", ("c_l", "t_r"))
-    groups = {}
-    for row in experiment["rows"]:
-        groups.setdefault((row["data"], row["query"]), []).append(row)
-    ours = []
-    for (name, query), rows in groups.items():
-        grids = {"--" + key.replace("_", "-"): [row[key] for row in rows] for key in keys}
-        cells = laboratory.sweep(method, name, query, grids)
-        for row in rows:
-            counts = cells[tuple(row[key] for key in keys)]["counts"]
-            ours.append((row, measures(counts)))
-        if not is_fabmap:
-            check_openable(laboratory, name, query, rows[-1], counts)
-    return ours
+def arguments_of(words):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("experiment", choices=(*ORDER, "all"))
+    parser.add_argument("--data", type=pathlib.Path, metavar="DIR", help=(
+        "folder with your own copy of the recordings, as DIR/put-mc/dataset.json "
+        "(docs/benchmarks/datasets.md)"))
+    parser.add_argument("--quick", action="store_true", help=(
+        "try the scripts in minutes: small images or two thirds of the recorded frames, short "
+        "measurements. The numbers do not describe the paper. Writes into out/quick"))
+    parser.add_argument("--again", action="store_true", help="repeat finished experiments")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out", metavar="DIR",
+                        help="folder of outputs (default: out)")
+    parser.add_argument("--page", type=pathlib.Path, metavar="FILE", help=(
+        "with all: write the findings into this page, as docs/benchmarks/reproduction.md"))
+    arguments = parser.parse_args(words)
+    if arguments.page and (arguments.experiment != "all" or arguments.data or arguments.quick):
+        parser.error("--page needs all, without --data and --quick")
+    return arguments
 
 
-def check_openable(laboratory, name, query, row, counts):
-    """Checks that OpenABLE without reuse has the same counts."""
-    report = laboratory.report("openable", name, query, "--c-l", row["c_l"], "--t-r", row["t_r"])
-    if report["counts"] != counts:
-        sys.exit(f"reproduce: OpenABLE and FastABLE differ on {query}: "
-                 f"{report['counts']}, {counts}")
-    say(f"{query}: OpenABLE has the same counts at c_l {row['c_l']}, t_r {row['t_r']}")
+def programs_of(experiment):
+    return ("vpr-bench",) if experiment["kind"] == "bench" else PROGRAMS
 
 
-def run_floor(experiment, laboratory):
-    """A separate query per row."""
-    ours = []
-    for row in experiment["rows"]:
-        if row["method"] == "FAB-MAP" and not laboratory.data(row["data"]).has_places:
-            say(f"{row['data']}: no FAB-MAP, its dataset.json names no places and pretraining")
-            continue
-        if row["method"] == "FAB-MAP":
-            report = laboratory.report("fabmap", row["data"], row["query"], "--c-w", row["c_w"],
-                                       "--t-p", row["t_p"])
+def build(programs):
+    """Builds the programs, unless VPR_BIN names a folder that has them."""
+    if not os.environ.get("VPR_BIN"):
+        say(f"building {' '.join(programs)} into build/release (VPR_BIN=DIR uses existing programs)")
+        for command in ([ROOT / "scripts/install-deps.sh"], ["cmake", "--preset", "release"],
+                        ["cmake", "--build", "--preset", "release", "--target", *programs]):
+            if code := subprocess.run(command, cwd=ROOT, stdout=sys.stderr).returncode:
+                sys.exit(code)
+    for program in programs:
+        if not (BIN / program).exists():
+            sys.exit(f"reproduce: {BIN / program} is missing; build it with cmake --build --preset "
+                     f"release --target {program}, or name the programs' folder in VPR_BIN")
+
+
+class Reproduction:
+    """Experiments with one choice of data, and their outputs."""
+
+    def __init__(self, arguments):
+        self.data = arguments.data
+        self.is_quick = arguments.quick
+        self.again = arguments.again
+        self.out = arguments.out / "quick" if arguments.quick else arguments.out
+
+    def config(self, name):
+        return {**read(ROOT / f"configs/paper/{name}.json"), "name": name}
+
+    def inputs(self, experiment):
+        """Checksum of everything that determines the numbers: programs, scripts, settings, data."""
+        data = {row["data"] for row in experiment["rows"] if "data" in row}
+        if experiment["kind"] == "bench" and self.data:
+            data = {"nordland"}
+        scripts = [ROOT / f"scripts/reproduce/{name}.py" for name in ("experiments", "laboratory")]
+        settings = {key: experiment[key] for key in ("kind", "rows", "commands") if key in experiment}
+        return sha256(json.dumps([
+            self.is_quick, settings, [data_state(name, self.data) for name in sorted(data)],
+            [sha256(path.read_bytes())
+             for path in [*scripts, *(BIN / program for program in programs_of(experiment))]]]))
+
+    def stored(self, name):
+        path = self.out / f"{name}.json"
+        return read(path) if path.exists() else None
+
+    def expected_s(self, name):
+        """The duration of the last run, or one on two cores."""
+        stored = self.stored(name)
+        return (stored["timing"]["elapsed_s"] if stored else
+                self.config(name)["typical_s"]["quick" if self.is_quick else "full"])
+
+    def is_finished(self, name):
+        stored = self.stored(name)
+        return bool(stored and not self.again
+                    and stored["provenance"]["inputs_sha256"] == self.inputs(self.config(name)))
+
+    def run(self, name):
+        """Runs an experiment unless it is finished, and writes its outputs."""
+        experiment = self.config(name)
+        if self.is_finished(name):
+            say(f"{name}: not repeated, {self.out / name}.json has the same programs, settings and "
+                "data (--again repeats it)")
+            result = self.stored(name)
+            result["findings"] = findings.check_all(experiment, result["cells"])
+            result["summary"] = findings.summary(result["findings"])
         else:
-            report = laboratory.report("fastable", row["data"], row["query"], "--c-l", row["c_l"],
-                                       "--t-r", row["t_r"])
-        found = measures(report["counts"])
-        found["localized per cent"] = localized_per_cent(report)
-        ours.append((row, found))
-    return ours
+            result = self.measure(name, experiment)
+        out = self.out / name
+        write_json(out.with_suffix(".json"), result)
+        write_csv(out.with_suffix(".csv"), result["cells"])
+        write_markdown(out.with_suffix(".md"), result, experiment["kind"])
+        return result
+
+    def measure(self, name, experiment):
+        start = time.monotonic()
+        inputs = self.inputs(experiment)
+        laboratory = Laboratory(self.out, self.data, self.is_quick)
+        rows = experiments.KINDS[experiment["kind"]](experiment, laboratory)
+        cells = experiments.cells_of(rows)
+        data = sorted(data.title for data in laboratory.data_sets.values())
+        if experiment["kind"] == "bench":
+            real = self.data and experiments.is_nordland(experiment["commands"][0])
+            data = ["Nordland"] if real else ["generated codes, a stand-in"]
+        outcomes = findings.check_all(experiment, cells)
+        quick = " (quick: not the paper's sizes)" if self.is_quick else ""
+        return {"schema": "vpr.reproduction/3", "experiment": name,
+                "title": f"{experiment['title']}{quick}: {', '.join(data)}",
+                "paper": experiment["paper"], "data": data, "quick": self.is_quick, "cells": cells,
+                "findings": outcomes, "summary": findings.summary(outcomes),
+                "notes": [*experiment.get("notes", []), *laboratory.notes],
+                "provenance": laboratory.provenance(inputs),
+                **({"machine": laboratory.machine} if laboratory.machine else {}),
+                "timing": {"elapsed_s": round(time.monotonic() - start, 1)}}
+
+    def run_all(self):
+        """The results by name, and what stopped the other experiments."""
+        results, failures = {}, {}
+        left_s = {name: self.expected_s(name) for name in ORDER if not self.is_finished(name)}
+        for index, name in enumerate(ORDER, 1):
+            if name in left_s:
+                say(f"{name}, {index} of {len(ORDER)}: about {minutes(left_s[name])}; "
+                    f"all: about {minutes(sum(left_s.values()))} left")
+            try:
+                results[name] = self.run(name)
+            except Failure as failure:
+                failures[name] = str(failure)
+            except Exception as error:  # a mistake in the scripts must not cost the other experiments
+                traceback.print_exc()
+                failures[name] = f"{type(error).__name__}: {error}"
+            if name in failures:
+                say(f"{name} failed: {failures[name]}")
+            left_s.pop(name, None)
+        return results, failures
 
 
-def localized_per_cent(report):
-    """Share of the query's frames with a correct recognition."""
-    return round(100 * report["localization"]["share"], 1)
+def minutes(seconds):
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
-def run_maps(experiment, laboratory):
-    """Draws FAB-MAP and OpenABLE on the plan, as SVG and PNG in out/figures."""
-    ours = []
-    for row in experiment["rows"]:
-        name, query = row["data"], row["query"]
-        found = {}
-        for title, method, settings, wrong in (
-                ("FAB-MAP", "fabmap", ["--c-w", row["c_w"], "--t-p", row["t_p"]], "incorrect"),
-                ("OpenABLE", "openable", ["--c-l", row["c_l"], "--t-r", row["t_r"]],
-                 "incorrect places")):
-            report = laboratory.report(method, name, query, *settings)
-            counts = measures(report["counts"])
-            found[f"{title} places"] = counts["recognitions"]["distinct"]
-            found[f"{title} {wrong}"] = counts[wrong]
-            found[f"{title} per cent of path"] = localized_per_cent(report)
-            keep_result(WORK / f"map-{method}")
-        target = ROOT / "out/figures" / f"{name}-{query}"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        run(f"draw {target.name}", "vpr-eval", WORK / "map-fabmap.json", "--dataset",
-            laboratory.data(name).description, "--map", target,
-            "--map-with", WORK / "map-openable.json", "--force")
-        ours.append((row, found))
-    return ours
-
-
-def keep_result(stem):
-    """Renames the last result and its companions."""
-    for file in WORK.glob("result.*"):
-        file.replace(stem.parent / (stem.name + file.name.removeprefix("result")))
-
-
-def run_bench(experiment, laboratory):
-    """Timings by vpr-bench: the time of one work, or the ratio of two."""
-    measured = []
-    figures = ROOT / "out/figures"
-    figures.mkdir(parents=True, exist_ok=True)
-    for index, command in enumerate(experiment["commands"]):
-        stem = f"{experiment['name']}-{index + 1}"
-        out = WORK / f"bench-{stem}.json"
-        data = nordland_data(laboratory.folder) if is_nordland(command) else []
-        run(f"measure {' '.join(command)}", "vpr-bench", *command, *data, "--plot",
-            figures / stem, "-o", out, "--force")
-        bench = laboratory.written(out)
-        laboratory.machine = {key: bench["machine"][key] for key in ("host", "threads", "simd")}
-        measured += bench["rows"]
-    rows = ((row, times_of(row, measured)) for row in experiment["rows"])
-    return [(row, *found) for row, found in rows if found]
-
-
-def is_nordland(command):
-    """Whether a command measures the paper's Nordland tables, which have c_l 300."""
-    return "--c-l" in command and command[command.index("--c-l") + 1] == "300"
-
-
-def nordland_data(folder):
-    """Real frames instead of generated codes, if the user has them."""
-    if not folder:
-        return []
-    nordland = pathlib.Path(folder) / "nordland"
-    return ["--train", nordland / "summer", "--query", nordland / "winter"]
-
-
-def times_of(row, measured):
-    """Our time or ratio for a number of the paper, with its quartiles; for a ratio the smallest and the
-    largest of both. None if a work was not measured."""
-    works = row["our_work"].split(" / ")  # "slow / fast" for a ratio
-    found = [bench for work in works for bench in measured if bench["work"] == work
-             and all(bench["parameters"].get(key) == row[key] for key in PARAMETERS if key in row)]
-    if len(found) < len(works):
-        return None
-    slow, fast = found[0], found[-1]
-    median, low, high = slow["median_ms"], slow["lower_quartile_ms"], slow["upper_quartile_ms"]
-    if "ms" in row:
-        return {"ms": rounded(median)}, {"low": rounded(low), "high": rounded(high)}
-    return ({"times": rounded(median / fast["median_ms"])},
-            {"low": rounded(low / fast["upper_quartile_ms"]),
-             "high": rounded(high / fast["lower_quartile_ms"])})
-
-
-def rounded(value):
-    """Rounds to four digits."""
-    return float(f"{value:.4g}")
-
-
-KINDS = {"fabmap": run_grid, "sequence": run_grid, "floor": run_floor, "maps": run_maps,
-         "bench": run_bench}
+def context_of(results):
+    """The programs and machine of a page."""
+    taken = minutes(sum(result["timing"]["elapsed_s"] for result in results))
+    commits = ", ".join(sorted({result["provenance"]["commit"] for result in results}))
+    return (f"Rendered stand-ins and generated codes, commit {commits}. All experiments together took "
+            f"{taken} on {len(os.sched_getaffinity(0))} cores.")
 
 
 def main():
-    names = sorted(path.stem for path in (ROOT / "configs/paper").glob("*.json"))
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("experiment", choices=names)
-    parser.add_argument("--data", help="folder with your own copy of the recordings")
-    arguments = parser.parse_args()
-    experiment = read(ROOT / f"configs/paper/{arguments.experiment}.json")
-    experiment["name"] = arguments.experiment
-    WORK.mkdir(parents=True, exist_ok=True)
-    laboratory = Laboratory(arguments.data)
-    cells = cells_of(KINDS[experiment["kind"]](experiment, laboratory))
-    data = sorted(data.title for data in laboratory.data_sets.values())
-    if experiment["kind"] == "bench":
-        real = arguments.data and is_nordland(experiment["commands"][0])
-        data = ["Nordland"] if real else ["generated codes, a stand-in"]
-    title = f"{experiment['title']}: {', '.join(data)}"
-    out = ROOT / "out" / arguments.experiment
-    outcomes = findings.check_all(experiment["findings"], cells)
-    write_json(out.with_suffix(".json"), experiment, title, data, cells, outcomes,
-               laboratory.provenance(), laboratory.machine)
-    write_csv(out.with_suffix(".csv"), cells)
-    write_markdown(out.with_suffix(".md"), title, experiment["kind"], cells,
-                   experiment.get("notes", []), outcomes)
-    print(out.with_suffix(".md").read_text())
+    arguments = arguments_of(sys.argv[1:])
+    reproduction = Reproduction(arguments)
+    names = ORDER if arguments.experiment == "all" else (arguments.experiment,)
+    build(sorted({program for name in names for program in programs_of(reproduction.config(name))}))
+    if arguments.experiment != "all":
+        try:
+            reproduction.run(arguments.experiment)
+        except Failure as failure:
+            print(f"reproduce: {failure}", file=sys.stderr)
+            sys.exit(failure.code)
+        print((reproduction.out / f"{arguments.experiment}.md").read_text())
+        return
+    results, failures = reproduction.run_all()
+    print("\n".join(findings.summary_table(
+        [outcome for result in results.values() for outcome in result["findings"]])))
+    print(f"\nTables: {reproduction.out}/*.md, figures: {reproduction.out}/figures")
+    for name, failure in failures.items():
+        print(f"Failed: {name}: {failure}")
+    if failures:
+        sys.exit(1)
+    if arguments.page:
+        findings.write_page(arguments.page, list(results.values()), context_of(results.values()))
 
 
 if __name__ == "__main__":

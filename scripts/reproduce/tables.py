@@ -5,18 +5,6 @@ import json
 import findings
 
 
-def cells_of(rows):
-    """One entry per number: settings, name, the paper's and ours, with quartiles for times."""
-    cells = []
-    for row, ours, *spread in rows:
-        measured = [key for key in row if key in ours]
-        settings = {key: value for key, value in row.items() if key not in measured}
-        for key in measured:
-            cells.append({**settings, "measure": key, "paper": row[key], "ours": ours[key],
-                          **(spread[0] if spread else {})})
-    return cells
-
-
 def markdown_table(head, numbers_from, rows):
     """Columns from `numbers_from` on are aligned to the right."""
     line = "|" + "---|" * numbers_from + "---:|" * (len(head) - numbers_from)
@@ -27,31 +15,39 @@ def markdown_table(head, numbers_from, rows):
 def count_table(cells):
     """A row for each setting, a column for each measure: ours (the paper's)."""
     keys = [key for key in dict.fromkeys(key for cell in cells for key in cell)
-            if key not in ("measure", "paper", "ours", "data", "query")]
+            if key not in ("measure", "paper", "ours", "data", "query", "unmeasured")]
     names = list(dict.fromkeys(cell["measure"] for cell in cells))
     table = {}
     for cell in cells:
         settings = tuple(str(cell.get(key, "")) for key in keys)
-        table.setdefault(settings, {})[cell["measure"]] = f"{cell['ours']} ({cell['paper']})"
+        table.setdefault(settings, {})[cell["measure"]] = f"{shown(cell['ours'])} ({cell['paper']})"
     return ["Ours (the paper's).", "",
             *markdown_table(keys + names, len(keys),
                             ([*settings, *(values.get(n, "") for n in names)]
                              for settings, values in table.items()))]
 
 
+PER = {"ms": "milliseconds per frame", "fps": "frames per second", "times": "times as fast"}
+
+
 def time_table(cells):
-    """The times and speed-ups, in the paper's grid if it has one, otherwise as a list."""
+    """The times, rates and speed-ups, in the paper's grid if it has one, otherwise as a list."""
     lines = []
     for measure in dict.fromkeys(cell["measure"] for cell in cells):
         alike = [cell for cell in cells if cell["measure"] == measure]
         has_grid = all("frames" in cell and "query_frames" not in cell for cell in alike)
-        per = "milliseconds a frame" if measure == "ms" else "times as fast"
-        lines += [f"Ours: {per}, median (from quartile to quartile).", "",
+        lines += [f"Ours: {PER[measure]}, median (from quartile to quartile).", "",
                   *(time_grid(alike) if has_grid else time_list(alike)), ""]
     return lines[:-1]
 
 
+def shown(value):
+    return "not measured" if value is None else str(value)
+
+
 def ours_of(cell):
+    if cell["ours"] is None:
+        return shown(None)
     return f"{cell['ours']:g} ({cell['low']:g} to {cell['high']:g})"
 
 
@@ -83,20 +79,15 @@ def time_list(cells):
     return markdown_table(["the paper's work", "our work", *keys, "the paper's", "ours"], 2, rows)
 
 
-def write_markdown(path, title, kind, cells, notes, outcomes):
+def write_markdown(path, result, kind):
+    cells, outcomes = result["cells"], result["findings"]
     table = time_table(cells) if kind == "bench" else count_table(cells)
-    path.write_text("\n".join([f"# {title}", "", *table, *(f"\n{note}" for note in notes), "",
-                               "The paper's findings:", "", *findings.lines(outcomes)]) + "\n")
+    path.write_text("\n".join([f"# {result['title']}", "", *table, *(f"\n{note}" for note in result["notes"]),
+                               "", "The paper's findings:", "", *findings.lines(outcomes)]) + "\n")
 
 
-def write_json(path, experiment, title, data, cells, outcomes, provenance, machine):
-    content = {"schema": "vpr.reproduction/3", "experiment": path.stem, "title": title,
-               "paper": experiment["paper"], "data": data, "cells": cells,
-               "findings": outcomes, "summary": findings.summary(outcomes),
-               "notes": experiment.get("notes", []), "provenance": provenance}
-    if machine:
-        content["machine"] = machine
-    path.write_text(json.dumps(content, indent=1) + "\n")
+def write_json(path, result):
+    path.write_text(json.dumps(result, indent=1) + "\n")
 
 
 def write_csv(path, cells):

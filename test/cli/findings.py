@@ -5,14 +5,13 @@ import json
 import pathlib
 import random
 import sys
+import tempfile
 
 source = pathlib.Path(sys.argv[1])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "scripts/reproduce"))
+import experiments as paper  # noqa: E402
 import findings  # noqa: E402
-
-SETTINGS = ("sequence", "data", "query", "c_w", "t_p", "c_l", "t_r", "method", "what", "our_work",
-            "frames", "query_frames", "places")
 
 
 def check(condition, message):
@@ -22,9 +21,7 @@ def check(condition, message):
 
 def paper_cells(experiment):
     """The paper's numbers as an experiment writes them, with themselves as ours."""
-    return [{**{key: row[key] for key in row if key in SETTINGS},
-             "measure": measure, "paper": row[measure], "ours": row[measure]}
-            for row in experiment["rows"] for measure in row if measure not in SETTINGS]
+    return paper.cells_of([paper.Measured(row, row, {"low": 0, "high": 0}) for row in experiment["rows"]])
 
 
 def check_on_the_paper(name, experiment):
@@ -40,6 +37,9 @@ def check_that_it_can_fail(name, experiment):
     engine = random.Random(1)
     cells = paper_cells(experiment)
     for finding in experiment["findings"]:
+        if "needs" in finding:
+            check(findings.check(finding, cells)["holds"] is None, f"{name}: {finding['finding']}")
+            continue
         found = set()
         for numbers in (lambda: 0, lambda: 1e6, lambda: engine.randrange(3), *[
                 lambda: engine.randrange(1000)] * 20):
@@ -89,51 +89,86 @@ def check_kinds():
     check(holds("zero", [7, 7], rows=1) is False, "no row of two is too few")
 
 
+ZERO = {"finding": "F", "place": "P", "kind": "zero", "where": {"measure": "m"}}
+COUNTS = {"kind": "sequence", "title": "Table 8"}
+
+
 def check_missing():
-    """Findings without measurements neither hold nor fail, and are not counted."""
-    where = {"measure": "m", "c_l": [1, 2, 3]}  # there is no c_l of 3
-    lacking = {"finding": "F", "place": "P", "kind": "zero", "where": where}
-    full = {**lacking, "where": {"measure": "m"}}
-    against = {**full, "kind": "more than", "than": {"c_l": 3}}
-    wrong = {**full, "contradicted": "table 9 has 1"}
-    outcomes = findings.check_all([lacking, full, against, wrong], cells_of([0, 1]))
-    check([outcome["holds"] for outcome in outcomes] == [None, False, None, False], outcomes)
-    check(findings.summary(outcomes) == {"hold": 0, "of": 1}, findings.summary(outcomes))
+    """Findings without measurements neither hold nor fail, and state the reason."""
+    lacking = {**ZERO, "where": {"measure": "m", "c_l": [1, 2, 3]}}  # there is no c_l of 3
+    against = {**ZERO, "kind": "more than", "than": {"c_l": 3}}
+    wrong = {**ZERO, "contradicted": "table 9 has 1"}
+    phone = {**ZERO, "needs": "a phone"}
+    tried = {**ZERO, "tried": "It holds without G."}
+    outcomes = findings.check_all({**COUNTS, "findings": [lacking, ZERO, against, wrong, phone, tried]},
+                                  cells_of([0, 1]))
+    check([outcome["holds"] for outcome in outcomes] == [None, False, None, False, None, False], outcomes)
+    check(findings.summary(outcomes) == {"hold": 0, "fail": 2, "not_measured": 3}, outcomes)
+    check(findings.summary(outcomes, "time") == {"hold": 0, "fail": 0, "not_measured": 0}, outcomes)
     check(findings.lines(outcomes) == [
-        "- F (P): not measured",
+        "- F (P): not measured (there are no such numbers)",
         "- F (P): does not hold (ours 1 of 2 rows: c_l 2: 1)",
-        "- F (P): not measured",
+        "- F (P): not measured (there are no such numbers)",
         "- F (P): not counted, since table 9 has 1; does not hold (ours 1 of 2 rows: c_l 2: 1)",
-        "", "0 of 1 findings hold."], findings.lines(outcomes))
+        "- F (P): not measured (needs a phone)",
+        "- F (P): does not hold (ours 1 of 2 rows: c_l 2: 1). It holds without G.",
+        "", "0 of 2 findings hold, 3 not measured."], findings.lines(outcomes))
 
 
-def check_overview():
-    """The page lists failing findings with the numbers that do not fit, then those that hold."""
-    zero = {"finding": "F", "place": "P", "kind": "zero", "where": {"measure": "m"}}
-    holding = {**zero, "finding": "G", "kind": "at least", "low": 0}
-    wrong = {**zero, "finding": "H", "contradicted": "table 9 has 1"}
-    missing = {**zero, "finding": "I", "where": {"measure": "n"}}
-    outcomes = findings.check_all([zero, holding, wrong, missing], cells_of([0, 1]))
-    page = findings.overview([("Table 8", outcomes), ("Table 9", outcomes[1:2])])
-    check(page["failing"] == [
-        "2 of 3 findings hold on rendered stand-ins and generated codes.", "",
-        "| finding | in the paper | our numbers that do not fit |", "|---|---|---|",
-        "| F | P | 1 of 2 rows: c_l 2: 1 |"], page["failing"])
-    check(page["holding"] == [
-        "### Table 8", "", "1 of 2:", "", "- G (P)", "- not measured: I (P)",
-        "- not counted, since table 9 has 1: H (P)", "", "### Table 9", "", "1 of 1:", "", "- G (P)"],
-          page["holding"])
+def check_unmeasured():
+    """A series with a number that was not measured is not checked on the others."""
+    cells = cells_of([1, 2]) + [{"measure": "m", "c_l": 4, "ours": None, "unmeasured": "it is too long"}]
+    series = {**ZERO, "kind": "rises with", "over": ["c_l"]}
+    pair = {**ZERO, "kind": "more than", "where": {"measure": "m", "c_l": 2}, "than": {"c_l": 4}}
+    for finding in (series, pair, ZERO):
+        found = findings.check(finding, cells)
+        check(found == {"holds": None, "reason": "it is too long", "parts": []}, found)
+    fine = {**ZERO, "kind": "at least", "where": {"measure": "m", "c_l": [1, 2]}, "low": 1}
+    check(findings.check(fine, cells)["holds"], "the measured numbers")
+
+
+def check_page():
+    """The page lists findings that do not hold with their numbers and what was tried, then the others."""
+    every = [ZERO, {**ZERO, "finding": "G", "kind": "at least", "low": 0},
+             {**ZERO, "finding": "H", "contradicted": "table 9 has 1"},
+             {**ZERO, "finding": "I", "where": {"measure": "n"}}]
+    found = [{"title": title, "findings": findings.check_all(
+        {"kind": kind, "findings": listed}, cells_of([0, 1]))}
+        for title, kind, listed in (("Table 8", "sequence", every),
+                                    ("Table 9", "bench", [{**ZERO, "tried": "It holds idle."}]))]
+    head = ["| finding | in the paper | our numbers that do not fit | what was tried |", "|---|---|---|---|"]
+    failing = findings.failing(found)
+    check(failing == [
+        "| findings on | hold | do not hold | not measured |", "|---|---:|---:|---:|",
+        "| recognition | 1 | 1 | 1 |", "| time | 0 | 1 | 0 |",
+        "", "### Findings on recognition that do not hold", "", *head,
+        "| F | P | 1 of 2 rows: c_l 2: 1 | unexplained |",
+        "", "### Findings on time that do not hold", "", *head,
+        "| F | P | 1 of 2 rows: c_l 2: 1 | It holds idle. |"], failing)
+    holding = findings.holding(found)
+    check(holding == [
+        "### Table 8", "", "1 of 2:", "", "- G (P)", "- not counted, since table 9 has 1: H (P)",
+        "- not measured, there are no such numbers: I (P)", "", "### Table 9", "", "0 of 1:", ""], holding)
+    with tempfile.TemporaryDirectory() as folder:
+        page = pathlib.Path(folder) / "page.md"
+        page.write_text("A\n<!-- failing: begin -->\nstale\n<!-- failing: end -->\nB\n"
+                        "<!-- holding: begin -->\n<!-- holding: end -->\nC\n")
+        findings.write_page(page, found, "Today.")
+        text = page.read_text()
+    check(text.startswith("A\n<!-- failing: begin -->\nToday.\n\n| findings on") and "stale" not in text
+          and text.endswith("0 of 1:\n\n<!-- holding: end -->\nC\n"), text)
 
 
 def main():
-    experiments = {path.stem: json.loads(path.read_text())
+    configs = {path.stem: json.loads(path.read_text())
                    for path in sorted((source / "configs/paper").glob("*.json"))}
-    for name, experiment in experiments.items():
+    for name, experiment in configs.items():
         check_on_the_paper(name, experiment)
         check_that_it_can_fail(name, experiment)
     check_kinds()
     check_missing()
-    check_overview()
+    check_unmeasured()
+    check_page()
 
 
 main()
