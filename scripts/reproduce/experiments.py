@@ -56,18 +56,18 @@ def run_grid(experiment, laboratory):
     cell of each query also without reuse, which must be equal)."""
     is_fabmap = experiment["kind"] == "fabmap"
     method, keys = ("fabmap", ("c_w", "t_p")) if is_fabmap else ("fastable", ("c_l", "t_r"))
+    ours = [Measured(row) for row in experiment["rows"]]
     groups = {}
-    for row in experiment["rows"]:
-        groups.setdefault((row["data"], row["query"]), []).append(row)
-    ours = []
-    for (name, query), rows in groups.items():
-        grids = {"--" + key.replace("_", "-"): [row[key] for row in rows] for key in keys}
+    for measured in ours:
+        groups.setdefault((measured.row["data"], measured.row["query"]), []).append(measured)
+    for (name, query), group in groups.items():
+        grids = {"--" + key.replace("_", "-"): [measured.row[key] for measured in group] for key in keys}
         cells = laboratory.sweep(method, name, query, grids)
-        for row in rows:
-            counts = cells[tuple(row[key] for key in keys)]["counts"]
-            ours.append(Measured(row, measures(counts)))
+        for measured in group:
+            counts = cells[tuple(measured.row[key] for key in keys)]["counts"]
+            measured.ours = measures(counts)
         if not is_fabmap:
-            check_openable(laboratory, name, query, rows[-1], counts)
+            check_openable(laboratory, name, query, measured.row, counts)
     return ours
 
 

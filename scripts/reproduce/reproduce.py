@@ -93,8 +93,10 @@ class Reproduction:
              for path in [*scripts, *(BIN / program for program in programs_of(experiment))]]]))
 
     def stored(self, name):
+        """The output of an earlier run; None if there is none, or it is of an older version."""
         path = self.out / f"{name}.json"
-        return read(path) if path.exists() else None
+        content = read(path) if path.exists() else {}
+        return content if "timing" in content else None
 
     def expected_s(self, name):
         """The duration of the last run, or one on two cores."""
@@ -155,6 +157,7 @@ class Reproduction:
                     f"all: about {minutes(sum(left_s.values()))} left")
             try:
                 results[name] = self.run(name)
+                say(f"{name}: {findings.lines(results[name]['findings'])[-1]}")
             except Failure as failure:
                 failures[name] = str(failure)
             except Exception as error:  # a mistake in the scripts must not cost the other experiments
