@@ -99,7 +99,8 @@ def run_floor(experiment, laboratory):
 def run_windows(laboratory, data, row, has_truth):
     """A row of FastABLE; out/figures shows its recognitions along the query."""
     stem = f"{data.name}-c_l-{row['c_l']}"
-    answers = data.description.parent / f"places-c_l-{row['c_l']}.csv"
+    quick = "-quick" if laboratory.is_quick else ""  # which has other places
+    answers = data.description.parent / f"places{quick}-c_l-{row['c_l']}.csv"
     page = laboratory.figures / f"{stem}.html"
     evaluation = ["--plot", laboratory.figures / stem]
     if not has_truth:

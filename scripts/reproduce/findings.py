@@ -154,7 +154,6 @@ def reason_of(finding, cells):
     """Why a finding has no numbers."""
     where = finding["where"]
     used = select(cells, where) + select(cells, {**where, **finding.get("than", {})})
-    used += select(cells, {"measure": where["measure"], **finding.get("than", {})})
     reasons = dict.fromkeys(cell["unmeasured"] for cell in used if cell.get("unmeasured"))
     return "; ".join(reasons) or "there are no such numbers"
 
