@@ -71,6 +71,9 @@ struct EvalInputs {
   std::string map;
   std::string map_with;
   std::string saved_trajectory;
+  std::string places;     ///< answers to the places of the result
+  std::string questions;  ///< the page that asks for them
+  bool needs_truth = true;
   std::string pairs;
   std::optional<uint64_t> top_k;
   std::string outcomes_csv;
@@ -116,7 +119,7 @@ struct Evaluated {
 };
 
 /// Evaluates the result, or scores without a result. Throws as open_inputs does, and Error(usage)
-/// without a ground truth, which only --html and --plot of a result do not need.
+/// without a ground truth if one is needed.
 Evaluated evaluate(Session& session, const EvalInputs& inputs);
 
 /// The files of --outcomes-csv and --recognitions-csv.
@@ -138,6 +141,7 @@ std::string output_text(const Session& session, TableFormat format, const std::s
 void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                  const std::string& summary);
 void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated);
+void write_questions(Session& session, const EvalInputs& inputs, const Evaluated& evaluated);
 void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                       std::optional<double> frames_per_second);
 /// Pairs of the matrix, or of the result if it is null. Returns their number.

@@ -173,6 +173,13 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
                      "result of vpr-query; several make one table with one row per result");
   add_evaluation_flags(program, command, inputs);
   command
+      .add_option(
+          "--places", inputs.places,
+          "CSV file of the page of --ask-places: judge each place, and its recognitions, by "
+          "your answer instead of a ground truth")
+      .type_name("FILE")
+      .group(kGroundTruthGroup);
+  command
       .add_option("--protocol", inputs.protocols,
                   "presets of a ground truth, one or several with commas, or nordland-all; one row "
                   "per preset")
@@ -188,6 +195,14 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
               "or margin, the difference from the best match outside the exclusion zone (default: "
               "as the result was decided); the other one is reported next to it")
       .group(kMetricGroup);
+  command
+      .add_option(
+          "--ask-places", inputs.questions,
+          "HTML page that shows images of each recognized place, asks whether it is the same "
+          "place, and saves the answers for --places; needs --dataset, or --query and "
+          "--train")
+      .type_name("FILE")
+      .group(kPictureGroup);
   command
       .add_option("--map", inputs.map,
                   "folder for a map with plan, training paths and recognitions along the query's "
@@ -264,6 +279,10 @@ void check_inputs(const EvalInputs& inputs) {
   check_scores(inputs.scores);
   check_range("--stretch", inputs.stretch_frames, kMaxFrames);
   refuse(!inputs.map_with.empty() && inputs.map.empty(), "--map-with", "needs --map FOLDER");
+  refuse(!inputs.places.empty() && !inputs.truth.path.empty(), "--places",
+         "replaces the ground truth. Omit --ground-truth");
+  refuse(!inputs.places.empty() && !inputs.map_with.empty(), "--places",
+         "has answers for one result. Omit --map-with");
 }
 
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames) {
@@ -303,8 +322,9 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
   if (inputs.expected.empty() && inputs.has_expectation())
     throw Error(ErrorKind::usage, fmt::format("{} needs --expect, the file of expected values",
                                               inputs.update ? "--update" : "--junit"));
-  for (const std::string* file : {&inputs.html, &inputs.outcomes_csv, &inputs.recognitions_csv,
-                                  &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})
+  for (const std::string* file :
+       {&inputs.html, &inputs.questions, &inputs.outcomes_csv, &inputs.recognitions_csv,
+        &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})
     if (!file->empty()) session.outputs.claim_file(*file);
   for (const std::string* folder : {&inputs.plots, &inputs.map})
     if (!folder->empty()) session.outputs.claim_folder(*folder, is_marked_folder);

@@ -8,6 +8,7 @@
 #include "present/evaluation_charts.h"
 #include "present/evaluation_page.h"
 #include "present/evaluation_report.h"
+#include "present/questions_page.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {
@@ -118,6 +119,19 @@ void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& ev
     draw_evaluation(evaluation, report,
                     session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
                     session.monitor);
+}
+
+void write_questions(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {
+  if (inputs.questions.empty()) return;
+  const FrameSources sources = find_frames(inputs, evaluated.evaluation);
+  const auto& train = sources.references;
+  if (!sources.query ||
+      !std::ranges::all_of(train, [](const auto& one) { return one.has_value(); }))
+    throw Error(ErrorKind::usage,
+                "--ask-places needs the images of the query and of all training sequences: "
+                "--dataset, or --query and --train");
+  session.outputs.file(inputs.questions)
+      .write(questions_page(evaluated.evaluation, evaluated.report, sources, session.monitor));
 }
 
 void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {

@@ -68,11 +68,12 @@ void add_recorded_names(EvaluationSettings& by, const StoredResult& stored) {
     });
 }
 
-EvaluationSettings evaluation_settings(const Session& session, const EvalInputs& inputs,
+EvaluationSettings evaluation_settings(const EvalInputs& inputs,
                                        const std::optional<std::string>& query_name,
                                        DatabaseFamily family) {
   EvaluationSettings by;
   by.confidence = inputs.confidence;
+  by.places = inputs.places;
   by.poses = inputs.poses;
   by.stretch_frames = inputs.stretch_frames;
   if (!inputs.scores.recall_at.empty()) {
@@ -87,18 +88,18 @@ EvaluationSettings evaluation_settings(const Session& session, const EvalInputs&
       (!by.ground_truth || (by.poses.empty() && !inputs.result.empty()))) {
     const Dataset dataset = read_dataset(inputs.truth.dataset);
     const DatasetQuery& query = select_query(dataset, query_name);
-    if (!by.ground_truth) by.ground_truth = ground_truth_of(query, family, inputs.truth.flags);
+    if (!by.ground_truth && by.places.empty())
+      by.ground_truth = ground_truth_of(query, family, inputs.truth.flags);
     if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses;
   }
-  const bool only_plots = !inputs.result.empty() && inputs.has_plots() && inputs.expected.empty() &&
-                          inputs.map.empty() && session.options.output.empty() &&
-                          !session.options.json && !inputs.has_csv() &&
-                          inputs.saved_trajectory.empty();
-  if (!by.ground_truth && !only_plots)
+  const GroundTruthFlags& flags = inputs.truth.flags;
+  const bool has_flags =
+      flags.tolerance_frames || !flags.format.empty() || !flags.options.reference.empty();
+  if (!by.ground_truth && (inputs.needs_truth || has_flags))
     throw Error(ErrorKind::usage,
                 inputs.truth.dataset.empty()
                     ? "there is no ground truth. Add one, as in --ground-truth pairs.csv or "
-                      "--ground-truth aligned; without one, only --html and --plot show a result"
+                      "--ground-truth aligned"
                     : fmt::format("{}: the query has no ground truth. Add it there, or with "
                                   "--ground-truth",
                                   inputs.truth.dataset));
@@ -227,9 +228,9 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
   const bool has_places = stored && stored->result.places;
   Evaluated evaluated;
   Evaluation& evaluation = evaluated.evaluation;
-  evaluated.by = evaluation_settings(
-      session, inputs, stored ? std::optional(stored->result.query.name) : inputs.query,
-      has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
+  evaluated.by =
+      evaluation_settings(inputs, stored ? std::optional(stored->result.query.name) : inputs.query,
+                          has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
   if (stored) {
     if (!has_places) add_recorded_names(evaluated.by, *stored);
     evaluation = evaluate_result(std::move(stored->result), std::move(matrix), evaluated.by,

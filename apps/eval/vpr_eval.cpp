@@ -39,6 +39,7 @@ EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
   EvalInputs one = inputs;
   one.row_name = row_names(inputs)[i];
   if (!inputs.results.empty()) one.result = inputs.results[i];
+  one.needs_truth = inputs.results.size() != 1;
   if (!inputs.names.empty()) one.name = inputs.names[i];
   return one;
 }
@@ -57,7 +58,8 @@ RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run
                   inputs.scores.path.empty() ? inputs.matrix : inputs.scores.path),
         std::pair("query", inputs.scores.query_npy),
         std::pair("reference", inputs.scores.train_npy),
-        std::pair("ground_truth", truth ? truth->path.string() : "")})
+        std::pair("ground_truth", truth ? truth->path.string() : ""),
+        std::pair("places", inputs.places)})
     if (!path.empty()) run.paths[role] = path;
   return run;
 }
@@ -103,17 +105,15 @@ std::string expectation_note(const EvalInputs& inputs, size_t values, size_t unm
                      counted(values, "expected value"));
 }
 
-/// Writes --pairs without a ground truth.
+/// Writes --pairs of scores without a ground truth.
 void run_pairs(Session& session, const EvalInputs& inputs) {
   refuse(!session.options.output.empty(), "-o",
          "needs a ground truth. Add --ground-truth or --dataset");
-  const auto [stored, matrix] = open_inputs(session, inputs);
-  const Result* result = stored ? &stored->result : nullptr;
-  if (!result) check_rows(inputs.scores, matrix->queries(), std::nullopt);
-  const ScoreLayout layout =
-      result ? layout_of(*result) : layout_of(*matrix, inputs.scores.window_length);
-  if (matrix) require_fit(*matrix, layout);
-  const size_t count = write_pairs(session, inputs, matrix ? &*matrix : nullptr, layout, result);
+  const auto matrix = open_inputs(session, inputs).matrix;
+  check_rows(inputs.scores, matrix->queries(), std::nullopt);
+  const ScoreLayout layout = layout_of(*matrix, inputs.scores.window_length);
+  require_fit(*matrix, layout);
+  const size_t count = write_pairs(session, inputs, &*matrix, layout, nullptr);
   session.print_result(fmt::format("{}: {}\n", inputs.pairs, counted(count, "pair")),
                        {{"pairs", count}});
 }
@@ -122,21 +122,21 @@ void run_one(Session& session, const EvalInputs& inputs) {
   claim_outputs(session, inputs);
   const Json expected = read_expected(session, inputs);
   if (!inputs.pairs.empty() && !inputs.truth.is_given() && !inputs.has_plots() &&
-      inputs.expected.empty() && inputs.saved_trajectory.empty() && !inputs.has_csv())
+      inputs.expected.empty() && inputs.needs_truth && !inputs.has_csv())
     return run_pairs(session, inputs);
   const Stopwatch watch;
   const Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
   const bool is_thinned = evaluation.query().selection.selected_fps > 0;
-  const std::string summary =
-      summary_sentence(evaluation.judgment, evaluation.truth.is_known,
-                       is_thinned ? evaluation.query().fps : dataset_fps(inputs));
+  const std::string summary = summary_sentence(
+      evaluation.judgment, is_thinned ? evaluation.query().fps : dataset_fps(inputs));
   const Json report =
       report_json(evaluated.report, run_of(evaluated, inputs, session.run), watch.elapsed_s());
   const std::vector<CheckedValue> values = check_expected(session, inputs, expected, report);
   session.write_output(report);
   write_plots(session, inputs, evaluated, summary);
   write_map(session, inputs, evaluated);
+  write_questions(session, inputs, evaluated);
   CsvTables csv;
   csv.add(inputs, evaluation, inputs.row_name);
   csv.write(session, inputs);
@@ -150,7 +150,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const std::string tables =
       evaluation.truth.is_known
           ? reports_text({&evaluated.report, 1}, {inputs.row_name}, inputs.format)
-          : render_table(unjudged_table(evaluated.report), inputs.format);
+          : render_table(places_table(evaluated.report), inputs.format);
   session.print_result(output_text(session, inputs.format, brief, tables), report);
   if (!unmet.empty() && !inputs.update)
     throw Error(ErrorKind::expectation,
@@ -160,14 +160,16 @@ void run_one(Session& session, const EvalInputs& inputs) {
 /// Whether an output shows a single result under a single ground truth.
 bool shows_one(const EvalInputs& inputs) {
   return inputs.has_plots() || !inputs.map.empty() || !inputs.saved_trajectory.empty() ||
-         !inputs.pairs.empty() || inputs.top_k;
+         !inputs.pairs.empty() || inputs.top_k || !inputs.places.empty() ||
+         !inputs.questions.empty();
 }
 
 void run_several(Session& session, const EvalInputs& inputs) {
   if (!inputs.matrix.empty() || inputs.has_expectation() || shows_one(inputs))
     throw Error(ErrorKind::usage,
-                "--matrix, --expect, --html, --plot, --map, --save-trajectory and --pairs take one "
-                "result. For a page of several, use vpr-eval report FOLDER --html FILE");
+                "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places "
+                "and --ask-places take one result. For a page of several, use vpr-eval report "
+                "FOLDER --html FILE");
   check_inputs(inputs);
   session.claim_output();
   for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})

@@ -54,6 +54,7 @@ void set_confidence(Judgment& judgment, Confidence confidence) {
 Judgment judge(const Result& result, const GroundTruth& truth, std::span<const double> traveled_m,
                const Monitor& monitor) {
   Judgment judgment;
+  if (!truth.is_known) judgment.by = JudgedBy::nothing;
   judgment.layout = layout_of(result);
   judgment.outcomes = outcomes_of(result, truth);
   set_confidence(judgment, judgment.outcomes.confidence);
@@ -65,6 +66,28 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
   set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m,
                result.path ? result.path->decided : std::vector<double>{});
   return judgment;
+}
+
+void judge_by_places(Judgment& judgment, const Result& result, std::span<const PlaceLabel> labels,
+                     std::span<const double> traveled_m) {
+  judgment.by = JudgedBy::places;
+  const std::vector<const Match*> recognitions = recognitions_by_frame(result);
+  const auto verdict_at = [&](size_t frame) {
+    const size_t recognition = recognitions[frame] - result.recognitions.data();
+    return verdict_of(labels[result.clusters->of_recognition[recognition]]);
+  };
+  for (size_t frame = 0; frame < recognitions.size(); ++frame)
+    if (recognitions[frame] != nullptr)
+      judgment.verdicts[frame] = frame_verdict_of(verdict_at(frame));
+  for (size_t window = 0; window < result.best.size(); ++window) {
+    QueryOutcome& query = judgment.outcomes.queries[window];
+    const Match* recognition = recognitions[query.frame];
+    if (recognition == nullptr || result.best[window] != *recognition) continue;
+    query.verdict = verdict_at(query.frame);
+    query.has_match = true;
+  }
+  judgment.localization = localize(judgment.verdicts, traveled_m,
+                                   result.path ? result.path->decided : std::vector<double>{});
 }
 
 Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,

@@ -1,8 +1,10 @@
 // The judgment of a result or a score matrix, from which reports and plots are made.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "evaluate/matrix_scan.h"
@@ -24,7 +26,18 @@ struct RecognizedCell {
   size_t column = 0;
 };
 
+/// The source of verdicts.
+enum class JudgedBy {
+  ground_truth,  ///< of pairs
+  places,        ///< answers to the places of a result
+  nothing
+};
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<JudgedBy> = {"ground_truth", "places",
+                                                                         "nothing"};
+
 struct Judgment {
+  JudgedBy by = JudgedBy::ground_truth;
   ScoreLayout layout;
   Outcomes outcomes;
   Curve single_best;
@@ -49,6 +62,11 @@ void set_confidence(Judgment& judgment, Confidence confidence);
 /// `traveled_m`: as in localize.
 Judgment judge(const Result& result, const GroundTruth& truth, std::span<const double> traveled_m,
                const Monitor& monitor = {});
+
+/// Replaces the verdicts of recognized frames, and of best matches that are their recognitions, by
+/// `labels` of the clusters. `traveled_m`: as in localize.
+void judge_by_places(Judgment& judgment, const Result& result, std::span<const PlaceLabel> labels,
+                     std::span<const double> traveled_m);
 
 /// Accepts best matches whose score is `threshold` or better; by default, the threshold of recall
 /// at 100 % precision.

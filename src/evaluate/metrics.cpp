@@ -277,11 +277,18 @@ std::optional<double> Localization::share() const {
   return static_cast<double>(correct) / static_cast<double>(frames);
 }
 
+std::optional<double> Localization::recognized_share() const {
+  if (frames == 0) return std::nullopt;
+  return static_cast<double>(recognized) / static_cast<double>(frames);
+}
+
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
                       std::span<const double> decided) {
   assert(traveled_m.empty() || traveled_m.size() == verdicts.size());
   Localization found;
   found.frames = verdicts.size();
+  found.recognized = static_cast<size_t>(
+      std::ranges::count_if(verdicts, [](auto one) { return one != FrameVerdict::none; }));
   found.incorrect =
       static_cast<size_t>(std::count(verdicts.begin(), verdicts.end(), FrameVerdict::incorrect));
   const bool has_meters = !traveled_m.empty();

@@ -137,6 +137,7 @@ enum class FrameVerdict { none, correct, incorrect, unjudged };
 /// Fixes along the path. Meters are unset if positions are unknown.
 struct Localization {
   size_t frames = 0;             ///< of the whole query, frames before the first anchor included
+  size_t recognized = 0;         ///< with a recognition of any label
   size_t frames_with_match = 0;  ///< in the ground truth; set by judge
   size_t correct = 0;
   size_t incorrect = 0;
@@ -149,6 +150,8 @@ struct Localization {
 
   /// correct / frames; unset for an empty path.
   std::optional<double> share() const;
+  /// recognized / frames; unset for an empty path.
+  std::optional<double> recognized_share() const;
 };
 
 /// `traveled_m`: the distance from the start to each frame, or empty. `decided`: the frame at which

@@ -178,6 +178,19 @@ std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& 
   return judged;
 }
 
+void count_clusters(Counts& counts, const std::vector<JudgedCluster>& clusters) {
+  counts.clusters.emplace();
+  counts.recognitions_by_place.emplace();
+  counts.mixed_clusters = 0;
+  for (const JudgedCluster& cluster : clusters) {
+    const auto& [correct, incorrect, ignored] = cluster.recognitions;
+    counts.clusters->add(cluster.label);
+    counts.recognitions_by_place->add(cluster.label, correct + incorrect + ignored);
+    counts.mixed_clusters += cluster.is_mixed();
+  }
+  counts.distinct = counts.clusters->correct;
+}
+
 Counts count_recognitions(const Result& result, const GroundTruth& truth, const Monitor& monitor) {
   Counts counts;
   std::set<std::pair<uint32_t, uint32_t>> places;  // recognized correctly: sequence and window
@@ -189,17 +202,8 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
       places.insert({recognition.sequence, recognition.train});
   }
   counts.distinct = places.size();
-  if (result.clusters) {
-    LabelCounts& clusters = counts.clusters.emplace();
-    LabelCounts& by_place = counts.recognitions_by_place.emplace();
-    for (const JudgedCluster& cluster : judge_clusters(result, *result.clusters, truth, monitor)) {
-      const auto& [correct, incorrect, ignored] = cluster.recognitions;
-      clusters.add(cluster.label);
-      by_place.add(cluster.label, correct + incorrect + ignored);
-      counts.mixed_clusters += cluster.is_mixed();
-    }
-    counts.distinct = clusters.correct;
-  }
+  if (result.clusters)
+    count_clusters(counts, judge_clusters(result, *result.clusters, truth, monitor));
   counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
 }

@@ -130,6 +130,9 @@ struct JudgedCluster {
   bool is_mixed() const { return label == PlaceLabel::same && recognitions.incorrect > 0; }
 };
 
+/// Sets the counts of clusters, mixed clusters, recognitions by place, and distinct.
+void count_clusters(Counts& counts, const std::vector<JudgedCluster>& clusters);
+
 /// The label of a match at the anchors of its windows.
 PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length);
 /// The label of the representative of a cluster.

@@ -85,9 +85,9 @@ struct RouteMap {
   std::vector<std::optional<RoutePoint>> query;
 };
 
-/// The meaning of each query frame: its verdict or, without one, `unmapped` (no match in the ground
-/// truth), `no_valid_window` (no query window ends at the frame, no training window ends at its
-/// matches, or its window is unreadable) or `missed`.
+/// The meaning of each query frame: its verdict or, without one, `unmapped` (no match in a known
+/// ground truth), `no_valid_window` (no query window ends at the frame, no training window ends at
+/// its matches, or its window is unreadable) or `missed`.
 std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth);
 
 /// A chart with equal scales and a bar for a round number of meters, about a quarter as long as the

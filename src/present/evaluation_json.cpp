@@ -248,6 +248,8 @@ void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
 template <class Visitor>
 void visit_fields(Localization& path, Visitor&& visit) {
   visit("frames", path.frames);
+  visit("recognized", path.recognized);
+  visit("recognized_share", Derived{path.recognized_share()});
   visit("frames_with_match", path.frames_with_match);
   visit("correct", path.correct);
   visit("incorrect", path.incorrect);
@@ -356,7 +358,23 @@ Json Report::settings_json() const {
                              : fields_to_json(std::get<ScoreSettings>(settings));
 }
 
-Json report_json(const Report& report) { return fields_to_json(report); }
+Json report_json(const Report& report) {
+  Json json = fields_to_json(report);
+  if (report.judged == JudgedBy::ground_truth) return json;
+  json["judged"] = enum_name(report.judged);
+  for (const char* key : {"best_match", "metrics", "curves", "confidence"}) json.erase(key);
+  json["protocol"].erase("tolerance_frames");
+  json["provenance"].erase("ground_truth");
+  Json& counts = json["counts"];
+  Json& path = json["localization"];
+  counts.erase("mixed_places");
+  path.erase("frames_with_match");
+  if (report.judged == JudgedBy::places) return json;
+  counts.erase("recognitions_by_place");
+  counts["recognitions"].erase("distinct");
+  for (const Metric& metric : path_metrics()) path.erase(std::string(metric.key));
+  return json;
+}
 
 Json report_json(const Report& report, const RunInfo& run, double seconds) {
   Json json = report_json(report);
@@ -377,6 +395,12 @@ Report read_report(const std::filesystem::path& path) {
 
 Report parse_report(const Json& json, const std::string& where) {
   require_schema(json, "report", where, ErrorKind::data);
+  if (json.contains("judged"))
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: is a report without ground truth, which has no metrics to compare. "
+                    "Evaluate its result again with --ground-truth",
+                    where));
   const Fields fields(json, where);
   Report report;
   fields_from_json(json, report, fields, "report");

@@ -75,8 +75,8 @@ std::string figures_html(std::initializer_list<const Chart*> charts) {
   return html;
 }
 
-std::string tables_html(const Report& report, bool is_judged) {
-  if (!is_judged) return table_html(unjudged_table(report));
+std::string tables_html(const Report& report) {
+  if (report.judged != JudgedBy::ground_truth) return table_html(places_table(report));
   std::string html;
   for (const Table& table : metrics_tables(report)) html += table_html(table);
   Table summary = report_table(report);
@@ -136,13 +136,13 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
 }
 
 /// Values per query, the bands of the charts' axes, and counts by threshold.
-Json page_data(const Report& report, const Judgment& judgment, bool is_judged) {
+Json page_data(const Report& report, const Judgment& judgment) {
   Json data;
   const ScoreUnit unit = score_unit(report);
   data["best"] = outcome_letters(report.outcomes);
   data["first_frame"] = report.outcomes.window_length - 1;
   data["unit"] = {{"words", unit.words}, {"divisor", unit.divisor}};
-  data["judged"] = is_judged;
+  data["judged"] = judgment.by != JudgedBy::nothing;
   data["sequences"] = Json::array();
   for (const auto& train : judgment.layout.scope.sequences)
     data["sequences"].push_back(train.sequence.name);
@@ -174,13 +174,8 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   Json& made = json["provenance"];
   if (!run.command_line.empty()) made["command_line"] = run.command_line;
   Json& protocol = json["protocol"];
-  protocol.erase("ground_truth");  // the subtitle
-  if (truth.is_known)
-    protocol.erase("localization");  // the title of its table
-  else
-    for (const char* key :
-         {"tolerance_frames", "distinct", "best_match", "no_ground_truth", "single_best"})
-      protocol.erase(key);  // without meaning for matches that are not judged
+  protocol.erase("ground_truth");                      // the subtitle
+  if (truth.is_known) protocol.erase("localization");  // the title of its table
   return fill_page(
       kPage,
       {{"title", html_escaped(evaluation_title(report))},
@@ -189,7 +184,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
        {"style", palette_css() + std::string(kStyle)},
        {"script", std::string(kScript) + std::string(kLabelScript)},
        {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
-       {"tables", tables_html(report, truth.is_known)},
+       {"tables", tables_html(report)},
        {"protocol", list_html(protocol)},
        {"provenance", list_html(json["settings"]) + list_html(made)},
        {"curves", figures_html({&charts.curve, &charts.thresholds, &charts.risk})},
@@ -201,7 +196,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
        {"kinds", gallery.kinds},
        {"cards", gallery.cards},
        {"single", judgment.layout.window_length == 1 ? " single" : ""},
-       {"data", script_json(page_data(report, judgment, truth.is_known))}});
+       {"data", script_json(page_data(report, judgment))}});
 }
 
 }  // namespace vpr

@@ -12,6 +12,9 @@ namespace {
 
 constexpr size_t kMostPoints = 100;  // of a curve in a report
 
+/// Definitions that need no ground truth.
+constexpr std::array<std::string_view, 3> kTruthless = {"anchor", "recognitions", "localization"};
+
 constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
 constexpr const char* kUnreachableProtocol =
     "a query window with matches only where no training window ends is not among the queries";
@@ -212,6 +215,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
   Report report;
+  report.judged = judgment.by;
   report.query = evaluation.query().name;
   report.name = evaluation.name;
   report.protocol = {truth.protocol, truth.tolerance_frames, {}};
@@ -229,6 +233,17 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
     report.provenance.scores = evaluation.fingerprint;
   }
   define_metrics(report.protocol.definitions, judgment, evaluation.result.has_value());
+  if (judgment.by != JudgedBy::ground_truth) {
+    Definitions& define = report.protocol.definitions;
+    std::erase_if(define, [](const auto& definition) {
+      return std::ranges::find(kTruthless, definition.first) == kTruthless.end();
+    });
+    if (judgment.by == JudgedBy::places)
+      define.emplace_back("places",
+                          "clusters or paths of recognitions, judged with all of their "
+                          "recognitions by a person who "
+                          "compared images; ignored without an answer");
+  }
   report.metrics = metrics_of(judgment);
   report.localization = judgment.localization;
   report.is_oracle = judgment.is_oracle;

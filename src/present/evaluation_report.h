@@ -103,6 +103,7 @@ struct ReportSources {
 
 /// The content of a report file.
 struct Report {
+  JudgedBy judged = JudgedBy::ground_truth;
   std::string method;
   std::string query;
   Selection selection;  ///< of the query; without sources if it was read from a file
@@ -131,12 +132,13 @@ struct Report {
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
 
-/// The file without "machine" and "timing".
+/// The file without "machine" and "timing". Numbers that need a ground truth, or any verdict, are
+/// absent without one.
 Json report_json(const Report& report);
 Json report_json(const Report& report, const RunInfo& run, double seconds);
 
-/// Throws Error(input) if the file cannot be read, Error(usage) for a result, and Error(data) for
-/// any other file and for damage.
+/// Throws Error(input) if the file cannot be read, Error(usage) for a result, and for a report
+/// without ground truth, and Error(data) for any other file and for damage.
 Report read_report(const std::filesystem::path& path);
 /// `where`: the name of the file in messages.
 Report parse_report(const Json& json, const std::string& where);
@@ -185,17 +187,16 @@ std::string reference_word(const Report& report);
 
 /// For a result: "Recognized in 17 of 111 frames, 3 of them incorrect; the first correct one at
 /// frame 21 (2.1 s)." The time since the first frame needs frames_per_second, which is above 0.
-/// Without ground truth, all recognitions count. For scores: "Best match correct in 53 of 111
+/// If nothing is judged, with their share. For scores: "Best match correct in 53 of 111
 /// frames (47.7 %)", with recognitions only at a threshold of the user; a threshold from the ground
 /// truth is marked.
-std::string summary_sentence(const Judgment& judgment, bool is_judged,
-                             std::optional<double> frames_per_second);
+std::string summary_sentence(const Judgment& judgment, std::optional<double> frames_per_second);
 
 /// One row: settings and counts.
 Table report_table(const Report& report);
 
-/// One row: counts without ground truth.
-Table unjudged_table(const Report& report);
+/// One row: totals, and counts by answers to places.
+Table places_table(const Report& report);
 
 /// Metrics of curves, ranks (if known), stretches and localization. Titles state what is counted.
 std::vector<Table> metrics_tables(const Report& report);

@@ -292,8 +292,7 @@ std::string reference_word(const Report& report) {
   return report.has_places() ? "training place" : "training frame";
 }
 
-std::string summary_sentence(const Judgment& judgment, bool is_judged,
-                             std::optional<double> frames_per_second) {
+std::string summary_sentence(const Judgment& judgment, std::optional<double> frames_per_second) {
   if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
   const size_t correct = count_of(judgment, FrameVerdict::correct);
   const size_t incorrect = count_of(judgment, FrameVerdict::incorrect);
@@ -303,12 +302,16 @@ std::string summary_sentence(const Judgment& judgment, bool is_judged,
   std::string text = judgment.threshold ? best_match_words(judgment) + ". " : "";
   text +=
       fmt::format("Recognized in {} of {}", some(all), counted(judgment.verdicts.size(), "frame"));
-  if (all > 0 && is_judged) {
+  if (judgment.by == JudgedBy::nothing)
+    return text + fmt::format(" ({} %). Nothing is judged without a ground truth.",
+                              percent(judgment.localization.recognized_share()));
+  if (all > 0) {
     text += fmt::format(", {} of them incorrect", some(incorrect));
-    if (unjudged > 0) text += fmt::format(", {} to be ignored", unjudged);
+    if (unjudged > 0)
+      text += fmt::format(", {} {}", unjudged,
+                          judgment.by == JudgedBy::places ? "without an answer" : "to be ignored");
   }
-  text += first_of(judgment, frames_per_second) + ".";
-  return is_judged ? text : text + " Nothing is judged without a ground truth.";
+  return text + first_of(judgment, frames_per_second) + ".";
 }
 
 Table report_table(const Report& report) {
@@ -344,13 +347,24 @@ Table report_table(const Report& report) {
   return table;
 }
 
-Table unjudged_table(const Report& report) {
+Table places_table(const Report& report) {
+  const Counts& counts = report.counts;
+  const Localization& path = report.localization;
+  const bool is_judged = report.judged == JudgedBy::places;
   Table table;
-  table.title = evaluation_title(report) + ", not judged";
-  add_column(table, "recognitions", report.counts.recognitions.ignored);
-  if (report.counts.clusters) add_column(table, "places", report.counts.clusters->ignored);
-  add_column(table, "best matches",
-             std::ranges::count(report.outcomes.queries, Verdict::ignored, &QueryOutcome::verdict));
+  table.title = fmt::format("{} ({})", evaluation_title(report),
+                            is_judged ? report.protocol.ground_truth : "not judged");
+  const auto add = [&](const std::string& noun, const LabelCounts& labels) {
+    add_column(table, noun, labels.correct + labels.incorrect + labels.ignored);
+    if (!is_judged) return;
+    add_column(table, noun + " correct", labels.correct);
+    add_column(table, noun + " incorrect", labels.incorrect);
+  };
+  add("recognitions", counts.recognitions_by_place.value_or(counts.recognitions));
+  if (counts.clusters) add("places", *counts.clusters);
+  add("frames", {path.correct, path.incorrect, path.recognized - path.correct - path.incorrect});
+  add_column(table, "of", path.frames);
+  add_column(table, "%", percent(path.recognized_share()));
   return table;
 }
 

@@ -118,9 +118,25 @@ std::string ranges_text(const Result& result, const GroundTruth& truth, size_t m
   return text;
 }
 
+// "12, of 345 recognitions", or the same by verdict.
+std::string places_text(const Report& report) {
+  const auto& [correct, incorrect, ignored] = *report.counts.clusters;
+  const LabelCounts& pairs = *report.counts.recognitions_by_place;
+  if (report.judged == JudgedBy::nothing)
+    return fmt::format("{}, of {}", ignored, counted(pairs.ignored, "recognition"));
+  return fmt::format(
+      "{} correct, {} incorrect, {} without an answer; of {}, {} and {} recognitions", correct,
+      incorrect, ignored, pairs.correct, pairs.incorrect, pairs.ignored);
+}
+
 // Empty if something is recognized, and all of it correctly.
 std::string next_step(const Evaluation& evaluation) {
-  if (!evaluation.result || !evaluation.truth.is_known || evaluation.doubts_truth) return "";
+  if (!evaluation.result || evaluation.doubts_truth) return "";
+  if (evaluation.judgment.by == JudgedBy::nothing)
+    return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result.places
+               ? "next: judge each place by its images with --ask-places PAGE.html"
+               : "";
+  if (!evaluation.truth.is_known) return "";
   const Localization& path = evaluation.judgment.localization;
   if (path.correct > 0 && path.incorrect == 0) return "";
   if (evaluation.result->result.places)
@@ -152,6 +168,8 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
     text += line("curve", curve_text(curves.single_best) + (by_margin ? ", by margin" : ""));
     if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
   }
+  if (result != nullptr && report.judged != JudgedBy::ground_truth && report.counts.clusters)
+    text += line("places", places_text(report));
   if (result != nullptr) text += ranges_text(*result, evaluation.truth, most_ranges);
   const std::string next = next_step(evaluation);
   return text + (next.empty() ? "" : next + "\n");

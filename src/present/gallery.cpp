@@ -109,7 +109,7 @@ std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTr
       items.push_back({kind, q, match});
     }
   };
-  const Verdict good = truth.is_known ? Verdict::correct : Verdict::ignored;
+  const Verdict good = judgment.by == JudgedBy::nothing ? Verdict::ignored : Verdict::correct;
   choose(GalleryKind::mistake, Verdict::incorrect, true);
   choose(GalleryKind::recognition, good, true);
   choose(GalleryKind::weak, good, false);
@@ -229,18 +229,18 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   const auto frames_at = [&](size_t anchor) {
     return strip_frames(anchor, layout.window_length, kStripFrames);
   };
+  const bool is_judged = judgment.by != JudgedBy::nothing;
   Gallery gallery;
-  gallery.kinds = kinds_html(items, truth.is_known);
+  gallery.kinds = kinds_html(items, is_judged);
   for (const GalleryItem& item : items) {
     const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
-    const char* verdict = !truth.is_known                       ? ""
+    const char* verdict = !is_judged                            ? ""
                           : outcome.verdict == Verdict::correct ? "correct: "
                                                                 : "incorrect: ";
     gallery.cards += fmt::format(
         "<article class=\"card {0}{1}\" data-at=\"{4}\" "
         "tabindex=\"0\"><h3>{2}query {3}</h3>",
-        enum_name(item.kind), truth.is_known ? "" : " unjudged", verdict, outcome.frame,
-        item.query);
+        enum_name(item.kind), is_judged ? "" : " unjudged", verdict, outcome.frame, item.query);
     gallery.cards +=
         fmt::format("<p>{} {:.4g}{}{}</p>", unit.words,
                     score_of_key(outcome.key, judgment.outcomes.kind) / unit.divisor,
@@ -259,8 +259,8 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
     gallery.cards += "</article>\n";
   }
   if (items.empty())
-    gallery.note = truth.is_known ? "No query has a best match that can be judged."
-                                  : "No query has a best match.";
+    gallery.note =
+        is_judged ? "No query has a best match that can be judged." : "No query has a best match.";
   else if (!sources.query)
     gallery.note = "Pass the sequences (--query and --train, or --dataset) for images.";
   return gallery;

@@ -108,9 +108,10 @@ Chart plan_chart(const std::string& file, const std::string& title, std::vector<
 std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth) {
   std::vector<Meaning> meanings;
   for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
-    meanings.push_back(truth.has_match(frame) ? Meaning::no_valid_window : Meaning::unmapped);
+    meanings.push_back(truth.has_match(frame) || !truth.is_known ? Meaning::no_valid_window
+                                                                 : Meaning::unmapped);
   for (const QueryOutcome& query : judgment.outcomes.queries)
-    if (query.has_match && query.verdict != Verdict::unreadable)
+    if ((query.has_match || !truth.is_known) && query.verdict != Verdict::unreadable)
       meanings[query.frame] = Meaning::missed;
   for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
     if (judgment.verdicts[frame] != FrameVerdict::none)

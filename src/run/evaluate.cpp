@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "evaluate/judgment.h"
+#include "evaluate/place_answers.h"
 #include "truth/positions.h"
 
 namespace vpr {
@@ -106,6 +107,19 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   warn(monitor, *warning);
 }
 
+// Counts and verdicts by the answers in a file.
+void judge_by_answers(Evaluation& evaluation, const std::filesystem::path& file,
+                      std::span<const double> traveled_m) {
+  EvaluatedResult& judged = *evaluation.result;
+  const std::vector<PlaceLabel> labels = read_place_answers(file, judged.result);
+  for (size_t c = 0; c < labels.size(); ++c) judged.clusters[c].label = labels[c];
+  count_clusters(judged.counts, judged.clusters);
+  judge_by_places(evaluation.judgment, judged.result, labels, traveled_m);
+  evaluation.truth.protocol =
+      fmt::format("answers to {} of {}", labels.size() - judged.counts.clusters->ignored,
+                  counted(labels.size(), "place"));
+}
+
 void present_by(Judgment& judgment, const EvaluationSettings& by) {
   if (by.confidence) set_confidence(judgment, *by.confidence);
   if (!by.recall_at.empty()) judgment.recall_at = by.recall_at;
@@ -148,9 +162,10 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
   present_by(evaluation.judgment, by);
   EvaluatedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
-  judged.by_keyframe = count_by_keyframe(result, truth, monitor);
+  if (truth.is_known) judged.by_keyframe = count_by_keyframe(result, truth, monitor);
   judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
   judged.result = std::move(result);
+  if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);
   evaluation.matrix = std::move(matrix);
   warn_of_truth(evaluation, by, monitor);
   return evaluation;

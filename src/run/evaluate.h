@@ -14,13 +14,14 @@ namespace vpr {
 
 /// The ground truth of an evaluation, and its settings.
 struct EvaluationSettings {
-  std::optional<GroundTruthArgument> ground_truth;  ///< nullopt: nothing is judged
+  std::optional<GroundTruthArgument> ground_truth;  ///< nullopt: no pair is judged
   std::filesystem::path poses;  ///< of the query's frames, for meters; empty: frames only
   std::optional<Confidence> confidence = {};  ///< of best matches; nullopt: as the result decided
   std::vector<size_t> recall_at = {};         ///< K of recall@K; empty: kRecallAt
   size_t stretch_frames = kDefaultStretch;    ///< for the recall achievement rate
   NameReader query_names = {};                ///< for a ground truth with names of frames
   std::vector<NameReader> train_names = {};   ///< likewise, by training sequence
+  std::filesystem::path places = {};          ///< answers to the places of a result; empty: none
 };
 
 /// The meaning of a score matrix of any program.
@@ -35,7 +36,7 @@ struct ScoreSettings {
 struct EvaluatedResult {
   Result result;
   Counts counts;
-  std::optional<CountsByKeyframe> by_keyframe;  ///< nullopt without keyframes
+  std::optional<CountsByKeyframe> by_keyframe;  ///< nullopt without keyframes or ground truth
   std::vector<JudgedCluster> clusters;          ///< by index of clusters_of(result)
 };
 
@@ -57,7 +58,7 @@ struct Evaluation {
 GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor);
 
 /// Evaluates a result, with the matrix that was saved with it, if there is one. Throws what
-/// read_ground_truth, read_traveled, judge and set_confidence throw.
+/// read_ground_truth, read_place_answers, read_traveled, judge and set_confidence throw.
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor);
 

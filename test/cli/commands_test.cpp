@@ -297,7 +297,7 @@ TEST_CASE("tables can be text, CSV, Markdown and LaTeX") {
   CHECK(has(table("latex"), "\\begin{tabular}"));
 }
 
-TEST_CASE("a result can be shown without ground truth, but not evaluated") {
+TEST_CASE("without ground truth, a result has totals, charts and a map, but no metrics") {
   const TemporaryFolder out;
   run_ok("vpr-query", query_words({"-o", out / "r.json"}));
   const auto eval = [&](Words more) {
@@ -311,19 +311,83 @@ TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   const std::string page = read_text(out / "page.html");
   CHECK(has(page, "recognized, not judged"));
   CHECK(has(page, "data:image/jpeg"));
-  check_failure(eval({}), 2, "--html");
-  for (const std::string flag : {"-o", "--expect"})
-    CHECK(eval({"--html", out / "other.html", flag, out / "r.json"}).exit_code == 2);
-  CHECK(eval({"--html", out / "other.html", "--json"}).exit_code == 2);
-  CHECK_FALSE(fs::exists(out / "other.html"));
-  write_text(out / "bare.json",
-             Json{{"schema", "vpr.dataset/3"},
-                  {"name", "bare"},
-                  {"fps", 4},
-                  {"queries", {{{"name", "back"}, {"sequence", world().walk("back")}}}}}
-                 .dump());
-  const auto timed = eval({"--html", out / "bare.html", "--dataset", out / "bare.json"});
-  CHECK(timed.err.empty());
+  check_failure(eval({"--tolerance", "3"}), 2, "there is no ground truth");
+  check_failure(run_program("vpr-eval", {out / "r.json", out / "r.json"}), 2,
+                "there is no ground truth");
+  Json bare = file_json(world().dataset());
+  const auto folder = fs::path(world().dataset()).parent_path();
+  for (Json* one : {&bare["train"][0], &bare["train"][1], &bare["queries"][0]}) {
+    one->erase("ground_truth");
+    for (const char* key : {"sequence", "poses"})
+      (*one)[key] = (folder / (*one)[key].get<std::string>()).string();
+  }
+  bare.erase("plan");
+  write_text(out / "bare.json", bare.dump());
+  const auto found = ok(eval({"--dataset", out / "bare.json", "-o", out / "e.json", "--map",
+                              out / "map", "--plot", out / "plots"}));
+  CHECK(found.err.empty());
+  CHECK(has(found.out, "next: judge each place by its images with --ask-places PAGE.html\n"));
+  CHECK(has(read_text(out / "map/map.svg"), "recognized, not judged"));
+  CHECK_FALSE(has(read_text(out / "map/map.svg"), "nothing to recognize"));
+  CHECK(fs::exists(out / "plots/timeline.svg"));
+  const Json report = file_json(out / "e.json");
+  const Json judged =
+      printed_json("vpr-eval", {out / "r.json", "--dataset", world().dataset(), "--json"});
+  const auto total = [](const Json& counts) {
+    return counts["correct"].get<int>() + counts["incorrect"].get<int>() +
+           counts["ignored"].get<int>();
+  };
+  for (const char* key : {"recognitions", "places"})
+    CHECK(report["counts"][key]["ignored"] == total(judged["counts"][key]));
+  CHECK(report["localization"]["recognized"] == judged["localization"]["recognized"]);
+  CHECK(report["localization"]["recognized"].get<int>() > 5);
+  check_failure("vpr-eval", {"compare", out / "e.json", out / "e.json"}, 2, "without ground truth");
+}
+
+TEST_CASE("answers to places judge a result, and only this one") {
+  const TemporaryFolder out;
+  run_ok("vpr-query",
+         query_words({"--t-r", "0.6", "--t-r-scale", "relative", "-o", out / "r.json"}));
+  run_ok("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", "5", "--t-r",
+                       "0.6", "-o", out / "other.json"});
+  const Json pairs =
+      printed_json("vpr-eval", {out / "r.json", "--dataset", world().dataset(), "--json"});
+  // Answers that equal the ground truth at the representatives.
+  const auto answers = [&](const Json& places) {
+    std::string text = "place,query,sequence,train,same\n";
+    for (size_t i = 0; i < places.size(); ++i)
+      text += fmt::format("{},{},{},{},{}\n", i + 1, places[i]["query"].get<int>(),
+                          places[i]["sequence"].get<std::string>(), places[i]["train"].get<int>(),
+                          places[i]["label"] == "same" ? "yes" : "no");
+    return text;
+  };
+  write_text(out / "p.csv", answers(pairs["recognized_places"]));
+  const auto eval = [&](const std::string& result, Words more) {
+    return run_program("vpr-eval", joined({out / result, "--places", out / "p.csv"}, more));
+  };
+  const Json report =
+      printed_json(eval("r.json", {"--dataset", world().dataset(), "--json", "-v"}));
+  CHECK(report["judged"] == "places");
+  for (const char* key : {"recognitions_by_place", "places"})
+    CHECK(report["counts"][key] == pairs["counts"][key]);
+  CHECK(report["counts"]["recognitions"]["distinct"] ==
+        pairs["counts"]["recognitions"]["distinct"]);
+  for (const char* key : {"best_match", "metrics", "curves"}) CHECK_FALSE(report.contains(key));
+  const auto text = ok(eval("r.json", {"-v"}));
+  CHECK(has(text.out, "  places        "));
+  CHECK(has(text.out, "recognitions correct"));
+  check_failure(eval("other.json", {}), 4, "The answers are of another result");
+  check_failure(eval("r.json", {"--ground-truth", "aligned"}), 2, "Omit --ground-truth");
+  check_failure(run_program("vpr-eval", {out / "r.json", out / "r.json", "--places", "p"}), 2,
+                "take one result");
+  check_failure(eval("r.json", {"--ask-places", out / "q.html"}), 2, "needs the images");
+  CHECK_FALSE(fs::exists(out / "q.html"));
+  ok(eval("r.json", {"--dataset", world().dataset(), "--ask-places", out / "q.html"}));
+  CHECK(has(read_text(out / "q.html"), "data:image/jpeg"));
+  run_ok("vpr-query", {world().fabmap(), "--query", world().walk("back"), "-o", out / "f.json"});
+  check_failure(eval("f.json", {}), 2, "FAB-MAP has none");
+  write_text(out / "p.csv", "");
+  check_failure(eval("r.json", {}), 4, "p.csv");
 }
 
 TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {

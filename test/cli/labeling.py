@@ -21,9 +21,9 @@ def run(bin, folder, *words):
     return done.stdout
 
 
-def saved(browser, folder, button):
+def saved(browser, folder, button, name=None):
     """The file that a button saves."""
-    name = button.removeprefix("save-") + ".csv"
+    name = name or button.removeprefix("save-") + ".csv"
     browser.evaluate(f"document.getElementById('{button}').click()")
     path = f"{folder}/{name}"
     browser.wait(lambda: os.path.exists(path) and not os.path.exists(path + ".crdownload"))
@@ -95,6 +95,46 @@ def label_without_truth(browser, folder, bin):
     assert counts.endswith("1 same, 1 different, 1 ignored, 3 anchors."), counts
 
 
+def answer_places(browser, folder, bin):
+    """Answers by keys and buttons, with one undone, then evaluates the saved file."""
+    run(bin, folder, "vpr-eval", "result.json", "--query", "world/query@0:90", "--train", "world/corridor",
+        "--ask-places", "places.html", "-o", "totals.json", "--quiet")
+    totals = json.load(open(f"{folder}/totals.json"))
+    places = totals["recognized_places"]
+    count = len(places)
+    assert count >= 4, count
+
+    def text(name):
+        return browser.evaluate(f"document.getElementById('{name}').textContent")
+
+    browser.open(f"{folder}/places.html")
+    assert text("where").startswith(f"1 of {count}: "), text("where")
+    assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
+    browser.press("y")
+    browser.press("y")
+    browser.press("ArrowLeft")
+    browser.press("n")
+    browser.evaluate("document.getElementById('yes').click()")
+    browser.open(f"{folder}/places.html")  # answers remain
+    assert text("where").endswith(f"2 yes, 1 no, {count - 3} open."), text("where")
+    browser.press("u")
+    for _ in range(count):  # without effect at the end
+        browser.press("n")
+    assert text("question") == "Done"
+    lines = saved(browser, folder, "save", "places.csv").splitlines()
+    answers = ["yes", "no", "yes", None] + ["no"] * (count - 4)
+    assert lines[0] == "place,query,sequence,train,same", lines[0]
+    assert lines[1:] == [f"{i},{place['query']},{place['sequence']},{place['train']},{answer}"
+                         for i, (place, answer) in enumerate(zip(places, answers), 1) if answer], lines
+    report = json.loads(run(bin, folder, "vpr-eval", "result.json", "--places", "places.csv", "--json"))
+    by_place = dict.fromkeys(("correct", "incorrect", "ignored"), 0)
+    for place, answer in zip(places, answers):
+        key = {"yes": "correct", "no": "incorrect", None: "ignored"}[answer]
+        by_place[key] += place["recognitions"]["ignored"]
+    assert report["counts"]["places"] == {"correct": 2, "incorrect": count - 3, "ignored": 1}
+    assert report["counts"]["recognitions_by_place"] == by_place, (report["counts"], by_place)
+
+
 def relabel_with_truth(browser, folder, bin):
     run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "aligned", "--html", "judged.html",
         "-o", "report.json", "--quiet")
@@ -134,6 +174,7 @@ def main(source, bin):
         with Chromium(f"{folder}/profile") as browser:
             browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
             label_without_truth(browser, folder, bin)
+            answer_places(browser, folder, bin)
             relabel_with_truth(browser, folder, bin)
 
 

@@ -102,6 +102,7 @@ def make_pages(bin, folder, source):
     query("frames", "s.vprdb", "--c-l", "1", "--t-r", "0.3")
     query("fabmap", "f.vprdb", "--c-w", "1", "--t-p", "0.9")
     run(bin, folder, "vpr-eval", "frames.json", "--html", "unjudged.html")
+    run(bin, folder, "vpr-eval", "windows.json", "--dataset", data, "--ask-places", "places.html")
     run(bin, folder, "vpr-tune", "fastable", "s.vprdb", "--dataset", data, "--c-l", "1,5,10,20",
         "--t-r", "0.2,0.3,0.4,0.5,0.6,0.7,0.8", "--plot", "plots-tune")
     run(bin, folder, "vpr-query", "s.vprdb", "--query", "world/query", "--c-l", "1", "--t-r", "0.3",

@@ -32,7 +32,8 @@ TEST_CASE("a path with three verdicts, computed by hand") {
   CHECK(found.first_recognition_frames == 2);
   CHECK(found.first_recognition_m == 2);
   CHECK(found.longest_gap_frames == 3);  // frames 6 to 8
-  CHECK(found.longest_gap_m == 9);       // from frame 2 to frame 5
+  CHECK(found.recognized == 4);
+  CHECK(found.longest_gap_m == 9);  // from frame 2 to frame 5
 }
 
 TEST_CASE("gaps end at the ends of the path") {

@@ -290,6 +290,7 @@ TEST_CASE("a page can be stopped during drawing") {
 TEST_CASE("without ground truth, a page shows matches without evaluation") {
   Judgment judgment = example("cccccccc");
   const GroundTruth truth = unknown_ground_truth(judgment.layout.scope);
+  judgment.by = JudgedBy::nothing;
   for (QueryOutcome& query : judgment.outcomes.queries) query.verdict = Verdict::ignored;
   judgment.verdicts.assign(8, FrameVerdict::unjudged);
   judgment.verdicts[3] = FrameVerdict::none;

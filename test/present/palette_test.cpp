@@ -122,22 +122,26 @@ TEST_CASE("the summary states the recall, the errors and the first recognition")
                        FrameVerdict::none, FrameVerdict::unjudged};
   judgment.localization = localize(judgment.verdicts, {});
   CHECK(
-      summary_sentence(judgment, true, {}) ==
+      summary_sentence(judgment, {}) ==
       "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
       "frame 2.");
   CHECK(
-      summary_sentence(judgment, true, 4.0) ==
+      summary_sentence(judgment, 4.0) ==
       "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
       "frame 2 (0.5 s).");
   judgment.verdicts = {FrameVerdict::correct};
   judgment.localization = localize(judgment.verdicts, {});
-  CHECK(summary_sentence(judgment, true, {}) ==
+  CHECK(summary_sentence(judgment, {}) ==
         "Recognized in 1 of 1 frame, none of them incorrect; the first correct one at frame 0.");
   judgment.verdicts = {FrameVerdict::none, FrameVerdict::none};
   judgment.localization = localize(judgment.verdicts, {});
-  CHECK(summary_sentence(judgment, true, 10.0) == "Recognized in none of 2 frames.");
+  CHECK(summary_sentence(judgment, 10.0) == "Recognized in none of 2 frames.");
   judgment.verdicts = {FrameVerdict::none, FrameVerdict::unjudged};
-  CHECK(summary_sentence(judgment, false, 10.0) ==
-        "Recognized in 1 of 2 frames. Nothing is judged without "
-        "a ground truth.");
+  judgment.localization = localize(judgment.verdicts, {});
+  judgment.by = JudgedBy::nothing;
+  CHECK(summary_sentence(judgment, 10.0) ==
+        "Recognized in 1 of 2 frames (50.0 %). Nothing is judged without a ground truth.");
+  judgment.by = JudgedBy::places;
+  CHECK(summary_sentence(judgment, 10.0) ==
+        "Recognized in 1 of 2 frames, none of them incorrect, 1 without an answer.");
 }

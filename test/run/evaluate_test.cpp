@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/json.h"
+#include "evaluate/place_answers.h"
+#include "present/evaluation_report.h"
 #include "support.h"
 
 using namespace vpr;
@@ -73,6 +76,66 @@ TEST_CASE("without ground truth, a result is shown without evaluation") {
   CHECK_FALSE(found.truth.is_known);
   CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
   CHECK(found.judgment.verdicts[0] == FrameVerdict::unjudged);
+  const Json report = report_json(report_of(found, {}));
+  CHECK(report["judged"] == "nothing");
+  CHECK(report["counts"]["places"]["ignored"] == 2);
+  CHECK(report["localization"] ==
+        Json{{"frames", 4}, {"recognized", 3}, {"recognized_share", 0.75}});
+  for (const char* key : {"metrics", "curves", "best_match"}) CHECK_FALSE(report.contains(key));
+  CHECK(test::error_kind([&] { parse_report(report, "r.json"); }) == ErrorKind::usage);
+}
+
+TEST_CASE("answers to places judge the places, their recognitions and the frames") {
+  const test::TemporaryFolder folder;
+  const auto judged_by = [&](const std::string& rows) {
+    test::write_text(folder / "places.csv", "place,query,sequence,train,same\n" + rows);
+    EvaluationSettings by;
+    by.places = folder / "places.csv";
+    return evaluate_result(example(), {}, by, {});
+  };
+  // The first place has two recognitions, at frames 0 and 1; the second one has frame 2.
+  const Evaluation found = judged_by("2,2,ref,0,no\n1,0,ref,0,yes\n");
+  CHECK_FALSE(found.truth.is_known);
+  CHECK(found.judgment.by == JudgedBy::places);
+  const Counts& counts = found.result->counts;
+  CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
+  CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
+  CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
+  CHECK(counts.distinct == 1);
+  CHECK(found.judgment.verdicts ==
+        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
+                                  FrameVerdict::incorrect, FrameVerdict::none});
+  CHECK(found.judgment.localization.recognized == 3);
+  CHECK(found.judgment.localization.correct == 2);
+  CHECK(found.judgment.localization.longest_gap_frames == 2);
+  const Json report = report_json(report_of(found, {}));
+  CHECK(report["judged"] == "places");
+  CHECK(report["localization"]["share"] == 0.5);
+  for (const char* key : {"metrics", "curves", "best_match"}) CHECK_FALSE(report.contains(key));
+  const Evaluation half = judged_by("2,2,ref,0,no\n");
+  CHECK(numbers(*half.result->counts.recognitions_by_place) == std::vector<uint64_t>{0, 1, 2});
+  CHECK(numbers(*half.result->counts.clusters) == std::vector<uint64_t>{0, 1, 1});
+  CHECK(half.judgment.verdicts[0] == FrameVerdict::unjudged);
+}
+
+TEST_CASE("answers that do not fit the places of a result are refused, with their line") {
+  const test::TemporaryFolder folder;
+  const auto error = [&](const std::string& text, Result result = example()) {
+    test::write_text(folder / "p.csv", text);
+    return test::error_text([&] { read_place_answers(folder / "p.csv", result); });
+  };
+  const std::string header = "place,query,sequence,train,same\n";
+  using Catch::Contains;
+  CHECK_THAT(error(""), Contains("has no column place"));
+  CHECK_THAT(error(header), Contains("has no answers"));
+  for (const char* row : {"0,0,ref,0,yes", "3,0,ref,0,yes", "1,1,ref,0,yes", "1,0,ref,1,yes",
+                          "1,0,other,0,yes", "2,0,ref,0,yes", "-1,0,ref,0,yes", "x,0,ref,0,yes"})
+    CHECK_THAT(error(header + row + "\n"), Contains("line 2: the result has no place"));
+  CHECK_THAT(error(header + "1,0,ref,0,yes\n1,0,ref,0,no\n"), Contains("line 3: place 1 has two"));
+  CHECK_THAT(error(header + "1,0,ref,0,sure\n"), Contains("\"same\" is \"sure\""));
+  Result places = example();
+  places.clusters.reset();
+  CHECK_THAT(error(header, places), Contains("FAB-MAP has none"));
 }
 
 TEST_CASE("without clusters, every recognition of a result is evaluated separately") {
