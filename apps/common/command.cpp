@@ -106,7 +106,8 @@ void print_json(ProgressLine& progress, const std::string& text) {
 constexpr std::array kOutputs = {
     "output",      "save-matrix", "save-posteriors", "html",         "plot",
     "map",         "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv",
-    "descriptors", "junit",       "save-trajectory", "pairs",        "save-loops"};
+    "descriptors", "junit",       "save-trajectory", "pairs",        "save-loops",
+    "ask-places"};
 
 /// Protects inputs that exist. Ignores unreadable ones, which the command reports.
 struct Inputs {

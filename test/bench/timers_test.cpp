@@ -116,6 +116,29 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
   CHECK(bench_fabmap(settings, 1, {}).left_out.size() == 2 * 3);
 }
 
+TEST_CASE("FAB-MAP's frames per second include the time of a frame's features") {
+  FabmapBenchSettings settings;
+  settings.variants = {"fabmap1"};
+  settings.places = {1};
+  settings.words = {300};
+  settings.words_per_frame = {20};
+  settings.pretrain_frames = 40;
+  settings.descriptors = 0;
+  settings.seconds = 1e-3;
+  settings.frame_ms = 100;
+  const BenchResult result = bench_fabmap(settings, 1, {});
+  const BenchRow* row =
+      find_row(result, "fabmap1", {{"places", 1}, {"words", 300}, {"words_per_frame", 20}});
+  REQUIRE(row != nullptr);
+  const double fps = 1000 / (100 + row->time.median_ms);
+  CHECK(find_number(row->values, "fps") == fps);
+  REQUIRE(result.charts.size() == 2);
+  CHECK(result.charts[1].file == "fabmap-fps");
+  CHECK(result.charts[1].series[0].points[0].second == Approx(fps));
+  settings.frame_ms = -1;
+  CHECK_THROWS_AS(bench_fabmap(settings, 1, {}), Error);
+}
+
 TEST_CASE("vectors are timed by the methods that accept any distances, after a check of cells") {
   for (const uint64_t precision : {8, 16}) {
     MatchingBenchSettings settings = small_settings();
