@@ -202,7 +202,7 @@ void render_views(const RenderInputs& inputs, const Scene& scene, const WorldPla
     CameraPose pose;
     pose.position = {place.x, place.y};
     pose.heading_deg = place.headings[i];
-    render_frame(inputs, {scene, inputs.people, {}, held_by(inputs.world, name, pose), {}, {}},
+    render_frame(inputs, {scene, inputs.people, {}, held_on_day(inputs.world, 0, pose), {}, {}},
                  name, folder / std::to_string(i));
   }
 }

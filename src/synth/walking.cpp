@@ -52,7 +52,7 @@ constexpr std::array<double, 2> kTremorHz = {4.7, 6.9};
 constexpr double kJoltHz = 8;
 constexpr double kJoltDecayS = 0.1;
 
-/// The holding style on one walk, in addition to the sway of all walks.
+/// The holding style on one day, in addition to the sway of all walks.
 struct Hold {
   double height_m = 0;
   double pitch_deg = 0;
@@ -62,10 +62,10 @@ struct Hold {
   double sway = 1;  ///< factor
 
   /// Scaled by variety.hands; level if that is 0.
-  Hold(const World& world, const std::string& name) {
+  Hold(const World& world, uint64_t day) {
     const double hands = world.variety.hands;
     if (hands == 0) return;
-    RandomEngine engine = named_engine(world.seed, "hand/" + name);
+    RandomEngine engine = named_engine(world.seed, fmt::format("hand/{}", day));
     const auto draw = [&](double most) { return hands * most * (2 * uniform_unit(engine) - 1); };
     height_m = draw(0.12);
     pitch_deg = draw(4);
@@ -241,7 +241,7 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   RandomEngine engine = named_engine(world.seed, "walk/" + walk.name);
   const Wander pace(engine), side(engine), look(engine), nod(engine), tilt(engine), light(engine);
   const double step_phase = uniform_unit(engine);
-  const Hold hold(world, walk.name);
+  const Hold hold(world, walk.day);
   const double shake = walk.shake * hold.sway;
   RandomEngine tremor_engine = named_engine(world.seed, "tremor/" + walk.name);
   const Tremor turning(tremor_engine, walk.tremor_deg), nodding(tremor_engine, walk.tremor_deg);
@@ -306,8 +306,8 @@ std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
           start + static_cast<std::ptrdiff_t>(frame) + 1};
 }
 
-CameraPose held_by(const World& world, const std::string& name, CameraPose pose) {
-  const Hold hold(world, name);
+CameraPose held_on_day(const World& world, uint64_t day, CameraPose pose) {
+  const Hold hold(world, day);
   pose.height_m += hold.height_m;
   pose.pitch_deg += hold.pitch_deg;
   pose.roll_deg += hold.roll_deg;

@@ -43,9 +43,8 @@ struct CameraPose {
 /// the point, if the walk runs into a wall or has too many frames.
 std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan);
 
-/// The pose with the holding style of the person `name`: height and tilt of the phone, by
-/// variety.hands.
-CameraPose held_by(const World& world, const std::string& name, CameraPose pose);
+/// The pose with the holding style of a day: height and tilt of the phone, by variety.hands.
+CameraPose held_on_day(const World& world, uint64_t day, CameraPose pose);
 
 /// The poses that determine the automatic exposure at one frame of a walk: this frame and the
 /// frames before it within the exposure lag, back to the last cut. Empty if only the frame itself

@@ -25,7 +25,7 @@ struct BuildingVariety {
   double far_view = 0;      ///< 0 to 1: share of the outside that is too far away for parallax
   double reflections = 0;   ///< 0 to 1: share of light that glass reflects
   double changes = 0;       ///< 0 to 1: share of objects at walls that differ between days
-  double hands = 0;         ///< 0 to 3: variation between walks in how the phone is held
+  double hands = 0;         ///< 0 to 3: variation between days in how the phone is held
 };
 VPR_FIELDS(BuildingVariety, finishes, bareness, wear, window_light, far_view, reflections, changes,
            hands)
@@ -89,7 +89,7 @@ struct Walk {
   uint64_t standing = 0;    ///< groups of one to four people who stand at the walls
   uint64_t crossing = 0;    ///< groups that cross the path in front of the camera
   uint64_t ahead = 0;       ///< groups that walk ahead of the camera for a while
-  uint64_t day = 0;         ///< all walks of one day share its changes
+  uint64_t day = 0;         ///< all walks of one day share its changes and its hand
   Conditions conditions;
 };
 VPR_FIELDS(Walk, name, use, floor, path, frames, speed_m_s, paces, stops, cuts, unevenness, shake,

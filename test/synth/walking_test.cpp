@@ -257,13 +257,13 @@ TEST_CASE("speeds vary by the requested amount") {
   CHECK(spread(0.5) > 1.8);
 }
 
-TEST_CASE("walks differ by the requested amount in how the phone is held") {
+TEST_CASE("days differ by the requested amount in how the phone is held") {
   World world = corridor_world();
   Walk walk = straight_walk();
   const auto plain = poses(world, walk);
   world.variety.hands = 1;
   const auto held = poses(world, walk);
-  walk.name = "other";
+  walk.day = 1;
   const auto other = poses(world, walk);
   REQUIRE(held.size() == plain.size());
   for (size_t i = 0; i < held.size(); ++i) {
@@ -279,15 +279,24 @@ TEST_CASE("walks differ by the requested amount in how the phone is held") {
   CHECK(held[0].pitch_deg != other[0].pitch_deg);
 }
 
-TEST_CASE("the name of a view determines how the phone is held") {
+TEST_CASE("walks and views of a day share how the phone is held") {
   World world = corridor_world();
-  const CameraPose level = {};
-  CHECK(held_by(world, "a", level).pitch_deg == 0);
+  Walk walk = straight_walk();
+  walk.shake = 0;
+  CHECK(held_on_day(world, 1, {}).pitch_deg == 0);
   world.variety.hands = 1;
-  CHECK(held_by(world, "a", level).pitch_deg != 0);
-  CHECK(held_by(world, "a", level).pitch_deg == held_by(world, "a", level).pitch_deg);
-  CHECK(held_by(world, "a", level).pitch_deg != held_by(world, "b", level).pitch_deg);
-  CHECK(held_by(world, "a", level).position.x == 0);
+  for (const uint64_t day : {0, 1}) {
+    const CameraPose held = held_on_day(world, day, {});
+    CHECK(held.pitch_deg != 0);
+    CHECK(held.position.x == 0);
+    walk.day = day;
+    for (const char* name : {"a", "b"}) {
+      walk.name = name;
+      CHECK(poses(world, walk)[0].pitch_deg == held.pitch_deg);
+      CHECK(poses(world, walk)[0].height_m == held.height_m);
+    }
+  }
+  CHECK(held_on_day(world, 0, {}).pitch_deg != held_on_day(world, 1, {}).pitch_deg);
 }
 
 TEST_CASE("a hand trembles around the direction of view, at the rates of its angles") {
