@@ -26,8 +26,9 @@ TEST_CASE("a benchmark writes JSON, tables and plots") {
   const Json json = file_json(out / "b.json");
   CHECK(json["machine"]["threads"] == 1);
   CHECK(json["rows"].size() == 4 * 4 + 1);
-  CHECK(list_folder(out / "plots") == Words{".vpr-files", "speed-up.png", "speed-up.svg",
-                                            "time-by-c_l.png", "time-by-c_l.svg",
+  CHECK(list_folder(out / "plots") == Words{".vpr-files", "fastable-cpu.png", "fastable-cpu.svg",
+                                            "openable-fps.png", "openable-fps.svg", "speed-up.png",
+                                            "speed-up.svg", "time-by-c_l.png", "time-by-c_l.svg",
                                             "time-by-frames.png", "time-by-frames.svg"});
   CHECK(has(read_text(out / "plots/speed-up.svg"), ">times faster</text>"));
   const auto csv = run_program("vpr-bench", small({"--format", "csv"}));
