@@ -362,17 +362,18 @@ Json report_json(const Report& report) {
   Json json = fields_to_json(report);
   if (report.judged == JudgedBy::ground_truth) return json;
   json["judged"] = enum_name(report.judged);
-  for (const char* key : {"best_match", "metrics", "curves", "confidence"}) json.erase(key);
-  json["protocol"].erase("tolerance_frames");
-  json["provenance"].erase("ground_truth");
-  Json& counts = json["counts"];
-  Json& path = json["localization"];
-  counts.erase("mixed_places");
-  path.erase("frames_with_match");
+  const auto omit = [&json](const std::string& key) {
+    const Json::json_pointer at(key);
+    if (json.contains(at)) json[at.parent_pointer()].erase(at.back());
+  };
+  for (const char* key :
+       {"/best_match", "/metrics", "/curves", "/confidence", "/protocol/tolerance_frames",
+        "/provenance/ground_truth", "/counts/mixed_places", "/localization/frames_with_match"})
+    omit(key);
   if (report.judged == JudgedBy::places) return json;
-  counts.erase("recognitions_by_place");
-  counts["recognitions"].erase("distinct");
-  for (const Metric& metric : path_metrics()) path.erase(std::string(metric.key));
+  omit("/counts/recognitions_by_place");
+  omit("/counts/recognitions/distinct");
+  for (const Metric& metric : path_metrics()) omit(fmt::format("/localization/{}", metric.key));
   return json;
 }
 
