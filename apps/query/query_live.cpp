@@ -11,7 +11,7 @@
 #include "present/result_file.h"
 #include "query.h"
 #include "run/live_query.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/train.h"
 #include "sequence/live_source.h"
 #include "truth/times.h"

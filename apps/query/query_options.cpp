@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "evaluate/loops.h"
 #include "fabmap/model.h"
-#include "match/lsh.h"
 #include "match/match.h"
 #include "present/result_text.h"
 #include "query.h"
@@ -83,11 +82,9 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
     text += fmt::format("  {:<17}{}\n", name, summary);
   };
   for (const SequenceMethod& method : sequence_methods())
-    if (!is_live || method.name != "openable") add(method.name, method.summary);
-  if (!is_live) {
-    add(kLshMethod, kLshSummary);
-    names.emplace_back(enum_name(DatabaseFamily::fabmap));
-  }
+    if (!is_live || (method.name != "openable" && method.stage != nullptr))
+      add(method.name, method.summary);
+  if (!is_live) names.emplace_back(enum_name(DatabaseFamily::fabmap));
   add_setting(command, "--method", settings.method, help).choices("METHOD", names);
   command.add_footer(text);
 }

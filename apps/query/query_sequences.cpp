@@ -10,8 +10,8 @@
 #include "present/score_matrix.h"
 #include "query.h"
 #include "run/advice.h"
+#include "run/open.h"
 #include "run/own_database.h"
-#include "run/plan.h"
 #include "run/query.h"
 #include "run/train.h"
 #include "sequence/sequence_source.h"
@@ -62,9 +62,9 @@ void read_scores(QueryData& data, ResultContext& context, const QueryOptions& op
   std::vector<NamedArgument> sequences;
   for (const std::string& text : options.train_sequences)
     sequences.push_back(parse_named_range(text, "", "--train-sequence"));
-  MatrixQuery given = matrix_query(scores, sequences);
-  data.database = std::move(given.database);
-  data.query = selected(std::move(given.query),
+  MatrixQuery made = matrix_query(scores, sequences);
+  data.database = std::move(made.database);
+  data.query = selected(std::move(made.query),
                         at_speed(options.selection.speed, scores.queries(), session.options.seed));
   const PrecomputedUnits& units = scores.units();
   context.scores = {{"kind", enum_name(flags.order())},
@@ -140,9 +140,10 @@ bool has_gaps(const QueryPlan& plan) {
 
 // The consumer of the rows; none without --save-matrix.
 std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& path,
-                                      const QueryPlan& plan, const Session& session) {
+                                      const QueryPlan& plan, const ResolvedSettings& settings,
+                                      const Session& session) {
   if (path.empty()) return {};
-  const Result shape = make_result(plan);  // without matches
+  const Result shape = make_result(plan, settings);  // without matches
   if (path.ends_with(".npy"))
     return {std::ref(
         saved.file.emplace(session.outputs.file(path), shape, has_gaps(plan), session.monitor))};
@@ -206,11 +207,12 @@ void query_sequences(Session& session, const QueryOptions& options,
   const std::string& name = data.source.name;
   SavedMatrix matrix;
   QueryPlan plan =
-      settings->loop
-          ? plan_loop(data.database, data.query, name, settings, data.times_ns, resources, monitor)
-          : plan_query(data.database, data.query, name, settings, resources, monitor);
-  const Sinks sinks{start_matrix(matrix, options.matrix, plan, session)};
-  QueryRun run = run_query(std::move(plan), resources, sinks, monitor);
+      plan_query(data.database, data.query, name, settings, resources, monitor, data.times_ns);
+  const Sinks sinks{start_matrix(matrix, options.matrix, plan, settings, session)};
+  QueryRun run = run_query(std::move(plan), settings, resources, sinks, monitor);
+  if (settings->loop)
+    std::get<SequenceQuerySettings>(run.result.settings).descriptor =
+        data.query.descriptors.kind->name;
   context.seconds = std::move(run.seconds);
   context.seconds["describe"] = describe_s;
   context.seconds["total"] = watch.elapsed_s();

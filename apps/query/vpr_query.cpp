@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "match/lsh.h"
 #include "match/match.h"
 #include "query.h"
 #include "store/archive.h"
@@ -132,7 +131,7 @@ DatabaseFamily family_of(const QueryOptions& options, bool needs_database) {
 // Throws Error(usage) for an unknown method.
 DatabaseFamily family_of(const std::string& method) {
   if (method == enum_name(DatabaseFamily::fabmap)) return DatabaseFamily::fabmap;
-  if (method != kLshMethod) find_sequence_method(method);
+  find_sequence_method(method);
   return DatabaseFamily::sequences;
 }
 

@@ -6,7 +6,7 @@
 #include "present/calibration_report.h"
 #include "present/database_report.h"
 #include "run/calibrate.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "store/archive.h"

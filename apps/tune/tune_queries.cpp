@@ -62,7 +62,7 @@ std::vector<std::string> setting_flags(const QuerySettings& chosen) {
       if (text == initial) return;
     flags.push_back(fmt::format("{}{}{}", flag, text.starts_with('-') ? "=" : " ", text));
   };
-  if (!has_paths(method_of(chosen)))
+  if (!has_paths(chosen))
     for (const auto& [key, flag] :
          {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("c_w", "--c-w"),
           std::pair("t_p", "--t-p"), std::pair("score", "--score"), std::pair("decide", "--decide"),

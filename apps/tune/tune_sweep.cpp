@@ -6,7 +6,7 @@
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "present/sweep_report.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/trials.h"
 #include "tune.h"
 

@@ -6,7 +6,7 @@
 #include "present/sweep_report.h"
 #include "present/trial_report.h"
 #include "run/advice.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/train.h"
 #include "run/trials.h"
 #include "tune.h"

@@ -43,7 +43,8 @@ void time_stage(
   const auto advance = [&] {
     stage(distances, next, [](size_t, std::span<const ScoreRow>) {});
     after_frame();
-    next = {(next.row + 1) % distances.query_frames, next.number + 1, next.in_a_row + 1};
+    next = {(next.row + 1) % distances.query_frames, next.number + 1,
+            next.consecutive_readable + 1};
   };
   for (size_t f = 0; f <= settings.window_length; ++f) advance();
   row.time = time_repeatedly(effort, advance, monitor);

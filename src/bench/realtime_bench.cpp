@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/statistics.h"
 #include "bench/benches.h"
+#include "run/open.h"
 #include "run/train.h"
 
 namespace vpr {

@@ -125,7 +125,7 @@ constexpr std::array kChoices = {
            .needs = kTrainingDistances | kFrames,
            .excludes = kThreshold | kRaw | kWindows | kRates | kDefinition,
            .instead = "Use --method fastable.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return has_paths(s.method); }},
+           .is_implied = [](const Settings& s, const RunChoices&) { return s.method == "filter"; }},
     Choice{
         .flag = "--method lsh",
         .needs = kTrainingDistances | kFrames,
@@ -142,7 +142,8 @@ constexpr std::array kChoices = {
            .needs = kRaw,
            .excludes = kZScores,
            .instead = "Omit it.",
-           .is_implied = is<&Settings::score, Score::raw>},
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return !score_kind(s.score).needs_statistics; }},
     Choice{.flag = "--fuse",
            .needs = kFabmap | kZScores | kSequences | kFrames,
            .excludes = kRaw | kDefinition,
@@ -152,12 +153,17 @@ constexpr std::array kChoices = {
            .needs = kZScores,
            .excludes = kRaw,
            .instead = "Use --method fastable, or --score raw.",
-           .is_implied = is<&Settings::score, Score::zscore>},
+           .is_implied =
+               [](const Settings& s, const RunChoices&) {
+                 const ScoreKind& kind = score_kind(s.score);
+                 return kind.needs_statistics && !kind.is_offline;
+               }},
     Choice{.flag = "--score zscore-offline",
            .needs = kZScores | kLaterFrames,
            .excludes = kRaw,
            .instead = "Use --score zscore.",
-           .is_implied = is<&Settings::score, Score::zscore_offline>},
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return score_kind(s.score).is_offline; }},
     Choice{.flag = "--rates",
            .needs = kRates,
            .excludes = kDefinition,
@@ -319,7 +325,7 @@ void check_ranges(const Settings& settings) {
   check_threshold(settings);
   check_margin(settings);
   if (score_kind(settings.score).needs_statistics) check_zscore_window(settings);
-  if (has_paths(settings.method)) check_filter(settings.filter);
+  if (has_paths(settings)) check_filter(settings.filter);
   if (settings.loop) check_gap(settings);
   require(settings.clustering.eps >= 0 && settings.clustering.eps <= kMaxEps,
           fmt::format("clustering.eps must be from 0 to {}, found {}", kMaxEps,
@@ -330,7 +336,7 @@ void fill_implied(Settings& settings, const RunChoices& run) {
   if (has(run, "--fuse") && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
   if (settings.loop && !settings.exclusion_frames && settings.loop_gap > 0)
     settings.exclusion_frames = settings.loop_gap;
-  const bool is_filter = has_paths(settings.method);
+  const bool is_filter = has_paths(settings);
   if ((is_filter || settings.fusion_weight) && settings.score == Score::raw)
     settings.score = Score::zscore;
   if (!is_filter) return;
@@ -365,7 +371,7 @@ std::string_view default_method(std::span<const std::string> given) {
 
 ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, RunChoices run)
     : settings_(std::move(settings)), run_(std::move(run)) {
-  if (settings_.method != kLshMethod) find_sequence_method(settings_.method);
+  find_sequence_method(settings_.method);
   fill_implied(settings_, run_);
   check_choices(settings_, run_);
   check_ranges(settings_);

@@ -1,6 +1,12 @@
 #include "decide/exclusion_zones.h"
 
 #include <algorithm>
+#include <functional>
+
+#include "decide/scores.h"
+#include "match/components.h"
+#include "match/distance_statistics.h"
+#include "match/zscores.h"
 
 namespace vpr {
 namespace {
@@ -34,14 +40,80 @@ uint32_t smallest_outside(const ScoreRow& piece, size_t first, size_t last,
   return least;
 }
 
+/// Consecutive frames of a sequence.
+struct Part {
+  size_t first = 0;
+  size_t count = 0;
+};
+
+// The whole sequence, or, if it has more than most_pairs frame pairs with `other_frames`, at least
+// two evenly spread parts. The first part begins with the sequence, and the last one ends with it.
+std::vector<Part> choose_parts(size_t frames, size_t other_frames, size_t most_pairs) {
+  constexpr size_t kPartFrames = 1000;
+  if (kPartFrames >= frames || frames <= most_pairs / other_frames) return {{0, frames}};
+  const size_t count = std::max<size_t>(2, most_pairs / other_frames / kPartFrames);
+  std::vector<Part> parts;
+  for (size_t p = 0; p < count; ++p)
+    parts.push_back({p * (frames - kPartFrames) / (count - 1), kPartFrames});
+  return parts;
+}
+
+/// A training sequence with its z-scores and its exclusion zone.
+struct Searched {
+  DescribedFrames frames;
+  FrameDistances distances;  // of a query without frames
+  ScoreBasis basis;
+  ExclusionZones zone;
+};
+
+Searched make_searched(const DescribedFrames& frames, uint32_t radius, const Monitor& monitor) {
+  StatisticsSettings settings;
+  settings.samples = 1000;
+  TrainStatistics statistics = compute_statistics({&frames, 1}, settings, monitor);
+  statistics.components = compute_components({&frames, 1}, statistics.typical_distance, monitor);
+  ZScoreSettings zscore;
+  zscore.start_weight = FilterSettings{}.start_weight;  // for short sequences
+  return {frames, frame_distances({&frames, 1}, {frames.rows.first(0), {}}),
+          make_score_basis(zscore, false, statistics), make_exclusion_zones({radius}, {})};
+}
+
+bool is_recognized(const DescribedFrames& query, const Searched& train, const RowKernels& kernels,
+                   const Monitor& monitor, size_t most_pairs) {
+  constexpr size_t kWindow = 20;
+  constexpr size_t kShortestWindow = 4;
+  constexpr size_t kFewest = 10;  // one window in ten
+  const size_t length =
+      std::min(kWindow, std::min(query.rows.size(), train.frames.rows.size()) / 2);
+  if (length < kShortestWindow) return false;
+  const ScoreKind& score = score_kind(Score::zscore);
+  const double least = score.default_margin(train.basis.typical_distance, length);
+  size_t windows = 0;
+  size_t recognized = 0;
+  for (const Part& part : choose_parts(query.rows.size(), train.frames.rows.size(), most_pairs)) {
+    std::vector<size_t> unreadable;
+    for (const size_t frame : query.unreadable)
+      if (frame >= part.first && frame < part.first + part.count)
+        unreadable.push_back(frame - part.first);
+    const DescribedFrames frames{query.rows.subspan(part.first, part.count), unreadable};
+    MarginScan scan(train.zone, part.count - length + 1, kernels);
+    match(zscores(train.distances.of_query(frames), train.basis, monitor),
+          {length, kDefaultMemoryLimit, kernels}, {{}, {std::ref(scan)}}, monitor);
+    for (const auto& margin : scan.result()) {
+      windows += margin ? 1 : 0;
+      recognized += margin && score.frame_value(*margin, length) >= least ? 1 : 0;
+    }
+  }
+  return recognized > 0 && kFewest * recognized >= windows;
+}
+
 }  // namespace
 
 ExclusionZones make_exclusion_zones(std::vector<uint32_t> radii,
                                     const std::vector<std::pair<size_t, size_t>>& overlapping) {
   const size_t sequences = radii.size();
   ExclusionZones zones{std::move(radii), {}};
-  zones.shared.assign(sequences, std::vector<uint8_t>(sequences, 0));
-  for (const auto& [a, b] : overlapping) zones.shared[a][b] = zones.shared[b][a] = 1;
+  zones.overlaps.assign(sequences, std::vector<uint8_t>(sequences, 0));
+  for (const auto& [a, b] : overlapping) zones.overlaps[a][b] = zones.overlaps[b][a] = 1;
   return zones;
 }
 
@@ -77,10 +149,28 @@ void MarginScan::operator()(std::span<const ScoreRow> row) {
   for (const ScoreRow& piece : row) {
     if (piece.sequence == best.sequence)
       runner_up = std::min(runner_up, smallest_outside(piece, first, last, kernels_));
-    else if (zones_.shared[best.sequence][piece.sequence] == 0)
+    else if (zones_.overlaps[best.sequence][piece.sequence] == 0)
       runner_up = std::min(runner_up, smallest_outside(piece, 0, 0, kernels_));
   }
   if (runner_up != kNoCell) margins_[best.query_window] = runner_up - best.score;
+}
+
+std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
+    std::span<const DescribedFrames> sequences, const std::vector<uint32_t>& radii,
+    const RowKernels& kernels, const Monitor& monitor, size_t most_pairs) {
+  const size_t count = sequences.size();
+  if (count < 2) return {};
+  most_pairs /= count * (count - 1);
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (size_t b = 0; b < count; ++b) {
+    const Searched train = make_searched(sequences[b], radii[b], monitor);
+    for (size_t a = 0; a < count; ++a)
+      if (a != b && is_recognized(sequences[a], train, kernels, monitor, most_pairs))
+        pairs.push_back(std::minmax(a, b));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
 }
 
 }  // namespace vpr

@@ -1,4 +1,5 @@
-// Exclusion zones around best matches, and margins over the runners-up outside them.
+// Exclusion zones around best matches, margins over the runners-up outside them, and the detection
+// of training sequences that show the same place.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,8 @@ namespace vpr {
 /// The exclusion zone of a best match: in its sequence, the windows at most w before or after it;
 /// in a sequence of the same place, all windows; in any other sequence, none.
 struct ExclusionZones {
-  std::vector<uint32_t> widths;              ///< w, the exclusion radius, by sequence
-  std::vector<std::vector<uint8_t>> shared;  ///< [a][b]: whether a and b overlap (same place)
+  std::vector<uint32_t> widths;                ///< w, the exclusion radius, by sequence
+  std::vector<std::vector<uint8_t>> overlaps;  ///< [a][b]: whether a and b overlap (same place)
 };
 
 /// Exclusion zones for sequences of different places, except for the overlapping pairs.
@@ -46,5 +47,15 @@ class MarginScan {
   RowKernels kernels_;
   std::vector<std::optional<uint32_t>> margins_;
 };
+
+/// Pairs (a, b), a < b, increasing, of sequences that show the same place at least in part: one of
+/// the two is a query of the other, and at least a tenth of its windows are recognized. Windows are
+/// 20 frames of z-scores (or half of the shorter sequence, but at least 4), recognized by the
+/// default margin. `radii`: the exclusion radius of every sequence. Longer sequences are compared
+/// in evenly spread parts of 1000 frames, at least two per sequence, with at most most_pairs frame
+/// pairs in total. Throws Error(interrupted) on a stop.
+std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
+    std::span<const DescribedFrames> sequences, const std::vector<uint32_t>& radii,
+    const RowKernels& kernels, const Monitor& monitor, size_t most_pairs = size_t{1} << 32);
 
 }  // namespace vpr

@@ -79,7 +79,7 @@ struct Result {
   std::optional<SearchRecall> recall;  ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of z-scores
   std::optional<ResultPath> path;            ///< of the filter
-  std::optional<ResultKeyframes> views;      ///< nullopt without a typical distance
+  std::optional<ResultKeyframes> keyframes;  ///< nullopt without a typical distance
   std::optional<ResultPlaces> places;        ///< of FAB-MAP
 
   const ScoreKind& score() const { return score_of(settings); }

@@ -67,4 +67,9 @@ class CellScan {
   std::vector<Cell> cells_;  // each is written by one row only
 };
 
+/// Up to `count` different cells of pairs of windows in runs, uniformly chosen, in the order of
+/// CellScan and without scores; fewer if the matrix is smaller. The past is not considered.
+std::vector<Cell> choose_cells(const FrameDistances& distances, size_t window_length, size_t count,
+                               uint64_t seed);
+
 }  // namespace vpr

@@ -95,9 +95,10 @@ class PrecomputedDistances;
 /// Owns nothing.
 struct DescribedFrames {
   DescriptorRows rows;
-  std::span<const size_t> unreadable;           ///< increasing
-  const PrecomputedDistances* given = nullptr;  ///< set for a query whose distances are precomputed
-  std::span<const WordSet> words = {};          ///< of each frame; only for fusion with FAB-MAP
+  std::span<const size_t> unreadable;  ///< increasing
+  const PrecomputedDistances* precomputed =
+      nullptr;                          ///< set for a query whose distances are precomputed
+  std::span<const WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
 };
 
 }  // namespace vpr

@@ -109,12 +109,12 @@ const DescriptorKind& descriptor_kind(std::string_view name) {
 }
 
 const DescriptorKind& precomputed_kind() {
-  static constexpr DescriptorKind kGiven = {"scores",
-                                            "frames with precomputed scores only",
-                                            {ElementType::frame_numbers, 1},
-                                            nullptr,
-                                            true};
-  return kGiven;
+  static constexpr DescriptorKind kPrecomputed = {"scores",
+                                                  "frames with precomputed scores only",
+                                                  {ElementType::frame_numbers, 1},
+                                                  nullptr,
+                                                  true};
+  return kPrecomputed;
 }
 
 DescriptorShape DescriptorStore::shape() const {
@@ -142,7 +142,7 @@ DescriptorSet selected(const DescriptorSet& set, const Selection& selection) {
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
   result.descriptors.unit = set.descriptors.unit;
-  result.given = set.given;
+  result.precomputed = set.precomputed;
   const DescriptorRows rows = set.rows();
   for (const uint32_t source : selection.sources)
     result.descriptors.append(rows.subspan(source, 1));

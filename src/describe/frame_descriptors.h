@@ -74,12 +74,11 @@ struct DescriptorStore {
 struct DescriptorSet {
   DescriptorStore descriptors;
   Sequence sequence;
-  const PrecomputedDistances* given =
-      nullptr;                      ///< set if the distances of these frames are precomputed
+  const PrecomputedDistances* precomputed = nullptr;  ///< set if distances are precomputed
   std::vector<WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescribedFrames span() const { return {rows(), sequence.unreadable, given, words}; }
+  DescribedFrames span() const { return {rows(), sequence.unreadable, precomputed, words}; }
 };
 
 /// The set with the selected frames: repeats or omits rows without describing frames again.

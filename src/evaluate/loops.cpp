@@ -189,23 +189,6 @@ LoopGap parse_loop_gap(const std::string& text, const std::string& flag) {
   return {std::llround(*value * double{kSecond}), 0};
 }
 
-bool is_past(const LoopGap& gap, std::span<const int64_t> times_ns, size_t query, size_t match) {
-  if (match >= query) return false;
-  if (!gap.nanoseconds) return query - match >= gap.frames;
-  return times_ns[query] - times_ns[match] >= *gap.nanoseconds;
-}
-
-std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> times_ns,
-                                  size_t frames) {
-  std::vector<uint32_t> past;
-  uint32_t count = 0;
-  for (size_t frame = 0; frame < frames; ++frame) {
-    while (is_past(gap, times_ns, frame, count)) ++count;
-    past.push_back(count);
-  }
-  return past;
-}
-
 uint64_t LoopJudgment::count(PlaceLabel label) const {
   return static_cast<uint64_t>(std::ranges::count(loops, label, &JudgedLoop::label));
 }

@@ -56,23 +56,9 @@ struct LoopListRules {
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
                         const LoopListRules& rules);
 
-/// The minimum separation of two frames of one place that close a loop, inclusive.
-struct LoopGap {
-  std::optional<int64_t> nanoseconds;  ///< unset: `frames`
-  size_t frames = 1;
-};
-
 /// Parses "30s" or a positive integer number of frames. Throws Error(usage), beginning with `flag`,
 /// for other text.
 LoopGap parse_loop_gap(const std::string& text, const std::string& flag);
-
-/// Whether frame `match` is before frame `query` by at least the gap. `times_ns`, which increase,
-/// are used only for a gap in time.
-bool is_past(const LoopGap& gap, std::span<const int64_t> times_ns, size_t query, size_t match);
-
-/// For each frame, the number of frames from the first on that are past. Non-decreasing.
-std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> times_ns,
-                                  size_t frames);
 
 struct LoopRules {
   double radius_m = 0;  ///< maximum distance of the two positions, inclusive

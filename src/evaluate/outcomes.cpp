@@ -210,8 +210,8 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
 
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
                                                   const Monitor& monitor) {
-  if (!result.views) return std::nullopt;
-  const auto& [query_keyframes, train_keyframes] = *result.views;
+  if (!result.keyframes) return std::nullopt;
+  const auto& [query_keyframes, train_keyframes] = *result.keyframes;
   const size_t length = result.window_length();
   CountsByKeyframe counts;
   counts.query_keyframes = query_keyframes.size();

@@ -248,7 +248,7 @@ WindowStage fastable_stage(const FrameDistances& distances, std::span<const size
     for (size_t l = 0; l * each < state->sums.size(); ++l) {
       const std::span<WindowSums> windows = std::span(state->sums).subspan(l * each, each);
       const size_t length = windows.front().length;
-      if (frame.in_a_row < length) continue;
+      if (frame.consecutive_readable < length) continue;
       std::vector<ScoreRow> row;
       if (rates == 0)
         row = whole_row(rows, length, frame.number,

@@ -60,9 +60,6 @@ bool ring_fits(size_t train_frames, size_t window_length, size_t memory_limit);
 WindowStage fastable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                            const MatchSettings& settings);
 
-/// Receives pieces of rows of windows of the length-th window length, like RowConsumer.
-using LengthRowConsumer = std::function<void(size_t length, const ScoreRow&)>;
-
 /// The whole query at once, two to three times as fast as frame by frame. Strips of diagonals
 /// (train frame - query frame) are independent: their running sums stay in place, and each strip
 /// has a ring of the longest window length in its thread's cache. Strips are narrow enough for the

@@ -214,7 +214,7 @@ const CellRun& run_of(const FilterCells& cells, size_t cell) {
   return *std::prev(behind);
 }
 
-size_t view_end(const FilterCells& cells, const CellRun& run, size_t cell) {
+size_t keyframe_end(const FilterCells& cells, const CellRun& run, size_t cell) {
   return cell + 1 < run.first + run.count ? cells.frames[cell + 1] : run.frames_end;
 }
 

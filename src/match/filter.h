@@ -45,7 +45,7 @@ FilterCells find_cells(const FrameDistances& distances, double least_change);
 const CellRun& run_of(const FilterCells& cells, size_t cell);
 
 /// One past the last frame of the keyframe of a place in the run.
-size_t view_end(const FilterCells& cells, const CellRun& run, size_t cell);
+size_t keyframe_end(const FilterCells& cells, const CellRun& run, size_t cell);
 
 /// The prior of a rate, and of each of its steps: kFirstSteps[r] and more keyframes of the training
 /// sequence per keyframe of the query.

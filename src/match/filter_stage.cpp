@@ -12,11 +12,11 @@ namespace {
 struct FilteredQuery {
   FilterState filter;
   PathTrack track;
-  double least_change = 0;       ///< frame distance between keyframes
-  std::vector<uint16_t> scores;  ///< of the last frame to all training frames
-  std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
-  std::vector<uint8_t> view;     ///< descriptor of the last keyframe; empty after a gap
-  std::vector<Cell> matches;     ///< of the report
+  double least_change = 0;        ///< frame distance between keyframes
+  std::vector<uint16_t> scores;   ///< of the last frame to all training frames
+  std::vector<uint32_t> row;      ///< of the last frame: values of all training frames
+  std::vector<uint8_t> keyframe;  ///< descriptor of the last keyframe; empty after a gap
+  std::vector<Cell> matches;      ///< of the report
 };
 
 // Also computes the scores of frames that are not keyframes, because statistics may be updated.
@@ -30,11 +30,11 @@ void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t f
 
 bool is_keyframe(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
   const DescriptorRows& rows = distances.query.rows;
-  return query.view.empty() ||
-         distance_of(rows.shape.element).pair(query.view, rows[frame]) >= query.least_change;
+  return query.keyframe.empty() ||
+         distance_of(rows.shape.element).pair(query.keyframe, rows[frame]) >= query.least_change;
 }
 
-void write_views(FilteredQuery& query) {
+void write_keyframes(FilteredQuery& query) {
   const FilterCells& cells = query.filter.cells;
   const uint32_t* frames = cells.frames.data();
   const uint32_t* values = query.filter.values.data();
@@ -52,7 +52,7 @@ void write_views(FilteredQuery& query) {
 void write_best(FilteredQuery& query, size_t position) {
   const FilterCells& cells = query.filter.cells;
   const PathKeyframe& best = query.track.recent.back();
-  const size_t end = view_end(cells, run_of(cells, best.cell), best.cell);
+  const size_t end = keyframe_end(cells, run_of(cells, best.cell), best.cell);
   std::fill(query.row.begin() + cells.frames[best.cell],
             query.row.begin() + static_cast<ptrdiff_t>(end), best.value + 1);
   query.row[position] = best.value;
@@ -98,7 +98,7 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   query.filter = start_filter(distances, settings.filter, query.least_change);
   query.track.settings = settings.filter;
   query.track.kernels = settings.kernels;
-  query.track.shared = settings.overlapping_sequences;
+  query.track.overlapping = settings.overlapping_sequences;
   query.scores.resize(distances.train_frames + kBlockFrames);
   query.row.resize(distances.train_frames);
   return query;
@@ -108,21 +108,21 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
 void restart(FilteredQuery& query) {
   restart_filter(query.filter);
   query.track.keyframes = 0;
-  query.view.clear();
+  query.keyframe.clear();
 }
 
 // Adds the next readable query frame and writes its row. There must be a place.
 PathReport add_frame(FilteredQuery& query, const FrameDistances& distances,
                      const QueryFrame& frame) {
-  if (frame.in_a_row == 1) restart(query);
+  if (frame.consecutive_readable == 1) restart(query);
   find_scores(query, distances, frame.row);
   const bool is_new = is_keyframe(query, distances, frame.row);
   if (is_new) {
-    const DescriptorRow view = distances.query.rows[frame.row];
-    query.view.assign(view.begin(), view.end());
+    const DescriptorRow row = distances.query.rows[frame.row];
+    query.keyframe.assign(row.begin(), row.end());
     advance_filter(query.filter, query.scores);
     follow_keyframe(query.track, query.filter, frame.number);
-    write_views(query);
+    write_keyframes(query);
   }
   const PathReport report = report_at(query, distances, frame.number, is_new);
   write_best(query, position_at(query.filter.cells, query.track.recent.back(), frame.number,
@@ -137,7 +137,7 @@ WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t
   const auto query = std::make_shared<FilteredQuery>(start_filtered(distances, settings));
   return
       [query](const FrameDistances& rows, const QueryFrame& frame, const StageConsumer& consume) {
-        if (frame.in_a_row == 0 || query->filter.cells.places == 0) return;
+        if (frame.consecutive_readable == 0 || query->filter.cells.places == 0) return;
         const PathReport report = add_frame(*query, rows, frame);
         std::vector<ScoreRow> row = whole_row(rows, 1, frame.number, query->row);
         for (ScoreRow& piece : row) piece.path = &report;

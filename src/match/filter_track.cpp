@@ -37,7 +37,7 @@ uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_
     if (run.sequence == sequence) {
       least = std::min({least, least_of(track, state, run.first, std::min(end, before)),
                         least_of(track, state, std::max(run.first, cell + near + 1), end)});
-    } else if (track.shared.empty() || track.shared[sequence][run.sequence] == 0) {
+    } else if (track.overlapping.empty() || track.overlapping[sequence][run.sequence] == 0) {
       least = std::min(least, least_of(track, state, run.first, end));
     }
   }
@@ -99,7 +99,7 @@ size_t position_at(const FilterCells& cells, const PathKeyframe& keyframe, size_
                    double rate) {
   const size_t first = cells.frames[keyframe.cell];
   const double passed = std::floor(static_cast<double>(query_frame - keyframe.frame) * rate + 0.5);
-  const size_t rest = view_end(cells, run_of(cells, keyframe.cell), keyframe.cell) - 1 - first;
+  const size_t rest = keyframe_end(cells, run_of(cells, keyframe.cell), keyframe.cell) - 1 - first;
   return first + static_cast<size_t>(std::min(passed, static_cast<double>(rest)));
 }
 

@@ -21,10 +21,10 @@ struct PathKeyframe {
 struct PathTrack {
   FilterSettings settings;
   RowKernels kernels;
-  std::vector<std::vector<uint8_t>> shared;  ///< MatchSettings::overlapping_sequences
-  uint32_t number = 0;                       ///< of the path, from 1 on
-  size_t keyframes = 0;                      ///< of the path; 0 before the first one
-  uint32_t margin = 0;                       ///< 0: the path has fewer than path_keyframes
+  std::vector<std::vector<uint8_t>> overlapping;  ///< MatchSettings::overlapping_sequences
+  uint32_t number = 0;                            ///< of the path, from 1 on
+  size_t keyframes = 0;                           ///< of the path; 0 before the first one
+  uint32_t margin = 0;                            ///< 0: the path has fewer than path_keyframes
   std::deque<PathKeyframe> recent;  ///< its last keyframes, at most path_keyframes * 3 / 2 + 1
 };
 

@@ -92,6 +92,23 @@ std::vector<uint8_t> readable_flags(std::span<const FrameRun> runs, size_t frame
   return readable;
 }
 
+bool is_past(const LoopGap& gap, std::span<const int64_t> times_ns, size_t query, size_t match) {
+  if (match >= query) return false;
+  if (!gap.nanoseconds) return query - match >= gap.frames;
+  return times_ns[query] - times_ns[match] >= *gap.nanoseconds;
+}
+
+std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> times_ns,
+                                  size_t frames) {
+  std::vector<uint32_t> past;
+  uint32_t count = 0;
+  for (size_t frame = 0; frame < frames; ++frame) {
+    while (is_past(gap, times_ns, frame, count)) ++count;
+    past.push_back(count);
+  }
+  return past;
+}
+
 const DistanceKind& distance_of(ElementType element) {
   const auto kind = std::ranges::find(kKinds, element, &DistanceKind::element);
   assert(kind != kKinds.end());

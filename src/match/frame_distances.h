@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "base/monitor.h"
 #include "base/parallel.h"
 #include "describe/descriptor_rows.h"
 #include "store/train_statistics.h"
@@ -99,6 +101,31 @@ struct FrameDistances {
 
   bool is_in_order() const { return static_cast<bool>(start_row); }
 };
+
+/// A score stage that was started for one query. The query arrives in one part or more: a part has
+/// frames of the part before that a stage needs again, and new ones.
+struct StartedStage {
+  /// The scores of a part, whose first frames are the frames `kept` of the part before.
+  std::function<FrameDistances(FrameDistances input, std::span<const size_t> kept,
+                               const Monitor& monitor)>
+      scores;
+  /// The frames of the last part that later scores need, increasing. Not set: none.
+  std::function<std::vector<size_t>()> needed = {};
+};
+
+/// The minimum separation of two frames of one place that close a loop, inclusive.
+struct LoopGap {
+  std::optional<int64_t> nanoseconds;  ///< unset: `frames`
+  size_t frames = 1;
+};
+
+/// Whether frame `match` is before frame `query` by at least the gap. `times_ns`, which increase,
+/// are used only for a gap in time.
+bool is_past(const LoopGap& gap, std::span<const int64_t> times_ns, size_t query, size_t match);
+
+/// FrameDistances::past: for each frame, the number of frames from the first on that are past.
+std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> times_ns,
+                                  size_t frames);
 
 /// Weighted sums of the distances of a descriptor to fixed descriptors.
 using Projector = std::function<ComponentValues(DescriptorRow)>;

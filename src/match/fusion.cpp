@@ -41,7 +41,7 @@ std::vector<int32_t> likelihoods_of(const FusionBasis& basis, const WordSet& wor
 
 struct FusedRows {
   FrameDistances scores;
-  FusionBasis basis;
+  std::shared_ptr<const FusionBasis> basis;
   std::shared_ptr<FusionState> state;
   std::vector<uint16_t> row;
 };
@@ -49,9 +49,9 @@ struct FusedRows {
 // The first frame with the smallest score.
 std::optional<size_t> closest_frame(const FusedRows& rows) {
   std::optional<size_t> closest;
-  for (size_t i = 0; i < rows.basis.views.size(); ++i)
-    if ((!closest || rows.row[i] < rows.row[*closest]) &&
-        rows.basis.views[i] != FusedViews::kNoView)
+  const std::vector<uint32_t>& views = rows.basis->views;
+  for (size_t i = 0; i < views.size(); ++i)
+    if ((!closest || rows.row[i] < rows.row[*closest]) && views[i] != FusedViews::kNoView)
       closest = i;
   return closest;
 }
@@ -60,8 +60,8 @@ void compute_fused_row(FusedRows& rows, size_t query) {
   rows.scores.start_row(query);
   compute_row(rows.scores, query, rows.row);
   const WordSet& words = rows.scores.query.words[query];
-  const FusionRow fusion = fusion_row(rows.basis, words, fusion_weight(rows.basis, *rows.state));
-  rows.state->count({fusion.likeliest, closest_frame(rows)}, rows.basis.sequences);
+  const FusionRow fusion = fusion_row(*rows.basis, words, fusion_weight(*rows.basis, *rows.state));
+  rows.state->count({fusion.likeliest, closest_frame(rows)}, rows.basis->sequences);
   if (!fusion.likeliest) return;
   for_each_chunk(fusion.added.size(), [&](size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
@@ -149,13 +149,12 @@ double fusion_weight(const FusionBasis& basis, const FusionState& state) {
   return std::min(basis.weight * ratio * std::sqrt(ratio), kMostFusionWeight);
 }
 
-FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
+FrameDistances fused(FrameDistances scores, std::shared_ptr<const FusionBasis> basis,
                      std::shared_ptr<FusionState> state) {
-  if (basis.evidence == nullptr) return scores;
-  assert(scores.is_in_order() && basis.views.size() == scores.train_frames);
+  assert(scores.is_in_order() && basis->views.size() == scores.train_frames);
   assert(scores.query.words.size() == scores.query_frames);
-  if (!state) state = std::make_shared<FusionState>();
-  const auto rows = std::make_shared<FusedRows>(FusedRows{scores, basis, std::move(state), {}});
+  const auto rows =
+      std::make_shared<FusedRows>(FusedRows{scores, std::move(basis), std::move(state), {}});
   scores.start_row = [rows](size_t query) { compute_fused_row(*rows, query); };
   scores.tile = [rows](std::span<const uint32_t>, size_t first, size_t last, uint16_t* out,
                        size_t) {

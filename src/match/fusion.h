@@ -58,7 +58,7 @@ struct FusionState {
 inline constexpr double kFusionWeight = 0.2;
 inline constexpr double kMostFusionWeight = 1;
 
-/// The evidence that is fused with scores; null: none.
+/// The evidence that is fused with scores.
 struct FusionBasis {
   std::shared_ptr<const ViewEvidence> evidence;
   double weight = kFusionWeight;         ///< beta: deviations per nat
@@ -89,9 +89,9 @@ FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weig
 double fusion_weight(const FusionBasis& basis, const FusionState& state);
 
 /// Scores (score_kernels.h) with fusion_row, rounded to nearest, ties up, and clamped like scores,
-/// with the weight determined by earlier frames. `scores` are in order; the query has words.
-/// Without a `state`, a new query begins.
-FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
-                     std::shared_ptr<FusionState> state = nullptr);
+/// with the weight determined by earlier frames, which `state` counts. `scores` are in order; the
+/// query has words.
+FrameDistances fused(FrameDistances scores, std::shared_ptr<const FusionBasis> basis,
+                     std::shared_ptr<FusionState> state);
 
 }  // namespace vpr

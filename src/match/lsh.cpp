@@ -106,7 +106,10 @@ void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
   if (query.shape.element != ElementType::bits || distances.is_in_order())
     throw Error(ErrorKind::usage, "lsh needs raw distances of binary descriptors; use fastable");
   const size_t length = settings.window_length;
-  const LshIndex index(distances.train, length, settings.lsh, settings.seed, monitor);
+  std::vector<DescribedFrames> searched(distances.train.size());
+  for (const FrameRun& run : distances.train_runs)
+    searched[run.sequence] = distances.train[run.sequence];
+  const LshIndex index(searched, length, settings.lsh, settings.seed, monitor);
   StepCounter counter(monitor, "match", distances.query_frames);
   parallel_for(distances.query_frames, monitor, [&](size_t query_end) {
     if (ends_window(distances, length, query_end)) {

@@ -9,9 +9,8 @@
 
 namespace vpr {
 
-/// The name of the method and its line in help texts.
+/// The name of the method.
 inline constexpr std::string_view kLshMethod = "lsh";
-inline constexpr std::string_view kLshSummary = "approximate hashing: some of the near windows";
 
 /// A training window that shares a bucket with a query window.
 struct LshCandidate {

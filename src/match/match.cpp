@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "match/fastable.h"
 #include "match/filter_track.h"
+#include "match/lsh.h"
 
 namespace vpr {
 
@@ -49,7 +50,7 @@ WindowStage openable_stage([[maybe_unused]] const FrameDistances& distances,
     const size_t frames = rows.train_frames;
     const size_t part = std::min(round_up(frames / thread_count() + 1, kBlockFrames), kChunkFrames);
     for (size_t l = 0; l < lengths.size(); ++l) {
-      if (frame.in_a_row < lengths[l]) continue;
+      if (frame.consecutive_readable < lengths[l]) continue;
       std::vector<uint32_t> sums(frames);
       parallel_for(divide_up(frames, part), {}, [&](size_t p) {
         const size_t first = p * part;
@@ -62,19 +63,23 @@ WindowStage openable_stage([[maybe_unused]] const FrameDistances& distances,
   };
 }
 
-constexpr std::array<SequenceMethod, 4> kMethods = {{
-    {"fastable", "reuses distances between rows, for the whole query at once", false, true,
-     fastable_stage},
-    {"fastable-online", "as fastable, one query frame after the other as on a phone", false, false,
-     fastable_stage},
-    {"openable", "every window distance by definition (slow)", false, false, openable_stage},
-    {"filter", "follows a path at any speed; accepts matches that the path confirms", true, false,
-     filter_stage},
-}};
-
-const SequenceMethod& method_of(const MatchSettings& settings) {
-  return settings.method == nullptr ? kMethods[0] : *settings.method;
+void match_by_hashes(const FrameDistances& distances, std::span<const size_t>,
+                     const MatchSettings& settings, const Monitor& monitor,
+                     const LengthRowConsumer& consume) {
+  match_lsh(distances, settings, monitor, [&](const ScoreRow& piece) { consume(0, piece); });
 }
+
+constexpr size_t kExactMethods = 3;
+constexpr std::array<SequenceMethod, 5> kMethods = {{
+    {"fastable", "reuses distances between rows, for the whole query at once", false, match_strips,
+     fastable_stage},
+    {"fastable-online", "as fastable, one query frame after the other as on a phone", false,
+     nullptr, fastable_stage},
+    {"openable", "every window distance by definition (slow)", false, nullptr, openable_stage},
+    {"filter", "follows a path at any speed; accepts matches that the path confirms", true, nullptr,
+     filter_stage},
+    {kLshMethod, "approximate hashing: some of the near windows", false, match_by_hashes, nullptr},
+}};
 
 }  // namespace
 
@@ -124,13 +129,10 @@ std::optional<size_t> least_lag(const FrameDistances& frames) {
 
 std::span<const SequenceMethod> sequence_methods() { return kMethods; }
 
+std::span<const SequenceMethod> exact_methods() { return std::span(kMethods).first(kExactMethods); }
+
 const SequenceMethod& find_sequence_method(std::string_view name) {
   return find_named(kMethods, "method", name);
-}
-
-bool has_paths(std::string_view method) {
-  return std::ranges::any_of(
-      kMethods, [&](const SequenceMethod& m) { return m.name == method && m.has_paths; });
 }
 
 void send_row(const Sinks& sinks, std::span<const ScoreRow> row) {
@@ -141,7 +143,8 @@ void send_row(const Sinks& sinks, std::span<const ScoreRow> row) {
 
 WindowStage window_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings) {
-  return method_of(settings).stage(distances, window_lengths, settings);
+  assert(settings.method->stage != nullptr);
+  return settings.method->stage(distances, window_lengths, settings);
 }
 
 void match(const FrameDistances& distances, const MatchSettings& settings,
@@ -155,25 +158,28 @@ void match(const FrameDistances& distances, const MatchSettings& settings,
                count_windows(distances.query_runs, length) > 0;
       }))
     return;
-  // Pieces of strips arrive in any order and from several threads: no sink may need whole rows.
-  if (method_of(settings).has_strips && settings.rates.empty() && !distances.is_in_order() &&
-      std::ranges::all_of(passes, [](const Pass& pass) { return pass.sinks.rows.empty(); }))
-    return match_strips(distances, lengths, settings, monitor,
-                        [&](size_t length, const ScoreRow& piece) {
-                          for (const RowConsumer& consume : passes[length].sinks.pieces)
-                            consume(piece);
-                        });
+  // Pieces of a whole query arrive in any order and from several threads: no sink may need rows.
+  const SequenceMethod& method = *settings.method;
+  const bool needs_rows =
+      distances.is_in_order() || !settings.rates.empty() ||
+      std::ranges::any_of(passes, [](const Pass& pass) { return !pass.sinks.rows.empty(); });
+  if (method.match_whole != nullptr && (!needs_rows || method.stage == nullptr))
+    return method.match_whole(distances, lengths, settings, monitor,
+                              [&](size_t length, const ScoreRow& piece) {
+                                for (const RowConsumer& consume : passes[length].sinks.pieces)
+                                  consume(piece);
+                              });
   const WindowStage stage = window_stage(distances, lengths, settings);
   const std::vector<uint8_t> readable =
       readable_flags(distances.query_runs, distances.query_frames);
   StepCounter counter(monitor, "match", distances.query_frames);
-  size_t in_a_row = 0;
+  size_t consecutive_readable = 0;
   for (size_t frame = 0; frame < distances.query_frames; ++frame) {
     check_stop(monitor);
-    in_a_row = readable[frame] != 0 ? in_a_row + 1 : 0;
-    stage(distances, {frame, frame, in_a_row}, [&](size_t length, std::span<const ScoreRow> row) {
-      send_row(passes[length].sinks, row);
-    });
+    consecutive_readable = readable[frame] != 0 ? consecutive_readable + 1 : 0;
+    stage(
+        distances, {frame, frame, consecutive_readable},
+        [&](size_t length, std::span<const ScoreRow> row) { send_row(passes[length].sinks, row); });
     counter.add();
   }
 }

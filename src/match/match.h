@@ -103,6 +103,9 @@ struct Rate {
 
 struct SequenceMethod;
 
+/// All methods, in the order of the help text: the exact ones first, FastABLE as the first.
+std::span<const SequenceMethod> sequence_methods();
+
 /// Settings of all methods.
 struct MatchSettings {
   size_t window_length = 40;                  ///< c_l, at least 1, at most kMaxWindowLength
@@ -114,7 +117,7 @@ struct MatchSettings {
   FilterSettings filter = {};
   /// For the method filter: which training sequences overlap, [a][b]; empty: none.
   std::vector<std::vector<uint8_t>> overlapping_sequences = {};
-  const SequenceMethod* method = nullptr;  ///< an entry of sequence_methods(); null: fastable
+  const SequenceMethod* method = sequence_methods().data();  ///< never null
 };
 
 /// Sums of distances stay below 2^32.
@@ -143,7 +146,7 @@ struct QueryFrame {
   size_t row = 0;     ///< of the distances; less than `number` if earlier rows were dropped
   size_t number = 0;  ///< in the query
   /// consecutive readable frames up to and including this one; 0: it is unreadable
-  size_t in_a_row = 0;
+  size_t consecutive_readable = 0;
 };
 
 /// Receives the row of windows of the length-th window length; not called for rows without cells.
@@ -154,26 +157,28 @@ using StageConsumer = std::function<void(size_t length, std::span<const ScoreRow
 using WindowStage = std::function<void(const FrameDistances& distances, const QueryFrame& frame,
                                        const StageConsumer& consume)>;
 
+/// Receives pieces of rows of windows of the length-th window length, like RowConsumer.
+using LengthRowConsumer = std::function<void(size_t length, const ScoreRow&)>;
+
 /// An entry of the table of window stages (used by help texts, --method and the contract tests).
-/// All stages without paths yield the same cells.
 struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
   /// supports only distances in order; windows have one frame, and cells are the filter's values
   bool has_paths;
-  bool has_strips;  ///< can process the whole query at once (match_strips)
+  /// Passes on the pieces of a whole query at once; null: can only go row by row.
+  void (*match_whole)(const FrameDistances&, std::span<const size_t> window_lengths,
+                      const MatchSettings&, const Monitor&, const LengthRowConsumer&);
+  /// Null for an approximate method, which has no whole rows (lsh.h).
   WindowStage (*stage)(const FrameDistances&, std::span<const size_t> window_lengths,
                        const MatchSettings&);
 };
 
-/// All methods, in the order of the help text.
-std::span<const SequenceMethod> sequence_methods();
+/// The methods that yield the same cells: the scores of all pairs of windows of c_l frames.
+std::span<const SequenceMethod> exact_methods();
 
 /// Throws Error(usage), which lists the names, for an unknown name.
 const SequenceMethod& find_sequence_method(std::string_view name);
-
-/// Whether the method with this name has paths; false for an unknown name.
-bool has_paths(std::string_view method);
 
 /// Windows of one length, and the sinks of their rows.
 struct Pass {
@@ -181,8 +186,8 @@ struct Pass {
   Sinks sinks;
 };
 
-/// The stage of settings.method for windows of these lengths; settings.window_length is not used.
-/// Throws Error(usage) if its memory exceeds the limit.
+/// The stage of settings.method, which is not approximate, for windows of these lengths;
+/// settings.window_length is not used. Throws Error(usage) if its memory exceeds the limit.
 WindowStage window_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings);
 

@@ -74,15 +74,15 @@ std::vector<Stretch> stretches_of(std::span<const DescribedFrames> train) {
 }
 
 // Reads the distances of a query frame to training frames [first, last).
-void read_row(const PrecomputedDistances& given, size_t query,
+void read_row(const PrecomputedDistances& precomputed, size_t query,
               const std::vector<Stretch>& stretches, size_t first, size_t last, uint16_t* out) {
   auto stretch = std::upper_bound(stretches.begin(), stretches.end(), first,
                                   [](size_t frame, const Stretch& s) { return frame < s.first; });
   for (--stretch; stretch != stretches.end() && stretch->first < last; ++stretch) {
     const size_t from = std::max(first, stretch->first);
     const size_t to = std::min(last, stretch->first + stretch->count);
-    given.read(query, stretch->reference + (from - stretch->first), to - from,
-               out + (from - first));
+    precomputed.read(query, stretch->reference + (from - stretch->first), to - from,
+                     out + (from - first));
   }
 }
 
@@ -91,20 +91,21 @@ uint32_t number_distance(DescriptorRow a, DescriptorRow b) {
   return frame_number(a) == frame_number(b) ? 0 : static_cast<uint32_t>(kSteps);
 }
 
-// Reads the distances in query.given to the references whose numbers are the descriptors.
+// Reads the distances in query.precomputed to the references whose numbers are the descriptors.
 PreparedTraining prepare(std::span<const DescribedFrames> train, const DescriptorShape&) {
   return [stretches = stretches_of(train)](FrameDistances& distances) {
-    const PrecomputedDistances* given = distances.query.given;
-    if (given == nullptr)
+    const PrecomputedDistances* precomputed = distances.query.precomputed;
+    if (precomputed == nullptr)
       throw Error(ErrorKind::usage,
                   "a matrix of scores has no distances between training frames: pass a number to "
                   "--t-r, or use --margin and --exclusion-frames");
-    distances.largest = given->units().largest;
-    distances.tile = [given, rows = distances.query.rows, stretches](
+    distances.largest = precomputed->units().largest;
+    distances.tile = [precomputed, rows = distances.query.rows, stretches](
                          std::span<const uint32_t> queries, size_t first, size_t last,
                          uint16_t* out, size_t stride) {
       for (size_t t = 0; t < queries.size(); ++t)
-        read_row(*given, frame_number(rows[queries[t]]), stretches, first, last, out + t * stride);
+        read_row(*precomputed, frame_number(rows[queries[t]]), stretches, first, last,
+                 out + t * stride);
     };
   };
 }

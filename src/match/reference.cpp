@@ -221,4 +221,57 @@ double score_tolerance(size_t window_length) {
   return static_cast<double>(window_length) / kScoreUnit;
 }
 
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                              const DescriptorRows& query, size_t window_length,
+                              const Monitor& monitor) {
+  std::vector<uint32_t> correct(cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t i) {
+    correct[i] = reference_window_distance(train[cells[i].sequence].rows, cells[i].train_window,
+                                           query, cells[i].query_window, window_length);
+  });
+  std::vector<Cell> wrong;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].score == correct[i]) continue;
+    wrong.push_back(cells[i]);
+    wrong.back().score = correct[i];
+  }
+  return wrong;
+}
+
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                               const DescribedFrames& query, size_t window_length,
+                               const ScoreBasis& basis, const Monitor& monitor) {
+  const ReferenceUpdates updates = reference_updates(train, query, basis, monitor);
+  std::vector<size_t> first_frame;
+  size_t frames = 0;
+  for (const DescribedFrames& sequence : train) {
+    first_frame.push_back(frames);
+    frames += sequence.rows.size();
+  }
+  std::vector<double> correct(cells.size(), 0);  // in standard deviations
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    const Cell& cell = cells[c];
+    // Only offline scores depend on frames after the window.
+    const size_t known = basis.offline ? query.rows.size() : cell.query_window + window_length;
+    for (size_t k = 0; k < window_length; ++k) {
+      const size_t i = cell.train_window + k;
+      const size_t frame = first_frame[cell.sequence] + i;
+      correct[c] +=
+          reference_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known),
+                                 updates, basis)[cell.query_window + k];
+    }
+  });
+  const double tolerance = score_tolerance(window_length) * kScoreUnit;
+  const auto bias = static_cast<int64_t>(window_length) * kScoreBias;
+  std::vector<Cell> wrong;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    const double found = static_cast<double>(cells[c].score - bias);
+    const double expected = correct[c] * kScoreUnit;
+    if (std::abs(found - expected) <= tolerance) continue;
+    wrong.push_back(cells[c]);
+    wrong.back().score = static_cast<uint32_t>(std::llround(expected) + bias);
+  }
+  return wrong;
+}
+
 }  // namespace vpr

@@ -10,6 +10,7 @@
 #include "base/monitor.h"
 #include "describe/descriptor_rows.h"
 #include "match/components.h"
+#include "match/match.h"
 #include "match/zscores.h"
 
 namespace vpr {
@@ -57,5 +58,16 @@ std::vector<double> reference_frame_scores(DescriptorRow train, size_t frame,
 /// The maximum error of a window's score in deviations: rounding costs half a unit per frame, and
 /// single-precision statistics may cost the same again.
 double score_tolerance(size_t window_length);
+
+/// The cells whose distance differs from the reference implementation's, with the correct distance.
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                              const DescriptorRows& query, size_t window_length,
+                              const Monitor& monitor);
+
+/// The cells whose biased sum of z-scores differs from the reference implementation's by more than
+/// score_tolerance, with the correct sum, rounded to fixed point. `basis`: of all sequences.
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescribedFrames> train,
+                               const DescribedFrames& query, size_t window_length,
+                               const ScoreBasis& basis, const Monitor& monitor);
 
 }  // namespace vpr

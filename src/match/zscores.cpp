@@ -65,8 +65,8 @@ void learn_query(ZScoreState& state, const Monitor& monitor) {
   for (const FrameRun& run : state.distances.query_runs) {
     for (size_t f = run.first; f < run.first + run.count; ++f) {
       counter.add();
-      if (!is_new_keyframe(state.views, rows, f)) continue;
-      push_keyframe(state.views, f);
+      if (!is_new_keyframe(state.keyframes, rows, f)) continue;
+      push_keyframe(state.keyframes, f);
       find_terms(state, f);
       plan_update(state, f);
       const auto query = static_cast<uint32_t>(f);
@@ -90,10 +90,10 @@ void begin_frame(ZScoreState& state, size_t frame) {
   state.update.reset();
   state.is_keyframe = !state.basis.offline && state.basis.settings.learn &&
                       state.readable[frame] != 0 &&
-                      is_new_keyframe(state.views, state.distances.query.rows, frame);
+                      is_new_keyframe(state.keyframes, state.distances.query.rows, frame);
   if (!state.is_keyframe) return;
-  if (const auto old = push_keyframe(state.views, frame)) plan_update(state, *old);
-  if (state.rows.size() < state.views.pending.size())
+  if (const auto old = push_keyframe(state.keyframes, frame)) plan_update(state, *old);
+  if (state.rows.size() < state.keyframes.pending.size())
     state.rows.emplace_back(state.distances.train_frames);
   else  // reuses the row of the old keyframe
     std::rotate(state.rows.begin(), state.rows.begin() + 1, state.rows.end());
@@ -181,13 +181,13 @@ std::optional<size_t> push_keyframe(KeyframeQueue& queue, size_t keyframe) {
 }
 
 std::vector<uint32_t> keyframe_starts(const DescribedFrames& sequence, double typical_distance) {
-  KeyframeQueue views = make_keyframe_queue({}, typical_distance);
+  KeyframeQueue queue = make_keyframe_queue({}, typical_distance);
   std::vector<uint32_t> starts;
   for (size_t frame = 0; frame < sequence.rows.size(); ++frame) {
     const auto& gaps = sequence.unreadable;
     const bool is_readable = !std::binary_search(gaps.begin(), gaps.end(), frame);
-    const bool is_new = is_readable && is_new_keyframe(views, sequence.rows, frame);
-    if (is_new) push_keyframe(views, frame);
+    const bool is_new = is_readable && is_new_keyframe(queue, sequence.rows, frame);
+    if (is_new) push_keyframe(queue, frame);
     if (is_new || frame == 0) starts.push_back(static_cast<uint32_t>(frame));
   }
   return starts;
@@ -205,7 +205,7 @@ std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const Score
   if (settings.components > 0 && !basis.components.landmarks.empty())
     state->project = make_projector(basis.components);
   state->terms.resize(distances.query_frames);
-  state->views = make_keyframe_queue(settings, basis.typical_distance);
+  state->keyframes = make_keyframe_queue(settings, basis.typical_distance);
   state->readable = readable_flags(distances.query_runs, distances.query_frames);
   state->kernels = select_score_kernels();
   const auto floor = static_cast<float>(deviation_floor(settings, distances.largest));
@@ -233,7 +233,18 @@ FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
 }
 
 FrameDistances zscores(FrameDistances distances, const ScoreBasis& basis, const Monitor& monitor) {
-  return fused(zscores(start_zscores(std::move(distances), basis, monitor)), basis.fusion);
+  return zscores(start_zscores(std::move(distances), basis, monitor));
+}
+
+void continue_zscores(ZScoreState& state, FrameDistances part, std::span<const size_t> kept) {
+  std::vector<FrameTerms> terms;
+  for (const size_t frame : kept) terms.push_back(state.terms[frame]);
+  terms.resize(part.query_frames);
+  state.terms = std::move(terms);
+  for (size_t& frame : state.keyframes.pending)
+    frame = static_cast<size_t>(std::ranges::lower_bound(kept, frame) - kept.begin());
+  state.readable = readable_flags(part.query_runs, part.query_frames);
+  state.distances = std::move(part);
 }
 
 }  // namespace vpr

@@ -2,16 +2,13 @@
 // one query frame after the other, because each one uses statistics of earlier frames.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
-#include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "match/components.h"
@@ -21,13 +18,6 @@
 #include "store/train_statistics.h"
 
 namespace vpr {
-
-/// The terms of a window's score: raw frame distances, causal z-scores with statistics of earlier
-/// frames, or z-scores with statistics of the whole query.
-enum class Score { raw, zscore, zscore_offline };
-template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<Score> = {"raw", "zscore",
-                                                                      "zscore-offline"};
 
 /// Settings of z-scores and of learning from the query.
 struct ZScoreSettings {
@@ -59,7 +49,7 @@ void check_zscore_settings(const ZScoreSettings& settings);
 /// Sums of 16-bit scores stay below 2^32.
 inline constexpr size_t kMaxScoredWindow = 65536;
 
-/// The initial state of a query's z-scores.
+/// The initial state of a query's z-scores, and of the score stages after them.
 struct ScoreBasis {
   ZScoreSettings settings;
   bool offline = false;
@@ -67,7 +57,7 @@ struct ScoreBasis {
   std::vector<float> mean;     ///< of centered distances; one per matched training frame
   float variance = 0;          ///< of centered distances, the same for all training frames
   TrainComponents components;  ///< loadings: one per matched training frame
-  FusionBasis fusion = {};     ///< FAB-MAP's part, subtracted from z
+  FusionBasis fusion = {};     ///< of the scores with FAB-MAP
 };
 
 /// The initial state from training statistics: for every frame `start_bias` of its bias, minus the
@@ -118,7 +108,7 @@ struct ZScoreState {
   std::vector<float> mean;
   std::vector<float> variance;
   double weight = 0;  ///< of both, in keyframes
-  KeyframeQueue views;
+  KeyframeQueue keyframes;
   std::vector<uint8_t> readable;  ///< per query frame
   Projector project;              ///< not set: no component is subtracted
   std::vector<FrameTerms> terms;  ///< per query frame, of those begun
@@ -150,8 +140,11 @@ std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const Score
 /// unreadable frame is not a keyframe. Copies share the state.
 FrameDistances zscores(const std::shared_ptr<ZScoreState>& state);
 
-/// Convenience: starts the state, normalizes, and fuses with FAB-MAP.
+/// Convenience: starts the state and normalizes.
 FrameDistances zscores(FrameDistances distances, const ScoreBasis& basis, const Monitor& monitor);
+
+/// The state after a part of a query, for its next one (StartedStage).
+void continue_zscores(ZScoreState& state, FrameDistances part, std::span<const size_t> kept);
 
 /// Throws Error(usage) for settings that need a complete training sequence: a number of components
 /// other than 0 and the default, which counts as 0 here.

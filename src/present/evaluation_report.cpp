@@ -40,7 +40,7 @@ using Definitions = std::vector<std::pair<std::string, std::string>>;
 void define_windows(Definitions& define, const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   const std::string_view measure =
-      has_paths(settings.method) ? "path score" : score_kind(settings.score).measure;
+      has_paths(settings) ? "path score" : score_kind(settings.score).measure;
   define.insert(
       define.end(),
       {{"anchor", kAnchorProtocol},
@@ -195,6 +195,10 @@ std::string Protocol::definition(const std::string& key) const {
   for (const auto& [name, words] : definitions)
     if (name == key) return words;
   return "";
+}
+
+bool Report::has_paths() const {
+  return query_settings() != nullptr && vpr::has_paths(*query_settings());
 }
 
 bool Report::has_places() const {

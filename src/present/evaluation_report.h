@@ -124,6 +124,8 @@ struct Report {
   /// Null for scores.
   const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }
   Json settings_json() const;
+  /// Whether recognitions are along paths of the filter.
+  bool has_paths() const;
   /// Whether references are places of FAB-MAP instead of frames.
   bool has_places() const;
   /// The selection of the query, as in "speed varying, seed 1"; empty for all frames.

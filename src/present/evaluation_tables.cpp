@@ -200,7 +200,7 @@ std::string recognitions_text(const Report& report) {
   Table table;
   table.title = fmt::format(
       "Places, judged at their {} (mixed: correct there, but some recognitions are incorrect)",
-      has_paths(report.method) ? "middle frame" : "mean");
+      report.has_paths() ? "middle frame" : "mean");
   table.columns = {"sequence", "query frames",         "train frames",
                    "place",    "recognitions correct", "recognitions incorrect"};
   for (const ReportedPlace& place : places) {
@@ -265,7 +265,7 @@ std::string metric_cell(const Metric& metric, std::optional<double> value) {
 
 Json title_settings(const Report& report) {
   Json settings = report.settings_json();
-  if (has_paths(report.method))
+  if (report.has_paths())
     for (const std::string_view key :
          {score_kind(Score::raw).window_symbol, std::string_view("score")})
       settings.erase(std::string(key));

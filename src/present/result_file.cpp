@@ -48,8 +48,8 @@ std::vector<double> path_rows(const ResultPath& path) {
   return rows;
 }
 
-// The first frames of views as rows of sequence and frame; the query is sequence -1.
-std::vector<int32_t> view_rows(const ResultKeyframes& views) {
+// The first frames of keyframes as rows of sequence and frame; the query is sequence -1.
+std::vector<int32_t> keyframe_rows(const ResultKeyframes& keyframes) {
   std::vector<int32_t> rows;
   const auto add = [&](int32_t sequence, const std::vector<uint32_t>& starts) {
     for (const uint32_t frame : starts) {
@@ -57,8 +57,9 @@ std::vector<int32_t> view_rows(const ResultKeyframes& views) {
       rows.push_back(static_cast<int32_t>(frame));
     }
   };
-  add(-1, views.query);
-  for (size_t t = 0; t < views.train.size(); ++t) add(static_cast<int32_t>(t), views.train[t]);
+  add(-1, keyframes.query);
+  for (size_t t = 0; t < keyframes.train.size(); ++t)
+    add(static_cast<int32_t>(t), keyframes.train[t]);
   return rows;
 }
 
@@ -225,7 +226,7 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
     write("margins", margins);
   }
   if (result.path) write("path", path_rows(*result.path), 3);
-  if (result.views) write("keyframes", view_rows(*result.views), 2);
+  if (result.keyframes) write("keyframes", keyframe_rows(*result.keyframes), 2);
   if (result.places) write("new_place", result.places->new_place);
   const Sequence* query = &result.query;
   if (!query->selection.is_all()) write("source_frames", source_rows({&query, 1}));

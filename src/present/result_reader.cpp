@@ -1,4 +1,5 @@
 // Reads result files and validates all of their content.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -179,9 +180,10 @@ std::vector<std::optional<Match>> read_rows(const ResultSource& source, const st
   return matches;
 }
 
-// The first frames of one sequence's views, from `row` on.
-std::vector<uint32_t> take_views(std::span<const int32_t> rows, size_t& row, int32_t sequence,
-                                 uint64_t frames, const ResultSource& source) {
+// The first frames of one sequence's keyframes, from `row` on.
+std::vector<uint32_t> consume_keyframes(std::span<const int32_t> rows, size_t& row,
+                                        int32_t sequence, uint64_t frames,
+                                        const ResultSource& source) {
   std::vector<uint32_t> starts;
   for (; 2 * row < rows.size() && rows[2 * row] == sequence; ++row) {
     const int32_t frame = rows[2 * row + 1];
@@ -255,15 +257,15 @@ void read_path(const ResultSource& source, Result& result) {
   }
 }
 
-void read_views(const ResultSource& source, Result& result) {
+void read_keyframes(const ResultSource& source, Result& result) {
   if (!source.has("keyframes")) return;
   const auto file = source.open<int32_t>("keyframes", 2);
   size_t row = 0;
-  ResultKeyframes& views = result.views.emplace();
-  views.query = take_views(file.values, row, -1, result.query.frames, source);
+  ResultKeyframes& keyframes = result.keyframes.emplace();
+  keyframes.query = consume_keyframes(file.values, row, -1, result.query.frames, source);
   for (size_t t = 0; t < result.sequences.size(); ++t)
-    views.train.push_back(take_views(file.values, row, static_cast<int32_t>(t),
-                                     result.sequences[t].sequence.frames, source));
+    keyframes.train.push_back(consume_keyframes(file.values, row, static_cast<int32_t>(t),
+                                                result.sequences[t].sequence.frames, source));
   if (2 * row != file.values.size()) source.refuse("keyframes", "does not fit the sequences");
 }
 
@@ -318,6 +320,10 @@ QuerySettings read_query_settings(const Fields& file) {
   if (file.text("method") == FabmapQuerySettings{}.method) settings = FabmapQuerySettings{};
   std::visit([&](auto& kind) { stored_settings_from_json(file.json(), kind, file.where()); },
              settings);
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  if (sequences != nullptr &&
+      std::ranges::count(sequence_methods(), sequences->method, &SequenceMethod::name) == 0)
+    file.fail(fmt::format("the method \"{}\" is unknown", sequences->method));
   return settings;
 }
 
@@ -349,7 +355,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   else
     read_clusters(source, result, monitor);
   read_margins(source, result);
-  read_views(source, result);
+  read_keyframes(source, result);
   if (fields.has("companions")) check_companions(source, json["companions"], monitor);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");

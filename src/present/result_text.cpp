@@ -38,7 +38,7 @@ std::string threshold_text(const Result& result, const SequenceQuerySettings& se
 
 std::string settings_text(const Result& result, const SequenceQuerySettings& settings) {
   std::string text = settings.method;
-  if (!has_paths(settings.method)) {
+  if (!has_paths(settings)) {
     text += fmt::format(", c_l {}, {}", settings.window_length, enum_name(settings.score));
     if (!settings.rates.empty()) text += fmt::format(", rates {}", fmt::join(settings.rates, ","));
   }

@@ -5,9 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "match/fastable.h"
-#include "match/match.h"
-#include "match/zscores.h"
 #include "run/query.h"
 
 namespace vpr {
@@ -19,29 +16,26 @@ struct ArrivedFrame {
   WordSet words = {};  ///< for scores fused with FAB-MAP's
 };
 
-/// The distances of the latest frame. Only pending keyframes of earlier frames are stored: the
-/// memory does not grow with the query. Copies share state.
-struct LiveDistances {
-  FrameDistances raw;                  ///< of a query without frames
-  std::shared_ptr<ZScoreState> state;  ///< of z-scores; null for distances
-  FusionBasis fusion;
-  std::shared_ptr<FusionState> fusion_state;
+/// The scores of the latest frame. Only the earlier frames that the score stages need are
+/// stored: the memory does not grow with the query. Copies share state.
+struct LiveScores {
+  FrameDistances raw;  ///< of a query without frames
+  std::vector<StartedStage> stages;
   std::vector<uint8_t> bytes;      ///< of the stored rows, the latest frame last
   std::vector<size_t> unreadable;  ///< of the stored rows
   std::vector<WordSet> words;      ///< of the stored rows; empty except for the latest frame
-  FrameDistances distances;        ///< of the stored rows
+  FrameDistances scores;           ///< of the stored rows
   size_t frames = 0;               ///< that have arrived
 
   /// The row of the latest frame, which must exist.
-  size_t last_row() const { return distances.query_frames - 1; }
+  size_t last_row() const { return scores.query_frames - 1; }
 };
 
-/// `raw`: of a query without frames, with of_query. `basis`: causal z-scores of the same training
-/// frames; null for distances.
-LiveDistances start_live(FrameDistances raw, const ScoreBasis* basis);
+/// `raw`: of a query without frames, with of_query. `stages`: without offline scores.
+LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages);
 
-/// Adds the next frame, which is copied. Rows of `distances` are valid until the next call.
-void add_frame(LiveDistances& live, ArrivedFrame frame);
+/// Adds the next frame, which is copied. Rows of `scores` are valid until the next call.
+void add_frame(LiveScores& live, ArrivedFrame frame);
 
 /// Yields the results of run_query for every window once its last frame arrives, by the same steps.
 class LiveQuery {
@@ -63,15 +57,15 @@ class LiveQuery {
   std::optional<Result> finish();
 
  private:
+  ResolvedSettings settings_;
   QueryResources resources_;
   QueryPlan plan_;
-  LiveDistances frames_;
+  LiveScores frames_;
   WindowStage windows_;
   size_t readable_frames_ = 0;  ///< consecutive ones, up to the latest frame
 
   // With the filter:
   std::optional<Result> take_path(const QueryFrame& frame);
-  std::vector<Match> recognitions_of(const std::vector<Cell>& recognized) const;
   std::optional<PathDecisions> decisions_;
   std::optional<Result> last_;  ///< of the latest frame
 };

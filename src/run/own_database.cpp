@@ -90,7 +90,7 @@ MatrixQuery matrix_query(const PrecomputedDistances& matrix,
   query.frames = matrix.queries();
   for (size_t i = 0; i < query.frames; ++i) query.frame_names.push_back(fmt::format("#{}", i));
   query.unreadable = matrix.empty_queries();
-  made.query.given = &matrix;
+  made.query.precomputed = &matrix;
   const size_t frames = made.database.descriptors.rows().size();
   made.database.overlapping_sequences.emplace();
   made.database.statistics =

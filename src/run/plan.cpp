@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/text.h"
-#include "decide/overlapping_sequences.h"
-#include "evaluate/loops.h"
-#include "match/components.h"
-#include "match/distance_statistics.h"
 #include "match/fastable.h"
-#include "match/lsh.h"
-#include "match/zscores.h"
+#include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "truth/times.h"
@@ -24,31 +17,7 @@
 namespace vpr {
 namespace {
 
-using SequencePairs = std::vector<std::pair<size_t, size_t>>;
-
-constexpr std::string_view kAllDiffer = "none";
-constexpr const char* kNoFabmap =
-    "fusion_weight needs FAB-MAP's database of the training sequences, as in --fuse FABMAP.vprdb";
-constexpr size_t kMostRecognitions = 4'000'000'000;  // clusters have 32-bit numbers
-// Memory per recognition while recognitions are collected, sorted, clustered and written.
-constexpr size_t kBytesPerRecognition = 64;
-
-std::vector<std::string> names_of(std::span<const TrainSequence> sequences) {
-  std::vector<std::string> names;
-  for (const TrainSequence& train : sequences) names.push_back(train.sequence.name);
-  return names;
-}
-
-void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySettings& settings) {
-  const std::vector<std::string> names = names_of(sequences);
-  for (const std::string& name : settings.only_sequences)
-    if (std::find(names.begin(), names.end(), name) == names.end())
-      throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
-                                                name, fmt::join(names, ", ")));
-}
-
-void check_descriptors(const DescriptorStore& trained, const DescriptorStore& queried,
-                       uint64_t window_length) {
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& queried) {
   const std::string_view name = trained.kind->name;
   if (name != queried.kind->name)
     throw Error(ErrorKind::data,
@@ -63,7 +32,6 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& qu
                     queried.rows().size() == trained.shape().length
                         ? "Is the query's array transposed? Rows are frames."
                         : "Describe both alike."));
-  check_sums(trained, window_length);
 }
 
 void plan_windows(QueryPlan& plan, const Monitor& monitor) {
@@ -78,23 +46,18 @@ void plan_windows(QueryPlan& plan, const Monitor& monitor) {
   if (!query.unreadable.empty())
     warn(monitor, fmt::format("{}: {} of {} {} and will never match", query.name,
                               query.unreadable.size(), counted(query.frames, "frame"),
-                              plan.query.given ? "have no score" : "cannot be decoded"));
-}
-
-bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
-  const auto& only = settings.only_sequences;
-  return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+                              plan.query.precomputed ? "have no score" : "cannot be decoded"));
 }
 
 void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
-                    const Monitor& monitor) {
+                    const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   bool any = false;
   for (size_t s = 0; s < plan.train.size(); ++s) {
     ComparedSequence& compared = plan.sequences.emplace_back();
     compared.sequence = without_frame_names(sequences[s].sequence);
     compared.windows = count_windows(readable_runs(plan.train[s]), length);
-    compared.searched = is_searched(plan.settings, compared.sequence.name);
+    compared.searched = is_searched(settings, compared.sequence.name);
     if (!compared.searched) continue;
     any = any || compared.windows > 0;
     if (compared.windows == 0)
@@ -109,70 +72,23 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
                             length));
 }
 
-// The exclusion radius of every sequence: the setting, the stored or the computed one.
-std::vector<uint32_t> radii_of(const SequenceDatabase& database,
-                               const std::optional<uint64_t>& radius, const Monitor& monitor) {
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
-  std::vector<uint32_t> radii;
-  for (size_t s = 0; s < spans.size(); ++s) {
-    const auto& stored = database.sequences[s].exclusion_radius;
-    const size_t chosen = radius ? *radius : stored ? *stored : exclusion_radius(spans[s], monitor);
-    radii.push_back(static_cast<uint32_t>(std::min(chosen, spans[s].rows.size())));
-  }
-  return radii;
-}
-
-SequencePairs overlapping_sequences(const SequenceDatabase& database, const RowKernels& kernels,
-                                    const Monitor& monitor) {
-  if (database.overlapping_sequences) return *database.overlapping_sequences;
-  return find_overlapping_sequences(descriptor_spans(database),
-                                    radii_of(database, std::nullopt, monitor), kernels, monitor);
-}
-
-// Parses "A=B". Names may contain "=".
-std::pair<size_t, size_t> pair_of(const std::string& text, const std::vector<std::string>& names) {
-  const auto index_of = [&](std::string_view name) {
-    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-  };
-  for (size_t at = text.find('='); at != std::string::npos; at = text.find('=', at + 1)) {
-    const size_t a = index_of(std::string_view(text).substr(0, at));
-    const size_t b = index_of(std::string_view(text).substr(at + 1));
-    if (a < names.size() && b < names.size() && a != b) return std::minmax(a, b);
-  }
-  throw Error(ErrorKind::usage,
-              fmt::format("same_place \"{}\" is neither {} nor a pair A=B of training sequences; "
-                          "the database has {}",
-                          text, kAllDiffer, fmt::join(names, ", ")));
-}
-
-SequencePairs declared_pairs(const SequenceDatabase& database,
-                             const std::vector<std::string>& same_place) {
-  SequencePairs pairs;
-  if (same_place.size() == 1 && same_place.front() == kAllDiffer) return pairs;
-  for (const std::string& text : same_place)
-    pairs.push_back(pair_of(text, names_of(database.sequences)));
-  return pairs;
-}
-
 // The margin of every sequence: the setting, or the default of the score.
-void plan_margins(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
-  const auto& setting = plan.settings.margin;
+void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
+                  const std::optional<double>& setting, const Monitor& monitor) {
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
     ComparedSequence& compared = plan.sequences[s];
     if (!compared.searched || compared.windows == 0) continue;
-    compared.margin =
-        setting
-            ? *setting
-            : score_kind(plan.settings.score)
-                  .default_margin(typical_distance(database.sequences[s], plan.train[s], monitor),
-                                  plan.match.window_length);
+    compared.margin = setting ? *setting
+                              : plan.score->default_margin(
+                                    typical_distance(database.sequences[s], plan.train[s], monitor),
+                                    plan.match.window_length);
   }
 }
 
 // The table of the database, or a new one. Closest windows of several rates depend on the settings
 // and are computed for each query.
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
-                               const Monitor& monitor) {
+                               const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   MatchSettings match{length, plan.match.memory_limit, plan.match.kernels};
   match.rates = plan.match.rates;
@@ -189,14 +105,14 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
           ? *stored
           : ThresholdTable{length, factor,
                            find_closest_windows(descriptor_spans(database), match, monitor)};
-  table.safety_factor = plan.settings.safety_factor.value_or(table.safety_factor);
+  table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
   return table;
 }
 
 void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
-                               const Monitor& monitor) {
-  check_automatic(database, plan.settings);
-  const ThresholdTable table = automatic_table(plan, database, monitor);
+                               const SequenceQuerySettings& settings, const Monitor& monitor) {
+  check_automatic(database, settings);
+  const ThresholdTable table = automatic_table(plan, database, settings, monitor);
   std::vector<std::string> without;  // sequences that have windows, but no t_r
   bool any = false;
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
@@ -220,19 +136,21 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
 
 // Thresholds, and the limits that need no distances: of automatic thresholds, and of numbers that
 // are not relative.
-void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
-  const SequenceQuerySettings& settings = plan.settings;
+void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
+                     const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   if (settings.distance_threshold || settings.loop) {
     for (ComparedSequence& sequence : plan.sequences) {
       sequence.threshold = settings.distance_threshold;
       sequence.scale = scale_of(settings);
     }
-  } else if (!plan.query.given) {  // a matrix has no automatic threshold
-    plan_automatic_thresholds(plan, database, monitor);
+  } else if (!plan.query.precomputed) {  // a matrix has no automatic threshold
+    plan_automatic_thresholds(plan, database, settings, monitor);
   }
+  ByThreshold& decision = plan.decision.emplace<ByThreshold>();
   for (ComparedSequence& sequence : plan.sequences) {
     if (!sequence.threshold) continue;
+    if (sequence.scale == ThresholdScale::relative) decision.is_relative = true;
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -240,200 +158,96 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database, const Mo
   }
 }
 
-// The plan without windows, sequences and limits. `queried`: the descriptors of the query.
-QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& queried,
-                     const DescribedFrames& query, const Sequence& sequence,
-                     const std::string& query_name, const ResolvedSettings& settings,
-                     const QueryResources& resources) {
-  check_names(database.sequences, *settings);
-  check_descriptors(database.descriptors, queried, settings->window_length);
+void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
+                   const SequenceQuerySettings& settings, const Monitor& monitor) {
+  if (settings.decision == Decision::threshold)
+    return plan_thresholds(plan, database, settings, monitor);
+  plan_margins(plan, database, settings.margin, monitor);
+  if (plan.match.method->has_paths)
+    plan.decision =
+        ByPath{static_cast<uint32_t>(std::ceil(*settings.margin / plan.score->frame_value(1, 1)))};
+  else
+    plan.decision = ByMargin{};
+}
+
+// The plan without windows, sequences and limits. `query`: described like the database.
+QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& query,
+                     const Sequence& sequence, const std::string& query_name,
+                     const SequenceQuerySettings& settings, const QueryResources& resources) {
+  check_names(database, settings);
+  check_sums(database.descriptors, settings.window_length);
   QueryPlan plan;
-  plan.settings = *settings;
-  plan.query = query;
-  plan.train = descriptor_spans(database);
   plan.query_sequence = sequence;
   plan.query_sequence.name = query_name;
   plan.query_sequence.frames = query.rows.size();
-  plan.match = {settings->window_length, resources.memory_limit, resources.kernels,
-                settings->lsh,           resources.seed,         parse_rates(settings->rates),
-                settings->filter};
-  plan.is_approximate = settings->method == kLshMethod;
-  plan.match.method = &find_sequence_method(plan.is_approximate ? "fastable" : settings->method);
+  plan.query = query;
+  plan.train = descriptor_spans(database);
+  plan.match = {settings.window_length,
+                resources.memory_limit,
+                resources.kernels,
+                settings.lsh,
+                resources.seed,
+                parse_rates(settings.rates),
+                settings.filter,
+                {},
+                &find_sequence_method(settings.method)};
+  plan.score = &score_kind(settings.score);
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
-  if (auto basis = score_basis(statistics, *settings))
-    plan.basis = std::make_shared<const ScoreBasis>(*std::move(basis));
-  const bool has_zscores = score_kind(settings->score).needs_statistics;
-  if (settings->loop && has_zscores) plan.past_zscores = settings->zscore;
-  if (statistics != nullptr && !query.given) plan.typical_distance = statistics->typical_distance;
-  if (statistics != nullptr && has_zscores)
+  plan.scores = stages_of(settings, statistics);
+  if (statistics != nullptr && !query.precomputed)
+    plan.typical_distance = statistics->typical_distance;
+  if (statistics != nullptr && plan.score->needs_statistics)
     plan.statistics = {statistics->settings, statistics->typical_distance};
   return plan;
 }
 
-void plan_decision(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
-  if (plan.settings.decision == Decision::margin)
-    plan_margins(plan, database, monitor);
-  else
-    plan_thresholds(plan, database, monitor);
-}
-
-void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const Monitor& monitor) {
-  const SequenceQuerySettings& settings = plan.settings;
-  plan_sequences(plan, database.sequences, monitor);
-  if (!(plan.query.given || settings.loop) || settings.exclusion_frames) {
-    plan.exclusion_zones = make_exclusion_zones(
-        radii_of(database, settings.exclusion_frames, monitor),
-        settings.same_place.empty() ? overlapping_sequences(database, plan.match.kernels, monitor)
-                                    : declared_pairs(database, settings.same_place));
-    plan.match.overlapping_sequences = plan.exclusion_zones->shared;
+void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
+                 const SequenceQuerySettings& settings, const Monitor& monitor) {
+  plan_sequences(plan, database.sequences, settings, monitor);
+  const bool is_approximate = plan.match.method->stage == nullptr;
+  const bool has_radii = !plan.query.precomputed && !settings.loop;
+  if (!is_approximate && (has_radii || settings.exclusion_frames)) {
+    plan.exclusion_zones = exclusion_zones_of(database, settings, plan.match.kernels, monitor);
+    plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
   }
-  plan_decision(plan, database, monitor);
-}
-
-// Replaces the recognitions by the best matches with at least the margin of their sequence.
-void decide_by_margin(Result& result) {
-  result.recognitions.clear();
-  for (size_t window = 0; window < result.best.size(); ++window) {
-    const auto& best = result.best[window];
-    if (!best) continue;
-    const std::optional<double> least = result.sequences[best->sequence].margin;
-    const std::optional<double> margin = frame_margin(result, window);
-    if (least && margin && *margin >= *least) result.recognitions.push_back(*best);
-  }
+  plan_decision(plan, database, settings, monitor);
 }
 
 }  // namespace
 
-void check_sums(const DescriptorStore& descriptors, uint64_t window_length) {
-  const uint64_t longest =
-      std::numeric_limits<int32_t>::max() / largest_distance(descriptors.shape());
-  if (window_length > longest)
-    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for {} descriptors, found {}",
-                                              longest, descriptors.kind->name, window_length));
-}
-
-void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
-  if (!database.statistics) database.statistics = compute_statistics(spans, {}, monitor);
-  if (!database.statistics->components)
-    database.statistics->components =
-        compute_components(spans, database.statistics->typical_distance, monitor);
-}
-
-void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
-                            const Monitor& monitor) {
-  const std::vector<uint32_t> radii = radii_of(database, std::nullopt, monitor);
-  for (size_t s = 0; s < radii.size(); ++s) database.sequences[s].exclusion_radius = radii[s];
-  database.overlapping_sequences = overlapping_sequences(database, kernels, monitor);
-}
-
-std::optional<ScoreBasis> score_basis(const TrainStatistics* statistics,
-                                      const SequenceQuerySettings& settings) {
-  const ScoreKind& kind = score_kind(settings.score);
-  if (!kind.needs_statistics || settings.loop) return std::nullopt;
-  if (statistics == nullptr)
-    throw Error(ErrorKind::usage,
-                "the database has no training statistics for z-scores. Train it again.");
-  assert(statistics->components);
-  ZScoreSettings zscore = settings.zscore;
-  if (has_paths(settings.method)) zscore.start_weight = settings.filter.start_weight;
-  ScoreBasis basis = make_score_basis(zscore, kind.is_offline, *statistics);
-  if (settings.fusion_weight) {
-    if (statistics->fused == nullptr) throw Error(ErrorKind::usage, kNoFabmap);
-    basis.fusion =
-        make_fusion_basis(statistics->fused, *settings.fusion_weight, statistics->settings);
-  }
-  return basis;
-}
-
-SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
-                               const std::string& fabmap, const Monitor& monitor) {
-  SequenceDatabase database = read_sequence_database(path);
-  if (settings.has(kLiveChoice) && database.descriptors.kind->is_imported)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: holds imported descriptors, which cannot be computed for frames "
-                            "that arrive",
-                            path));
-  // A sweep sets thresholds and margins itself.
-  if (!settings.has(kSweepChoice)) check_automatic(database, *settings);
-  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
-  if (!fabmap.empty())
-    fuse_views(database, read_fabmap_database(fabmap), fabmap);
-  else if (settings->fusion_weight)
-    throw Error(ErrorKind::usage, kNoFabmap);
-  return database;
-}
-
-void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
-                   const SequenceQuerySettings& settings, const Monitor& monitor) {
-  constexpr double kAlike = 1.1;
-  const bool has_windows = settings.window_length > 1 && settings.rates.empty();
-  if (!query_fps || !has_windows || has_paths(settings.method)) return;
-  for (const TrainSequence& train : database.sequences) {
-    const Sequence& sequence = train.sequence;
-    if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
-    const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
-    if (fast <= kAlike * slow) continue;
-    return warn(monitor,
-                fmt::format("the query has {:.3g} frames per second, the training sequence {} has "
-                            "{:.3g}: their windows have different durations. Use --fps {:.3g} for "
-                            "{}, or --method filter, which estimates the rate.",
-                            *query_fps, sequence.name, *sequence.fps, slow,
-                            slow == *query_fps ? "vpr-train" : "the query"));
-  }
-}
-
-DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
-                             const ResolvedSettings& settings, const Monitor& monitor) {
-  DescriptorSet described =
-      describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor);
-  warn_of_rates(database, described.sequence.fps, *settings, monitor);
-  return described;
-}
-
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const ResolvedSettings& settings,
-                     const QueryResources& resources, const Monitor& monitor) {
-  assert(!settings->loop);
-  QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query.sequence, query_name,
-                              settings, resources);
+                     const QueryResources& resources, const Monitor& monitor,
+                     std::span<const int64_t> times_ns) {
+  check_descriptors(database.descriptors, query.descriptors);
+  QueryPlan plan =
+      begin_plan(database, query.span(), query.sequence, query_name, *settings, resources);
+  if (settings->loop) {
+    assert(query.sequence.selection.is_all());
+    LoopGap gap{std::nullopt, settings->loop_gap};
+    if (gap.frames == 0) gap.nanoseconds = std::llround(settings->loop_gap_s * double{kSecond});
+    plan.past = past_frames(gap, times_ns, query.rows().size());
+  }
   plan_windows(plan, monitor);
-  finish_plan(plan, database, monitor);
+  finish_plan(plan, database, *settings, monitor);
+  if (settings->loop && plan.past.back() < plan.match.window_length)
+    warn(monitor, fmt::format("{}: no two windows of {} frames are that far apart. Use a smaller "
+                              "--gap.",
+                              query_name, plan.match.window_length));
   return plan;
 }
 
 QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
                      const ResolvedSettings& settings, const Monitor& monitor) {
   QueryPlan changed = plan;
-  changed.settings = *settings;
   for (ComparedSequence& sequence : changed.sequences) {
     sequence.threshold.reset();
     sequence.scale = ThresholdScale::bits;
     sequence.distance_limit = 0;
     sequence.margin.reset();
   }
-  plan_decision(changed, database, monitor);
+  plan_decision(changed, database, *settings, monitor);
   return changed;
-}
-
-QueryPlan plan_loop(const SequenceDatabase& database, const DescriptorSet& query,
-                    const std::string& query_name, const ResolvedSettings& settings,
-                    std::span<const int64_t> times_ns, const QueryResources& resources,
-                    const Monitor& monitor) {
-  assert(settings->loop && query.sequence.selection.is_all());
-  QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query.sequence, query_name,
-                              settings, resources);
-  plan.settings.descriptor = query.descriptors.kind->name;
-  LoopGap gap{std::nullopt, settings->loop_gap};
-  if (gap.frames == 0) gap.nanoseconds = std::llround(settings->loop_gap_s * double{kSecond});
-  plan.past = past_frames(gap, times_ns, query.rows().size());
-  plan_windows(plan, monitor);
-  finish_plan(plan, database, monitor);
-  if (plan.past.back() < plan.match.window_length)
-    warn(monitor, fmt::format("{}: no two windows of {} frames are that far apart. Use a smaller "
-                              "--gap.",
-                              query_name, plan.match.window_length));
-  return plan;
 }
 
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
@@ -441,33 +255,16 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
                       const Monitor& monitor) {
   assert(!settings->loop);
   const DescribedFrames no_frame{{database.descriptors.rows().shape, {}}, {}};
-  QueryPlan plan =
-      begin_plan(database, database.descriptors, no_frame, {}, query_name, settings, resources);
+  QueryPlan plan = begin_plan(database, no_frame, {}, query_name, *settings, resources);
   plan.query_sequence.frames = plan.match.window_length;
   plan.query_windows = 1;
-  finish_plan(plan, database, monitor);
+  finish_plan(plan, database, *settings, monitor);
   return plan;
 }
 
-FrameDistances searched_distances(const QueryPlan& plan) {
-  FrameDistances distances = frame_distances(plan.train, plan.query);
-  std::erase_if(distances.train_runs,
-                [&](const FrameRun& run) { return !plan.sequences[run.sequence].searched; });
-  distances.past = plan.past;
-  return distances;
-}
-
-FrameDistances scored(FrameDistances distances, const QueryPlan& plan, const Monitor& monitor) {
-  if (plan.past_zscores) return past_zscores(std::move(distances), *plan.past_zscores);
-  if (plan.basis) return zscores(std::move(distances), *plan.basis, monitor);
-  return distances;
-}
-
 bool needs_maxima(const QueryPlan& plan) {
-  return std::any_of(plan.sequences.begin(), plan.sequences.end(),
-                     [](const ComparedSequence& sequence) {
-                       return sequence.threshold && sequence.scale == ThresholdScale::relative;
-                     });
+  const auto* by_threshold = std::get_if<ByThreshold>(&plan.decision);
+  return by_threshold != nullptr && by_threshold->is_relative;
 }
 
 void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima) {
@@ -477,45 +274,6 @@ void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima) {
     sequence.max_distance = maxima[s];
     sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);
   }
-}
-
-RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources) {
-  RecognitionScanSettings settings;
-  for (const ComparedSequence& sequence : plan.sequences)
-    settings.limits.push_back(sequence.distance_limit);
-  settings.query_windows = plan.query_windows;
-  settings.max_recognitions =
-      std::min(resources.memory_limit / kBytesPerRecognition, kMostRecognitions);
-  settings.kernels = resources.kernels;
-  return settings;
-}
-
-Match match_of(const Cell& cell, const QueryPlan& plan) {
-  return {cell.query_window, cell.sequence, cell.train_window, 0,
-          static_cast<double>(cell.score - plan.score_offset())};
-}
-
-Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
-                   const std::vector<std::optional<uint32_t>>& margins) {
-  Result result;
-  result.settings = plan.settings;
-  result.query = plan.query_sequence;
-  result.query_windows = plan.query_windows;
-  result.sequences = plan.sequences;
-  result.statistics = plan.statistics;
-  result.recognitions.reserve(found.recognitions.size());
-  for (const Cell& cell : found.recognitions) result.recognitions.push_back(match_of(cell, plan));
-  for (const auto& best : found.best)
-    result.best.push_back(best ? std::optional(match_of(*best, plan)) : std::nullopt);
-  const std::vector<Rate>& rates = plan.match.rates;
-  for (size_t window = 0; !rates.empty() && window < found.best.size(); ++window) {
-    const auto& best = found.best[window];
-    result.best_rates.push_back(best ? ratio_of(rates[best->rate])
-                                     : std::numeric_limits<double>::quiet_NaN());
-  }
-  result.margins.assign(margins.begin(), margins.end());
-  if (plan.settings.decision == Decision::margin) decide_by_margin(result);
-  return result;
 }
 
 }  // namespace vpr

@@ -17,12 +17,29 @@ struct QueryRun {
   size_t verified_cells = 0;
 };
 
+/// The frame distances of the query to all training frames; windows lie in the sequences that are
+/// searched.
+FrameDistances searched_distances(const QueryPlan& plan);
+
+/// The settings of a scan for recognitions below the limits of a plan.
+RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources);
+
+/// A cell of a planned query, as in results.
+Match match_of(const Cell& cell, const QueryPlan& plan);
+
+/// The result of a plan without clusters: recognitions, best matches and their margins. By margin,
+/// the recognitions are those of the best matches that have it; otherwise those of `found`.
+/// `settings`: of the plan.
+Result make_result(const QueryPlan& plan, const ResolvedSettings& settings,
+                   const RecognitionScanResult& found = {},
+                   const std::vector<std::optional<uint32_t>>& margins = {});
+
 /// Collects the reports of a planned query by the filter, which must outlive it, into a result.
 class PathRows {
  public:
   explicit PathRows(const QueryPlan& plan);
   void operator()(std::span<const ScoreRow> row);
-  Result result();
+  Result result(const ResolvedSettings& settings);
 
  private:
   void decide(const std::vector<Cell>& recognized, size_t frame);
@@ -30,12 +47,9 @@ class PathRows {
   const QueryPlan& plan_;
   PathDecisions decisions_;
   std::vector<PathReport> steps_;  ///< by query frame, without matches
-  std::vector<std::optional<Cell>> best_;
+  RecognitionScanResult found_;
   ResultPath path_;
 };
-
-/// The least margin of the filter, in units of its values.
-uint32_t least_margin(const QueryPlan& plan);
 
 /// Collects the rows of a planned query, which must outlive it, into a result: recognitions, best
 /// matches and their margins, and the reports of the filter.
@@ -44,8 +58,8 @@ class ResultRows {
   ResultRows(const QueryPlan& plan, const QueryResources& resources);
   /// The sinks of the rows, valid as long as this object.
   Sinks sinks();
-  /// The result without clusters and keyframes.
-  Result result();
+  /// The result without clusters and keyframes. `settings`: of the plan.
+  Result result(const ResolvedSettings& settings);
 
  private:
   const QueryPlan& plan_;
@@ -55,28 +69,13 @@ class ResultRows {
 };
 
 /// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to
-/// `observers`. Throws Error(expectation) if a verified cell differs, and as match and scored do.
+/// `observers`. `settings`: of the plan, for the result. Throws Error(expectation) if a verified
+/// cell differs, and as match and scored do.
 ///
 /// An approximate query finds recognitions and best matches among the windows that share a hash
 /// bucket with a query window, with their exact distances. It has no rows and no margins, and it
 /// reports the recall of the search. Throws Error(usage) for descriptors that are not binary.
-QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
-                   const Monitor& monitor);
-
-/// Up to `count` different cells of pairs of windows in runs, uniformly chosen, in the order of
-/// CellScan and without scores; fewer if the matrix is smaller. The past is not considered.
-std::vector<Cell> choose_cells(const FrameDistances& distances, size_t window_length, size_t count,
-                               uint64_t seed);
-
-/// The cells whose distance differs from the reference implementation's, with the correct distance.
-std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
-                              const DescriptorRows& query, size_t window_length,
-                              const Monitor& monitor);
-
-/// The cells whose biased sum of z-scores differs from the reference implementation's by more than
-/// score_tolerance, with the correct sum, rounded to fixed point. `basis`: of all sequences.
-std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescribedFrames> train,
-                               const DescribedFrames& query, size_t window_length,
-                               const ScoreBasis& basis, const Monitor& monitor);
+QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
+                   const QueryResources& resources, const Sinks& observers, const Monitor& monitor);
 
 }  // namespace vpr

@@ -9,10 +9,6 @@
 #include "base/parallel.h"
 #include "evaluate/calibration.h"
 #include "evaluate/judgment.h"
-#include "match/fastable.h"
-#include "match/match.h"
-#include "run/plan.h"
-#include "run/query.h"
 
 namespace vpr {
 
@@ -20,6 +16,7 @@ namespace {
 
 /// One window length: a plan for each threshold, and the matches for all of them.
 struct LengthSweep {
+  std::vector<ResolvedSettings> settings;              // by threshold
   std::vector<QueryPlan> plans;                        // by threshold
   RecognitionScanResult found;                         // below the largest limit of any plan
   std::vector<std::optional<uint32_t>> margins;        // for a decision by margin
@@ -42,10 +39,11 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
   for (const uint64_t length : grid.windows) {
     LengthSweep& sweep = sweeps.emplace_back();
     for (const auto& threshold : grid.thresholds) {
-      SequenceQuerySettings settings = *base;
-      settings.window_length = length;
-      const bool by_margin = settings.decision == Decision::margin;
-      (by_margin ? settings.margin : settings.distance_threshold) = threshold;
+      SequenceQuerySettings changed = *base;
+      changed.window_length = length;
+      const bool by_margin = changed.decision == Decision::margin;
+      (by_margin ? changed.margin : changed.distance_threshold) = threshold;
+      const ResolvedSettings& settings = sweep.settings.emplace_back(changed);
       sweep.plans.push_back(sweep.plans.empty()
                                 ? plan_query(database, query, query_name, settings, resources, once)
                                 : with_limit(sweep.plans.front(), database, settings, once));
@@ -69,12 +67,12 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   const QueryPlan& first = lengths.front().plans.front();
   const FrameDistances distances = searched_distances(first);
   MatchSettings settings = first.match;
-  settings.method = nullptr;  // all exact methods yield the same cells
+  settings.method = exact_methods().data();  // all exact methods yield the same cells
   std::vector<Pass> passes;
   for (const LengthSweep& length : lengths)
     passes.push_back({length.plans.front().match.window_length, {}});
   const auto match_all = [&] {
-    match(scored(distances, first, monitor), settings, passes, monitor);
+    match(scored(distances, first.scores, monitor), settings, passes, monitor);
   };
   if (std::ranges::any_of(lengths.front().plans, needs_maxima)) {
     std::deque<MaximumScan> maxima;
@@ -87,7 +85,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
-  const bool has_margins = first.settings.decision == Decision::margin;
+  const bool has_margins = std::holds_alternative<ByMargin>(first.decision);
   QueryResources shared = resources;  // recognitions of all lengths are in memory together
   shared.memory_limit /= lengths.size();
   std::deque<RecognitionScan> recognitions;
@@ -113,20 +111,21 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   }
 }
 
-// The result of one cell: the matches below its own limits.
-Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monitor& monitor) {
+// The result of one threshold: the matches below its own limits.
+Result cell_result(const LengthSweep& length, size_t threshold, const Monitor& monitor) {
+  const QueryPlan& plan = length.plans[threshold];
   RecognitionScanResult found{{}, length.found.best};
   for (const Cell& recognition : length.found.recognitions)
     if (recognition.score < plan.sequences[recognition.sequence].distance_limit)
       found.recognitions.push_back(recognition);
-  Result result = make_result(plan, found, length.margins);
+  Result result = make_result(plan, length.settings[threshold], found, length.margins);
   cluster(result, monitor);
   return result;
 }
 
 // The number of windows that would reach the margin, a number, if their place were not trained.
-std::optional<uint64_t> untrained_windows(const LengthSweep& length, const QueryPlan& plan) {
-  const SequenceQuerySettings& settings = plan.settings;
+std::optional<uint64_t> untrained_windows(const LengthSweep& length, size_t threshold) {
+  const SequenceQuerySettings& settings = *length.settings[threshold];
   if (length.unknown_place.empty() || !settings.margin) return std::nullopt;
   const ScoreKind& kind = score_kind(settings.score);
   return std::ranges::count_if(length.unknown_place, [&](const auto& margin) {
@@ -219,17 +218,15 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
                       const Monitor& monitor) {
   std::vector<LengthSweep> lengths =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
-  const Result shape = make_result(lengths.front().plans.front());
+  const Result shape = make_result(lengths.front().plans.front(), lengths.front().settings.front());
   const GroundTruth truth = read_truth(scope_of(shape));
   search(lengths, truth, resources, monitor);
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
-    const LengthSweep& length = lengths[cell / thresholds];
-    return cell_result(length.plans[cell % thresholds], length, monitor);
+    return cell_result(lengths[cell / thresholds], cell % thresholds, monitor);
   };
   const auto untrained_of = [&](size_t cell) {
-    const LengthSweep& length = lengths[cell / thresholds];
-    return untrained_windows(length, length.plans[cell % thresholds]);
+    return untrained_windows(lengths[cell / thresholds], cell % thresholds);
   };
   return count_cells(shape, {grid, result_of, untrained_of}, truth, resources.seed, monitor);
 }

@@ -10,7 +10,7 @@
 #include "describe/imported.h"
 #include "fabmap/train.h"
 #include "match/distance_statistics.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/thresholds.h"
 
 namespace vpr {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "run/plan.h"
 #include "run/train.h"
 
 namespace vpr {
@@ -60,7 +59,7 @@ TruthReader reader_of(const Query& query, const Monitor& monitor) {
 }
 
 std::string name_of(const SequenceQuerySettings& settings) {
-  if (has_paths(settings.method)) return settings.method;
+  if (has_paths(settings)) return settings.method;
   if (settings.decision == Decision::threshold)
     return fmt::format("FastABLE, c_l {}, t_r {:g}", settings.window_length,
                        *settings.distance_threshold);
@@ -111,7 +110,7 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
   for (const LabeledQuery& query : queries) {
     QueryRun run =
         run_query(plan_query(database, query.frames, query.name, resolved, resources, monitor),
-                  resources, {}, monitor);
+                  resolved, resources, {}, monitor);
     trial.seconds += total_seconds(run.seconds);
     trial.paths.push_back(
         evaluate_result(std::move(run.result), std::nullopt, query.by, truth_monitor)

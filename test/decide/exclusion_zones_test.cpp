@@ -73,7 +73,7 @@ std::optional<uint32_t> slow_margin(const FullRow& row, const ExclusionZones& zo
       const size_t apart =
           std::max<size_t>(i, best->train_window) - std::min<size_t>(i, best->train_window);
       const bool is_outside =
-          s == best->sequence ? apart > zones.widths[s] : zones.shared[s][best->sequence] == 0;
+          s == best->sequence ? apart > zones.widths[s] : zones.overlaps[s][best->sequence] == 0;
       if (row[s][i] && is_outside && (!smallest || *row[s][i] < *smallest)) smallest = row[s][i];
     }
   return smallest ? std::optional(*smallest - best->score) : std::nullopt;

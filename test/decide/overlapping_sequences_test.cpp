@@ -1,6 +1,4 @@
 // Detection of training sequences of the same place.
-#include "decide/overlapping_sequences.h"
-
 #include <catch2/catch.hpp>
 
 #include "base/random.h"

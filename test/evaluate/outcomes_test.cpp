@@ -283,7 +283,7 @@ TEST_CASE("a place before the first training anchor cannot be found, and is coun
 TEST_CASE("a stop counts once if counts are per keyframe") {
   Result result = example();
   CHECK_FALSE(count_by_keyframe(result, aligned(0)));
-  result.views = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
+  result.keyframes = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
   // Query keyframes of anchors: 2; 3 to 6; 7 to 9. Training keyframes: 2; 3; 4 to 7; 8 and 9.
   for (uint32_t window = 0; window < 8; ++window)
     result.best[window] = Match{window, 0, window, 0, 5};

@@ -5,7 +5,7 @@
 #include "fuzz.h"
 #include "present/result_file.h"
 #include "run/fabmap_query.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/query.h"
 #include "run/train.h"
 
@@ -41,7 +41,8 @@ void query(const Json& json) {
   QueryResources resources;
   resources.kernels = select_kernels();
   resources.memory_limit = size_t{1} << 26;
-  run_query(plan_query(kDatabase, query, "q", settings, resources, {}), resources, {}, {});
+  run_query(plan_query(kDatabase, query, "q", settings, resources, {}), settings, resources, {},
+            {});
 }
 
 }  // namespace

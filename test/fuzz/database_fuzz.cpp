@@ -4,7 +4,7 @@
 #include "base/json.h"
 #include "fuzz.h"
 #include "run/fabmap_query.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/query.h"
 #include "store/archive.h"
 
@@ -44,7 +44,8 @@ void query_sequences(const std::filesystem::path& folder) {
     settings.window_length = 2;
     settings.score = score;
     fuzz::refuses([&] {
-      run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {});
+      run_query(plan_query(database, query, "q", settings, resources, {}), settings, resources, {},
+                {});
     });
   }
 }

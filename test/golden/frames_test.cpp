@@ -16,7 +16,7 @@
 #include "golden/checksums.h"
 #include "golden/recording.h"
 #include "run/fabmap_query.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/query.h"
 #include "support.h"
 
@@ -86,8 +86,8 @@ std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
     for (size_t x = 0; x < row.scores.size(); ++x)
       cells[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
   };
-  run_query(plan_query(database, query, "back", settings, resources, {}), resources, {{collect}},
-            {});
+  run_query(plan_query(database, query, "back", settings, resources, {}), settings, resources,
+            {{collect}}, {});
   std::map<size_t, std::vector<uint32_t>> rows;
   for (const auto& [key, value] : cells) rows[std::get<0>(key)].push_back(value);
   std::vector<FrameChecksum> lines;
@@ -172,8 +172,7 @@ TEST_CASE("codes of a small recording equal the golden file") {
 
 TEST_CASE("distances of its windows equal the golden file, for every exact method") {
   for_each_setting([] {
-    for (const SequenceMethod& method : sequence_methods()) {
-      if (method.has_paths) continue;
+    for (const SequenceMethod& method : exact_methods()) {
       INFO(method.name);
       check_golden("distances", "Query window of 4 frames: its distances to all training windows.",
                    window_rows(settings_with(std::string(method.name), Score::raw)));

@@ -242,8 +242,7 @@ TEST_CASE("every exact method yields the sums of vector distances") {
           if (s == 1 || i + length <= 20 || i > 20)
             expected[{j, s, i}] =
                 reference_window_distance(train[s].rows, i, query.span().rows, j, length);
-    for (const SequenceMethod& method : sequence_methods()) {
-      if (method.has_paths) continue;
+    for (const SequenceMethod& method : exact_methods()) {
       MatchSettings settings{length, size_t{1} << 30, select_kernels()};
       settings.method = &method;
       Cells cells;

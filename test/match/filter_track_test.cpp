@@ -162,7 +162,7 @@ TEST_CASE("places near the best one, or of an overlapping sequence, are in the e
   CHECK(margin_with(0, 30) == 24 * kUnit);
   CHECK(margin_with(0, 31) == 10 * kUnit);
   CHECK(margin_with(1, 3) == 10 * kUnit);
-  places.track.shared = {{0, 1}, {1, 0}};
+  places.track.overlapping = {{0, 1}, {1, 0}};
   CHECK(margin_with(1, 3) == 24 * kUnit);
 }
 

@@ -70,8 +70,7 @@ Cells by_lsh(const Example& example, const MatchSettings& settings) {
 
 void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
   const Cells expected = reference_cells(example, length);
-  for (const SequenceMethod& method : sequence_methods()) {
-    if (method.has_paths) continue;
+  for (const SequenceMethod& method : exact_methods()) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << kernels.target << ", c_l " << length << ", memory " << memory);
       REQUIRE(by_method(example, method, {length, memory, kernels}) == expected);
@@ -136,10 +135,9 @@ TEST_CASE("sets larger than a chunk, a strip and a tile have the same cells, for
     const Cells expected = reference_cells(example, length);
     for (const size_t threads : {1, 2, 5}) {
       const ThreadLimit limit(threads);
-      for (const SequenceMethod& method : sequence_methods())
+      for (const SequenceMethod& method : exact_methods())
         for (const size_t memory : {size_t{1} << 30, size_t{0}})
-          if (!method.has_paths)
-            REQUIRE(by_method(example, method, {length, memory, select_kernels()}) == expected);
+          REQUIRE(by_method(example, method, {length, memory, select_kernels()}) == expected);
     }
   }
 }

@@ -97,8 +97,7 @@ FrameDistances distances_of(const Walk& walk) {
 
 void check_methods(const Walk& walk, size_t length) {
   const Cells expected = reference_cells(walk, length);
-  for (const SequenceMethod& method : sequence_methods()) {
-    if (method.has_paths) continue;
+  for (const SequenceMethod& method : exact_methods()) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << walk.codes.size() << " frames, c_l " << length << ", memory "
                        << memory);

@@ -16,11 +16,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::vector<uint32_t> row_of(const PrecomputedDistances& given, size_t query) {
-  std::vector<uint16_t> row(given.references());
-  given.read(query, 0, row.size(), row.data());
+std::vector<uint32_t> row_of(const PrecomputedDistances& precomputed, size_t query) {
+  std::vector<uint16_t> row(precomputed.references());
+  precomputed.read(query, 0, row.size(), row.data());
   std::vector<uint32_t> distances(row.begin(), row.end());
-  for (size_t i = 0; i < row.size(); ++i) CHECK(given.distance(query, i) == distances[i]);
+  for (size_t i = 0; i < row.size(); ++i) CHECK(precomputed.distance(query, i) == distances[i]);
   return distances;
 }
 
@@ -66,10 +66,10 @@ TEST_CASE("scores become integers from the best to the worst") {
 TEST_CASE("integers with a range of 16 bits are exact") {
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", std::vector<int32_t>{3, 700, 41, 65535}, {2, 2});
-  const PrecomputedDistances given(folder / "s.npy", {}, {});
-  CHECK(given.units().is_exact);
-  CHECK(given.units().largest == 65535);
-  CHECK(row_of(given, 0) == std::vector<uint32_t>{3, 700});
+  const PrecomputedDistances precomputed(folder / "s.npy", {}, {});
+  CHECK(precomputed.units().is_exact);
+  CHECK(precomputed.units().largest == 65535);
+  CHECK(row_of(precomputed, 0) == std::vector<uint32_t>{3, 700});
   test::write_array(folder / "s.npy", std::vector<int32_t>{3, 65536}, {1, 2});
   CHECK_FALSE(PrecomputedDistances(folder / "s.npy", {}, {}).units().is_exact);
   test::write_array(folder / "s.npy", std::vector<uint8_t>{3, 9, 5}, {1, 3});
@@ -77,18 +77,18 @@ TEST_CASE("integers with a range of 16 bits are exact") {
 }
 
 TEST_CASE("a missing score has the largest distance") {
-  const PrecomputedDistances given = of(
+  const PrecomputedDistances precomputed = of(
       {1, kNan, 7, kInfinity, kNan, kNan, kNan, 7, kNan, 2, kNan, 4}, {3, 4}, {false, false, 7.0});
-  CHECK(given.empty_queries() == std::vector<size_t>{1});
-  CHECK(given.empty_references() == std::vector<size_t>{2});
-  CHECK(row_of(given, 0) == std::vector<uint32_t>{16384, 65535, 65535, 65535});
-  CHECK(row_of(given, 2) == std::vector<uint32_t>{65535, 32768, 65535, 65535});
+  CHECK(precomputed.empty_queries() == std::vector<size_t>{1});
+  CHECK(precomputed.empty_references() == std::vector<size_t>{2});
+  CHECK(row_of(precomputed, 0) == std::vector<uint32_t>{16384, 65535, 65535, 65535});
+  CHECK(row_of(precomputed, 2) == std::vector<uint32_t>{65535, 32768, 65535, 65535});
   // The same matrix by columns.
   const PrecomputedDistances turned = of(
       {1, kNan, kNan, kNan, kNan, 2, 7, kNan, kNan, kInfinity, 7, 4}, {4, 3}, {false, true, 7.0});
-  CHECK(turned.empty_queries() == given.empty_queries());
-  CHECK(turned.empty_references() == given.empty_references());
-  CHECK(row_of(turned, 2) == row_of(given, 2));
+  CHECK(turned.empty_queries() == precomputed.empty_queries());
+  CHECK(turned.empty_references() == precomputed.empty_references());
+  CHECK(row_of(turned, 2) == row_of(precomputed, 2));
 }
 
 TEST_CASE("invalid matrices are refused") {
@@ -115,15 +115,15 @@ TEST_CASE("tiles equal distances of single pairs, for any frames and order") {
   std::vector<double> scores(kQueries * kReferences);
   for (double& score : scores) score = uniform_unit(engine);
   for (const bool train_first : {false, true}) {
-    const PrecomputedDistances given = train_first
-                                           ? of(scores, {kReferences, kQueries}, {true, true, {}})
-                                           : of(scores, {kQueries, kReferences}, {true, false, {}});
+    const PrecomputedDistances precomputed =
+        train_first ? of(scores, {kReferences, kQueries}, {true, true, {}})
+                    : of(scores, {kQueries, kReferences}, {true, false, {}});
     const std::vector<uint8_t> one = numbers(40, 13);
     const std::vector<uint8_t> two = numbers(0, 1090);
     const std::vector<uint8_t> asked = numbers(0, kQueries);
     const std::vector<size_t> gap = {5};
     const std::vector<DescribedFrames> train = {{{kShape, one}, gap}, {{kShape, two}, {}}};
-    const DescribedFrames query{{kShape, asked}, {}, &given};
+    const DescribedFrames query{{kShape, asked}, {}, &precomputed};
     const FrameDistances distances = frame_distances(train, query);
     CHECK(distances.train_frames == 1103);
     CHECK(distances.readable_frames == 1102);
@@ -133,11 +133,11 @@ TEST_CASE("tiles equal distances of single pairs, for any frames and order") {
     for (size_t t = 0; t < order.size(); ++t)
       for (size_t i = 8; i < 1103; ++i) {
         const size_t reference = i < 13 ? 40 + i : i - 13;
-        REQUIRE(tile[t * 1200 + (i - 8)] == given.distance(order[t], reference));
+        REQUIRE(tile[t * 1200 + (i - 8)] == precomputed.distance(order[t], reference));
       }
     uint64_t total = 0;
     for (size_t i = 0; i < 1103; ++i)
-      if (i != 5) total += given.distance(3, i < 13 ? 40 + i : i - 13);
+      if (i != 5) total += precomputed.distance(3, i < 13 ? 40 + i : i - 13);
     CHECK(row_mean(distances, 3) ==
           static_cast<double>(total) / static_cast<double>(distances.readable_frames));
   }
@@ -165,11 +165,11 @@ TEST_CASE("z-scores of precomputed Hamming distances equal those of the codes") 
   matrix.resize(41 * 90, 0);
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", matrix, {41, 90});
-  const PrecomputedDistances given(folder / "s.npy", {}, {});
+  const PrecomputedDistances precomputed(folder / "s.npy", {}, {});
   const std::vector<uint8_t> references = numbers(0, 90);
   const std::vector<uint8_t> asked = numbers(0, 40);
   const DescribedFrames known{{kShape, references}, {}};
-  FrameDistances read = frame_distances({&known, 1}, {{kShape, asked}, {}, &given});
+  FrameDistances read = frame_distances({&known, 1}, {{kShape, asked}, {}, &precomputed});
   REQUIRE(read.largest == coded.largest);
   for (const bool offline : {false, true}) {
     ScoreBasis basis{{}, offline, 0, std::vector<float>(90, 0), 900, no_components(90)};

@@ -80,6 +80,7 @@ TEST_CASE("modified results are refused without a crash") {
   for (const auto& [pointer, value] :
        std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
                                                  {"/settings/c_l", 3},
+                                                 {"/settings/method", "fastabel"},
                                                  {"/query/windows", 5},
                                                  {"/query/frames", -1},
                                                  {"/query/frames", 1e30},

@@ -150,13 +150,13 @@ TEST_CASE("settings of raw distances omit those of z-scores") {
 TEST_CASE("the first frames of keyframes are written with the result and read back") {
   const test::TemporaryFolder folder;
   Result result = example_result();
-  result.views = ResultKeyframes{{0, 3}, {{0, 1, 5}, {0}}};
+  result.keyframes = ResultKeyframes{{0, 3}, {{0, 1, 5}, {0}}};
   const Json json = write(folder / "r.json", result, Existing::refuse);
   CHECK(json["files"]["keyframes"]["rows"] == 6);
-  const auto views = read_result(folder / "r.json").result.views;
-  REQUIRE(views);
-  CHECK(views->query == result.views->query);
-  CHECK(views->train == result.views->train);
+  const auto keyframes = read_result(folder / "r.json").result.keyframes;
+  REQUIRE(keyframes);
+  CHECK(keyframes->query == result.keyframes->query);
+  CHECK(keyframes->train == result.keyframes->train);
   test::write_text(folder / "r.keyframes.npy", test::read_text(folder / "r.best.npy"));
   CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
   // Frames that are out of range or order, and sequences without the first one.
@@ -164,7 +164,7 @@ TEST_CASE("the first frames of keyframes are written with the result and read ba
        {ResultKeyframes{{0, 5}, {{0}, {0}}}, ResultKeyframes{{0, 0}, {{0}, {0}}},
         ResultKeyframes{{1}, {{0}, {0}}}, ResultKeyframes{{0}, {{0}, {}}},
         ResultKeyframes{{0}, {{0}, {0}, {0}}}}) {
-    result.views = bad;
+    result.keyframes = bad;
     write(folder / "r.json", result, Existing::replace);
     CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
   }

@@ -12,14 +12,6 @@
 namespace vpr {
 namespace {
 
-// The scores of the first query frames before the fusion.
-FrameDistances unfused(std::span<const DescribedFrames> train, const DescribedFrames& query,
-                       const ScoreBasis& basis, const Monitor& monitor) {
-  ScoreBasis alone = basis;
-  alone.fusion = {};
-  return zscores(frame_distances(train, query), alone, monitor);
-}
-
 // w of each of the first `count` query frames.
 std::vector<double> weights_of(const FrameDistances& scores, const FusionBasis& fusion,
                                size_t count, const Monitor& monitor) {
@@ -55,8 +47,9 @@ PlainFusion::PlainFusion(std::span<const DescribedFrames> train, const Described
   }
   for (const Cell& cell : cells)
     for (size_t k = 0; k < window_length; ++k) by_frame_[cell.query_window + k];
-  const std::vector<double> weights = weights_of(unfused(train, query, basis, monitor), fusion,
-                                                 by_frame_.rbegin()->first + 1, monitor);
+  const std::vector<double> weights =
+      weights_of(zscores(frame_distances(train, query), basis, monitor), fusion,
+                 by_frame_.rbegin()->first + 1, monitor);
   std::vector<std::pair<size_t, FusionRow*>> rows;
   for (auto& [frame, row] : by_frame_) rows.emplace_back(frame, &row);
   parallel_for(rows.size(), monitor, [&](size_t r) {

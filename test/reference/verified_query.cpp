@@ -144,18 +144,19 @@ std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const Described
 
 std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan) {
   const size_t length = plan.match.window_length;
-  if (plan.past_zscores)
-    return wrong_past_scores(cells, plan.query, plan.past, length, *plan.past_zscores);
+  const bool has_scores = !plan.scores.rows.empty();
+  if (has_scores && !plan.past.empty())
+    return wrong_past_scores(cells, plan.query, plan.past, length, plan.scores.basis->settings);
   RatedWindows windows{length, plan.match.rates};
   if (windows.rates.empty()) windows.rates = {{1, 1}};
-  const ScoreBasis* basis = plan.basis.get();
+  const ScoreBasis* basis = has_scores ? plan.scores.basis.get() : nullptr;
   return wrong_rated_cells(cells, windows, plan.train, plan.query, basis, {});
 }
 
 }  // namespace
 
-QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, size_t cells,
-                      const Monitor& monitor) {
+QueryRun run_verified(const QueryPlan& plan, const ResolvedSettings& settings,
+                      const QueryResources& resources, size_t cells, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   std::vector<Cell> chosen = choose_cells(searched_distances(plan), length, cells, resources.seed);
   if (plan.past.empty()) CHECK(chosen.size() == cells);
@@ -164,7 +165,7 @@ QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, si
            cell.train_window + length > plan.past[cell.query_window + length - 1];
   });
   CellScan scan(std::move(chosen));
-  QueryRun run = run_query(plan, resources, {{std::ref(scan)}}, monitor);
+  QueryRun run = run_query(plan, settings, resources, {{std::ref(scan)}}, monitor);
   CHECK(find_wrong(scan.result(), plan) == std::vector<Cell>{});
   return run;
 }

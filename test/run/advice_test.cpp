@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "examples.h"
-#include "run/plan.h"
+#include "run/open.h"
 
 using namespace vpr;
 

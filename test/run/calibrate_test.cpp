@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "evaluate/outcomes.h"
 #include "examples.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "support.h"
 
 using namespace vpr;
@@ -49,8 +49,8 @@ struct Walks {
                               [&](const GroundTruthScope&) { return truth(); }, resources(), {});
   }
   Result query_with(const SequenceQuerySettings& settings) const {
-    return run_query(plan_query(database, query, "q", settings, resources(), {}), resources(), {},
-                     {})
+    return run_query(plan_query(database, query, "q", settings, resources(), {}), settings,
+                     resources(), {}, {})
         .result;
   }
 };

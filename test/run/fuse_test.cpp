@@ -9,7 +9,7 @@
 #include "match/fusion.h"
 #include "match/zscores.h"
 #include "reference/verified_query.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/query.h"
 #include "run/train.h"
 #include "support.h"
@@ -62,20 +62,19 @@ Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size
   QueryResources resources;
   resources.kernels = select_kernels();
   const QueryPlan plan = plan_query(walks.database, walks.query, "q", settings, resources, {});
-  return test::run_verified(plan, resources, verify).result;
+  return test::run_verified(plan, settings, resources, verify).result;
 }
 
 }  // namespace
 
 TEST_CASE("fused scores are scores plus evidence with the weight of earlier frames, clamped") {
   const Walks walks;
-  const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
+  const ScoreStages stages = stages_of(fused_settings(1), &*walks.database.statistics);
+  const ScoreBasis& basis = *stages.basis;
   const std::vector<DescribedFrames> train = descriptor_spans(walks.database);
-  ScoreBasis alone = basis;
-  alone.fusion = {};
   const FrameDistances distances = frame_distances(train, walks.query.span());
-  const FrameDistances scores = zscores(distances, alone, {});
-  const FrameDistances both = zscores(distances, basis, {});
+  const FrameDistances scores = zscores(distances, basis, {});
+  const FrameDistances both = scored(distances, stages, {});
   std::vector<uint16_t> plain(192);
   std::vector<uint16_t> fast(192);
   FusionState agreement;

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "examples.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "support.h"
@@ -89,7 +89,7 @@ void check_path(const Result& live, const Result& whole, size_t frame) {
 // Returns the number of recognized windows.
 size_t check_live_query(const Walks& walks, const SequenceQuerySettings& settings) {
   const Result whole =
-      run_query(plan_query(walks.database, walks.query, "q", settings, resources(), {}),
+      run_query(plan_query(walks.database, walks.query, "q", settings, resources(), {}), settings,
                 resources(), {}, {})
           .result;
   LiveQuery query(walks.database, "q", settings, resources(), {});
@@ -209,14 +209,14 @@ TEST_CASE("a stop of any length keeps at most as many frames as pending keyframe
   filter.method = "filter";
   const FrameDistances raw =
       frame_distances(descriptor_spans(walks.database), {walks.query.rows().first(0), {}});
-  const ScoreBasis basis = *score_basis(&*walks.database.statistics, *ResolvedSettings(filter));
-  LiveDistances live = start_live(raw, &basis);
+  LiveScores live =
+      start_live(raw, stages_of(*ResolvedSettings(filter), &*walks.database.statistics));
   const DescriptorRows rows = walks.query.rows();
   size_t most = 0;
   for (size_t frame = 0; frame < rows.size(); ++frame) {
     add_frame(live, {rows[frame]});
-    live.distances.start_row(live.last_row());
-    most = std::max(most, live.distances.query_frames);
+    live.scores.start_row(live.last_row());
+    most = std::max(most, live.scores.query_frames);
   }
   CHECK(live.frames == rows.size());
   CHECK(most == filter.zscore.lag_keyframes + 1);

@@ -44,8 +44,9 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
   QueryResources resources;
   resources.kernels = select_kernels();
   const SequenceDatabase database = own_database(walk, "w");
-  const QueryPlan plan = plan_loop(database, walk, "w", {settings, {}}, times, resources, monitor);
-  return test::run_verified(plan, resources, 120, monitor).result;
+  const ResolvedSettings loop(settings, {});
+  const QueryPlan plan = plan_query(database, walk, "w", loop, resources, monitor, times);
+  return test::run_verified(plan, loop, resources, 120, monitor).result;
 }
 
 // For each window, the closest one that ends at least `gap` frames earlier; the first one on a tie.

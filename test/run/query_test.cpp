@@ -36,8 +36,8 @@ QueryResources resources(size_t verify = 0) {
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
-  return run_query(plan_query(database, query, "q", settings, resources(), monitor), resources(50),
-                   {}, monitor);
+  return run_query(plan_query(database, query, "q", settings, resources(), monitor), settings,
+                   resources(50), {}, monitor);
 }
 
 // Recognitions by definition, with a division per cell.

@@ -6,8 +6,9 @@
 
 #include "base/error.h"
 #include "examples.h"
+#include "match/reference.h"
 #include "reference/verified_query.h"
-#include "run/plan.h"
+#include "run/open.h"
 #include "run/query.h"
 #include "run/sweep.h"
 #include "run/train.h"
@@ -36,7 +37,8 @@ QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
   QueryResources resources;
   resources.kernels = select_kernels();
   resources.verify_cells = verify;
-  return run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {});
+  return run_query(plan_query(database, query, "q", settings, resources, {}), settings, resources,
+                   {}, {});
 }
 
 }  // namespace
@@ -76,7 +78,7 @@ TEST_CASE("windows of several rates equal the definition, for distances and for 
     settings.rates = {"1/2", "2/3", "1", "2"};
     settings.distance_threshold = score == Score::raw ? 0.4 : -1;
     const QueryPlan plan = plan_query(database, query, "q", settings, resources, {});
-    test::run_verified(plan, resources, 200);
+    test::run_verified(plan, settings, resources, 200);
   }
 }
 
@@ -116,7 +118,7 @@ TEST_CASE("a wrong score is detected, and a correct one is accepted") {
     std::vector<Cell> cells = {cell_of(run.result.recognitions[100]), right};
     cells[1].score += 10;  // two units per frame
     const auto wrong = wrong_scores(cells, descriptor_spans(database), {query.rows(), {}}, 4,
-                                    *score_basis(&*database.statistics, settings), {});
+                                    *stages_of(settings, &*database.statistics).basis, {});
     REQUIRE(wrong.size() == 1);
     CHECK(wrong[0].train_window == cells[1].train_window);
     CHECK(std::abs(int64_t{wrong[0].score} - int64_t{right.score}) <= 4);

@@ -65,9 +65,9 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
       SequenceQuerySettings settings = base;
       settings.window_length = grid.windows[c / 5];
       settings.distance_threshold = grid.thresholds[c % 5];
-      const Result result =
-          run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {})
-              .result;
+      const Result result = run_query(plan_query(database, query, "q", settings, resources, {}),
+                                      settings, resources, {}, {})
+                                .result;
       const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
       INFO("c_l " << settings.window_length << ", cell " << c);
       CHECK(cells[c].window == settings.window_length);
@@ -207,9 +207,9 @@ TEST_CASE("a sweep by margin equals single queries by margin") {
     SequenceQuerySettings settings = base;
     settings.window_length = grid.windows[c / 5];
     settings.margin = grid.thresholds[c % 5];
-    const Result result =
-        run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {})
-            .result;
+    const Result result = run_query(plan_query(database, query, "q", settings, resources, {}),
+                                    settings, resources, {}, {})
+                              .result;
     const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
     INFO("cell " << c);
     CHECK(numbers(sweep.cells[c].counts.recognitions) == numbers(alone.recognitions));

@@ -1,0 +1,165 @@
+#include "run/open.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "match/components.h"
+#include "match/distance_statistics.h"
+#include "run/thresholds.h"
+#include "run/train.h"
+
+namespace vpr {
+namespace {
+
+using SequencePairs = std::vector<std::pair<size_t, size_t>>;
+
+constexpr std::string_view kAllDiffer = "none";
+
+std::vector<std::string> names_of(std::span<const TrainSequence> sequences) {
+  std::vector<std::string> names;
+  for (const TrainSequence& train : sequences) names.push_back(train.sequence.name);
+  return names;
+}
+
+// The exclusion radius of every sequence: the setting, the stored or the computed one.
+std::vector<uint32_t> radii_of(const SequenceDatabase& database,
+                               const std::optional<uint64_t>& radius, const Monitor& monitor) {
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  std::vector<uint32_t> radii;
+  for (size_t s = 0; s < spans.size(); ++s) {
+    const auto& stored = database.sequences[s].exclusion_radius;
+    const size_t chosen = radius ? *radius : stored ? *stored : exclusion_radius(spans[s], monitor);
+    radii.push_back(static_cast<uint32_t>(std::min(chosen, spans[s].rows.size())));
+  }
+  return radii;
+}
+
+SequencePairs overlapping_sequences(const SequenceDatabase& database, const RowKernels& kernels,
+                                    const Monitor& monitor) {
+  if (database.overlapping_sequences) return *database.overlapping_sequences;
+  return find_overlapping_sequences(descriptor_spans(database),
+                                    radii_of(database, std::nullopt, monitor), kernels, monitor);
+}
+
+// Parses "A=B". Names may contain "=".
+std::pair<size_t, size_t> pair_of(const std::string& text, const std::vector<std::string>& names) {
+  const auto index_of = [&](std::string_view name) {
+    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  for (size_t at = text.find('='); at != std::string::npos; at = text.find('=', at + 1)) {
+    const size_t a = index_of(std::string_view(text).substr(0, at));
+    const size_t b = index_of(std::string_view(text).substr(at + 1));
+    if (a < names.size() && b < names.size() && a != b) return std::minmax(a, b);
+  }
+  throw Error(ErrorKind::usage,
+              fmt::format("same_place \"{}\" is neither {} nor a pair A=B of training sequences; "
+                          "the database has {}",
+                          text, kAllDiffer, fmt::join(names, ", ")));
+}
+
+SequencePairs declared_pairs(const SequenceDatabase& database,
+                             const std::vector<std::string>& same_place) {
+  SequencePairs pairs;
+  if (same_place.size() == 1 && same_place.front() == kAllDiffer) return pairs;
+  for (const std::string& text : same_place)
+    pairs.push_back(pair_of(text, names_of(database.sequences)));
+  return pairs;
+}
+
+}  // namespace
+
+bool is_searched(const SequenceQuerySettings& settings, const std::string& sequence) {
+  const auto& only = settings.only_sequences;
+  return only.empty() || std::find(only.begin(), only.end(), sequence) != only.end();
+}
+
+void check_names(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
+  const std::vector<std::string> names = names_of(database.sequences);
+  for (const std::string& name : settings.only_sequences)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
+                                                name, fmt::join(names, ", ")));
+}
+
+void check_sums(const DescriptorStore& descriptors, uint64_t window_length) {
+  const uint64_t longest =
+      std::numeric_limits<int32_t>::max() / largest_distance(descriptors.shape());
+  if (window_length > longest)
+    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for {} descriptors, found {}",
+                                              longest, descriptors.kind->name, window_length));
+}
+
+void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  if (!database.statistics) database.statistics = compute_statistics(spans, {}, monitor);
+  if (!database.statistics->components)
+    database.statistics->components =
+        compute_components(spans, database.statistics->typical_distance, monitor);
+}
+
+void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
+                            const Monitor& monitor) {
+  const std::vector<uint32_t> radii = radii_of(database, std::nullopt, monitor);
+  for (size_t s = 0; s < radii.size(); ++s) database.sequences[s].exclusion_radius = radii[s];
+  database.overlapping_sequences = overlapping_sequences(database, kernels, monitor);
+}
+
+ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
+                                  const SequenceQuerySettings& settings, const RowKernels& kernels,
+                                  const Monitor& monitor) {
+  return make_exclusion_zones(radii_of(database, settings.exclusion_frames, monitor),
+                              settings.same_place.empty()
+                                  ? overlapping_sequences(database, kernels, monitor)
+                                  : declared_pairs(database, settings.same_place));
+}
+
+SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+                               const std::string& fabmap, const Monitor& monitor) {
+  SequenceDatabase database = read_sequence_database(path);
+  if (settings.has(kLiveChoice) && database.descriptors.kind->is_imported)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: holds imported descriptors, which cannot be computed for frames "
+                            "that arrive",
+                            path));
+  // A sweep sets thresholds and margins itself.
+  if (!settings.has(kSweepChoice)) check_automatic(database, *settings);
+  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
+  if (!fabmap.empty())
+    fuse_views(database, read_fabmap_database(fabmap), fabmap);
+  else if (settings->fusion_weight)
+    throw Error(ErrorKind::usage, kNoFabmap);
+  return database;
+}
+
+void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
+                   const SequenceQuerySettings& settings, const Monitor& monitor) {
+  constexpr double kAlike = 1.1;
+  const bool has_windows = settings.window_length > 1 && settings.rates.empty();
+  if (!query_fps || !has_windows || has_paths(settings)) return;
+  for (const TrainSequence& train : database.sequences) {
+    const Sequence& sequence = train.sequence;
+    if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
+    const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
+    if (fast <= kAlike * slow) continue;
+    return warn(monitor,
+                fmt::format("the query has {:.3g} frames per second, the training sequence {} has "
+                            "{:.3g}: their windows have different durations. Use --fps {:.3g} for "
+                            "{}, or --method filter, which estimates the rate.",
+                            *query_fps, sequence.name, *sequence.fps, slow,
+                            slow == *query_fps ? "vpr-train" : "the query"));
+  }
+}
+
+DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
+                             const ResolvedSettings& settings, const Monitor& monitor) {
+  DescriptorSet described =
+      describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor);
+  warn_of_rates(database, described.sequence.fps, *settings, monitor);
+  return described;
+}
+
+}  // namespace vpr

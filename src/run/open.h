@@ -1,0 +1,55 @@
+// Opens what a query needs: its database, with statistics and exclusion zones, and its frames.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "decide/choices.h"
+#include "decide/exclusion_zones.h"
+#include "store/sequence_database.h"
+
+namespace vpr {
+
+/// Whether the settings search this training sequence.
+bool is_searched(const SequenceQuerySettings& settings, const std::string& sequence);
+
+/// Throws Error(usage) for a sequence of the settings that the database lacks.
+void check_names(const SequenceDatabase& database, const SequenceQuerySettings& settings);
+
+/// Throws Error(usage) if sums over a window may exceed the signed 32-bit integers of files.
+void check_sums(const DescriptorStore& descriptors, uint64_t window_length);
+
+/// Adds the initial statistics of z-scores: the components of the training frames, which are not
+/// stored, and statistics by default settings if the database has none.
+void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
+
+/// Adds the exclusion radius of each sequence and the pairs of overlapping sequences, unless the
+/// database has them.
+void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
+                            const Monitor& monitor);
+
+/// The exclusion zones of the settings, or else those of the database, computed if it has none.
+/// Throws Error(usage) for declared pairs that are not training sequences.
+ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
+                                  const SequenceQuerySettings& settings, const RowKernels& kernels,
+                                  const Monitor& monitor);
+
+/// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
+/// with the FAB-MAP database at `fabmap` unless this is empty. Throws what read_sequence_database,
+/// read_fabmap_database, check_automatic and fuse_views throw, Error(usage) for fused scores
+/// without a FAB-MAP database, and Error(data) for a database of imported descriptors that cannot
+/// describe frames as they arrive.
+SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+                               const std::string& fabmap, const Monitor& monitor);
+
+/// Warns of the first searched training sequence whose frame rate differs from the query's by more
+/// than a tenth: windows then have different durations. Only for windows of several frames at the
+/// same rate.
+void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
+                   const SequenceQuerySettings& settings, const Monitor& monitor);
+
+/// Describes the frames of a query like frames of the database, and warns (warn_of_rates).
+DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
+                             const ResolvedSettings& settings, const Monitor& monitor);
+
+}  // namespace vpr
