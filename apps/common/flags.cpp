@@ -7,9 +7,9 @@
 
 #include "base/error.h"
 #include "base/named_table.h"
-#include "decide/query_settings.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
+#include "settings/query_settings.h"
 #include "truth/formats.h"
 #include "truth/times.h"
 

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "command.h"
-#include "decide/query_settings.h"
 #include "match/precomputed_distances.h"
 #include "present/table.h"
 #include "run/train.h"
+#include "settings/query_settings.h"
 #include "store/archive.h"
 #include "truth/dataset.h"
 

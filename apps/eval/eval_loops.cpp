@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval.h"
-#include "present/loops_report.h"
+#include "loops/loops_report.h"
 #include "truth/times.h"
 
 namespace vpr {

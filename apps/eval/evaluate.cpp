@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "decide/query_settings.h"
 #include "eval.h"
 #include "evaluate/metrics.h"
 #include "evaluate/prediction_lists.h"
 #include "sequence/sequence_source.h"
+#include "settings/query_settings.h"
 #include "store/sequence_database.h"
 
 namespace vpr {

@@ -7,7 +7,7 @@
 
 #include "common/flags.h"
 #include "run/evaluate.h"
-#include "run/sweep.h"
+#include "tune/sweep.h"
 
 namespace vpr {
 

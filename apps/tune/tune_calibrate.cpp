@@ -3,14 +3,14 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "present/calibration_report.h"
 #include "present/database_report.h"
-#include "run/calibrate.h"
 #include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 #include "store/archive.h"
 #include "tune.h"
+#include "tune/calibrate_sequence.h"
+#include "tune/calibration_report.h"
 
 namespace vpr {
 namespace {

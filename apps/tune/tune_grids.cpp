@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "run/trials.h"
 #include "tune.h"
+#include "tune/trials.h"
 
 namespace vpr {
 namespace {

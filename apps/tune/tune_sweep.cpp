@@ -5,10 +5,10 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "present/sweep_report.h"
 #include "run/open.h"
-#include "run/trials.h"
 #include "tune.h"
+#include "tune/sweep_report.h"
+#include "tune/trials.h"
 
 namespace vpr {
 namespace {

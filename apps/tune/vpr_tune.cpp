@@ -3,13 +3,13 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "present/sweep_report.h"
-#include "present/trial_report.h"
 #include "run/advice.h"
 #include "run/open.h"
 #include "run/train.h"
-#include "run/trials.h"
 #include "tune.h"
+#include "tune/sweep_report.h"
+#include "tune/trial_report.h"
+#include "tune/trials.h"
 
 namespace vpr {
 namespace {

@@ -19,9 +19,9 @@ namespace vpr {
 /// the error from `where` and the damage.
 class Fields {
  public:
-  Fields(const Json& json, const std::string& where,
+  Fields(const Json& json, std::string where,
          std::string_view message = "{}: is damaged: {}. Run the command that wrote it again")
-      : json_(json), where_(where), message_(message) {
+      : json_(json), where_(std::move(where)), message_(message) {
     if (!json.is_object()) fail("a part is not an object");
   }
   const Json& operator[](const std::string& key) const {
@@ -46,7 +46,9 @@ class Fields {
     if (!value.is_array()) fail(fmt::format("\"{}\" is not a list", key));
     return value;
   }
-  Fields object(const std::string& key) const { return {(*this)[key], where_, message_}; }
+  Fields object(const std::string& key) const { return part((*this)[key]); }
+  /// The fields of an object within this one.
+  Fields part(const Json& json) const { return {json, where_, message_}; }
   const Json& json() const { return json_; }
   const std::string& where() const { return where_; }
   [[noreturn]] void fail(std::string_view what) const {
@@ -55,8 +57,8 @@ class Fields {
 
  private:
   const Json& json_;
-  const std::string& where_;
-  std::string_view message_;
+  std::string where_;
+  std::string message_;
 };
 
 /// "fps": frames per second.
@@ -115,7 +117,7 @@ Json fields_to_json(const T& value) {
 template <class T>
 void fields_from_json(const Json& json, T& value, const Fields& fields, const std::string& key) {
   if constexpr (Settings<T>) {
-    const Fields part(json, fields.where());
+    const Fields part = fields.part(json);
     visit_fields(value, [&](std::string_view name, auto&& field) {
       const std::string inner(name);
       if constexpr (OwnForm<decltype(field)>)
@@ -129,7 +131,7 @@ void fields_from_json(const Json& json, T& value, const Fields& fields, const st
     if (!json.is_array()) fields.fail(fmt::format("\"{}\" is not a list", key));
     for (const Json& item : json) fields_from_json(item, value.emplace_back(), fields, key);
   } else if constexpr (kIsNumbered<T>) {
-    const Fields part(json, fields.where());
+    const Fields part = fields.part(json);
     for (const auto& item : json.items()) {
       size_t number = 0;
       const char* end = item.key().data() + item.key().size();

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "base/json_fwd.h"
 #include "base/monitor.h"
+#include "settings/query_settings.h"
 
 namespace vpr {
 
@@ -22,16 +22,6 @@ struct Match {
 
   bool operator==(const Match&) const = default;
 };
-
-/// Which recognitions are neighbors.
-struct ClusterSettings {
-  int64_t eps = 2;            ///< Euclidean, in frames of the (train, query) plane; 0 to kMaxEps
-  bool eps_inclusive = true;  ///< a distance of eps is inside (published program: no)
-};
-/// The largest eps.
-inline constexpr int64_t kMaxEps = 1000;
-
-VPR_FIELDS(ClusterSettings, eps, eps_inclusive)
 
 /// A cluster of recognitions: one distinct recognition. Means are rounded half up.
 struct Cluster {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <functional>
 
-#include "decide/scores.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
 #include "match/zscores.h"
+#include "settings/scores.h"
 
 namespace vpr {
 namespace {

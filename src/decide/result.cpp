@@ -1,11 +1,6 @@
 #include "decide/result.h"
 
-#include <limits>
-
 namespace vpr {
-
-ResultPath::ResultPath(size_t frames)
-    : rates(frames, std::numeric_limits<double>::quiet_NaN()), numbers(frames, 0), decided(rates) {}
 
 std::optional<double> frame_margin(const Result& result, size_t query_window) {
   if (query_window >= result.margins.size() || !result.margins[query_window]) return std::nullopt;

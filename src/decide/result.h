@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "decide/clustering.h"
-#include "decide/query_settings.h"
 #include "sequence/sequence.h"
+#include "settings/query_settings.h"
 
 namespace vpr {
 
@@ -53,12 +53,14 @@ struct ResultPlaces {
 
 /// The reports of the filter, by query frame.
 struct ResultPath {
-  std::vector<double> rates;      ///< training frames per query frame; NaN: not yet known
+  /// Training frames per query frame; nullopt: not yet known.
+  std::vector<std::optional<double>> rates;
   std::vector<uint32_t> numbers;  ///< of the path, from 1 on; 0: an unreadable frame
-  std::vector<double> decided;    ///< query frame at which it was recognized; NaN: it was not
+  /// The query frame at which each was recognized, itself or a later one; nullopt: it was not.
+  std::vector<std::optional<uint32_t>> decided;
 
   /// Unknown values for this number of query frames.
-  explicit ResultPath(size_t frames = 0);
+  explicit ResultPath(size_t frames = 0) : rates(frames), numbers(frames, 0), decided(frames) {}
 };
 
 struct Result {

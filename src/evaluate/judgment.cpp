@@ -10,8 +10,14 @@ void set_pairs(Judgment& judgment, MatrixScan scan) {
   judgment.all_pairs = std::move(scan.pairs);
 }
 
+std::span<const std::optional<uint32_t>> decided_frames(const Result& result) {
+  if (!result.path) return {};
+  return result.path->decided;
+}
+
 void set_verdicts(Judgment& judgment, std::vector<FrameVerdict> verdicts, const GroundTruth& truth,
-                  std::span<const double> traveled_m, std::span<const double> decided = {}) {
+                  std::span<const double> traveled_m,
+                  std::span<const std::optional<uint32_t>> decided = {}) {
   judgment.localization = localize(verdicts, traveled_m, decided);
   judgment.verdicts = std::move(verdicts);
   for (size_t frame = 0; frame < truth.pairs.size(); ++frame)
@@ -63,8 +69,7 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
     judgment.recognized.push_back(
         {recognition.query, column_of(judgment.layout, recognition.sequence, recognition.train)});
   }
-  set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m,
-               result.path ? result.path->decided : std::vector<double>{});
+  set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m, decided_frames(result));
   return judgment;
 }
 
@@ -86,8 +91,7 @@ void judge_by_places(Judgment& judgment, const Result& result, std::span<const P
     query.verdict = verdict_at(query.frame);
     query.has_match = true;
   }
-  judgment.localization = localize(judgment.verdicts, traveled_m,
-                                   result.path ? result.path->decided : std::vector<double>{});
+  judgment.localization = localize(judgment.verdicts, traveled_m, decided_frames(result));
 }
 
 Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,

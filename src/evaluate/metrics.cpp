@@ -283,7 +283,7 @@ std::optional<double> Localization::recognized_share() const {
 }
 
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
-                      std::span<const double> decided) {
+                      std::span<const std::optional<uint32_t>> decided) {
   assert(traveled_m.empty() || traveled_m.size() == verdicts.size());
   Localization found;
   found.frames = verdicts.size();
@@ -303,7 +303,7 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
     if (verdicts[frame] != FrameVerdict::correct) continue;
     const double here_m = has_meters ? traveled_m[frame] : 0;
     if (found.correct == 0) {
-      const size_t known = decided.empty() ? frame : static_cast<size_t>(decided[frame]);
+      const size_t known = decided.empty() ? frame : decided[frame].value();
       found.first_recognition_frames = known;
       if (has_meters) found.first_recognition_m = traveled_m[known] - traveled_m.front();
     }

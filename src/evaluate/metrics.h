@@ -154,10 +154,10 @@ struct Localization {
   std::optional<double> recognized_share() const;
 };
 
-/// `traveled_m`: the distance from the start to each frame, or empty. `decided`: the frame at which
-/// each recognized frame was decided; empty: at once.
+/// `traveled_m`: the distance from the start to each frame, or empty. `decided`: the frame of the
+/// path at which each frame was recognized, as in ResultPath; empty: at once.
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
-                      std::span<const double> decided = {});
+                      std::span<const std::optional<uint32_t>> decided = {});
 
 /// A row of the table of metrics; exactly one of the functions is set.
 struct Metric {

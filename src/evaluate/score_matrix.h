@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "decide/query_settings.h"
 #include "decide/result.h"
 #include "describe/imported.h"
 #include "match/precomputed_distances.h"
+#include "settings/query_settings.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

@@ -5,10 +5,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "decide/query_settings.h"
 #include "match/match.h"
 #include "present/evaluation_report.h"
 #include "present/evaluation_text.h"
+#include "settings/query_settings.h"
 
 namespace vpr {
 namespace {
@@ -182,7 +182,7 @@ Table view_table(const CountsByKeyframe& counts) {
   Table table;
   table.title = fmt::format(
       "By keyframe (consecutive frames that look alike count once: {} and {})",
-      counted(query_keyframes, "query view"), counted(train_keyframes, "training view"));
+      counted(query_keyframes, "query keyframe"), counted(train_keyframes, "training keyframe"));
   add_column(table, "keyframe pairs correct", recognitions.correct);
   add_column(table, "keyframe pairs incorrect", recognitions.incorrect);
   add_column(table, "keyframe pairs mixed", recognitions.mixed);

@@ -9,6 +9,7 @@
 
 #include "base/checksum.h"
 #include "base/json.h"
+#include "base/json_fields.h"
 #include "base/mapped_file.h"
 #include "base/npy.h"
 #include "base/output.h"
@@ -41,10 +42,13 @@ struct MatchColumns {
 
 // A row per query frame: the rate, the number of the path, and the frame that decided.
 std::vector<double> path_rows(const ResultPath& path) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> rows;
-  for (size_t frame = 0; frame < path.rates.size(); ++frame)
-    rows.insert(rows.end(),
-                {path.rates[frame], static_cast<double>(path.numbers[frame]), path.decided[frame]});
+  for (size_t frame = 0; frame < path.rates.size(); ++frame) {
+    const std::optional<uint32_t> decided = path.decided[frame];
+    rows.insert(rows.end(), {path.rates[frame].value_or(kNone),
+                             static_cast<double>(path.numbers[frame]), decided ? *decided : kNone});
+  }
   return rows;
 }
 
@@ -96,8 +100,6 @@ void add_context(Json& json, const ResultContext& context) {
   add_run(json, context.run, context.seconds);
   if (!context.files.empty()) json["files"] = context.files;
 }
-
-Json number_or_null(double value) { return std::isnan(value) ? Json() : Json(value); }
 
 Json match_json(const Result& result, const Match& match) {
   const size_t length = result.window_length();
@@ -247,7 +249,7 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
   if (result == nullptr) return line;
   if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
   if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
-  if (result->path) line["rate"] = number_or_null(result->path->rates[window]);
+  if (result->path) line["rate"] = or_null(result->path->rates[window]);
   for (const Match& match : result->recognitions) {
     if (!result->path && match.query != window) continue;
     Json recognized = match_json(*result, match);

@@ -249,12 +249,15 @@ void read_path(const ResultSource& source, Result& result) {
     const bool is_valid =
         (std::isnan(row[0]) || (row[0] >= 0 && row[0] <= kMostSum)) &&
         is_whole(row[1], 0, frames) &&
-        (std::isnan(row[2]) || is_whole(row[2], static_cast<double>(frame), frames));
+        (std::isnan(row[2]) || is_whole(row[2], static_cast<double>(frame), frames - 1));
     if (!is_valid) source.refuse("path", "has a number out of range");
-    path.rates[frame] = row[0];
+    if (!std::isnan(row[0])) path.rates[frame] = row[0];
     path.numbers[frame] = static_cast<uint32_t>(row[1]);
-    path.decided[frame] = row[2];
+    if (!std::isnan(row[2])) path.decided[frame] = static_cast<uint32_t>(row[2]);
   }
+  for (const Match& recognition : result.recognitions)
+    if (!path.decided[anchor_of(recognition.query, result.window_length())])
+      source.refuse("path", "does not say when a recognized frame was decided");
 }
 
 void read_keyframes(const ResultSource& source, Result& result) {

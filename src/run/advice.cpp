@@ -18,8 +18,7 @@ constexpr size_t kFewest = 4;  // one recognized frame in four is enough
 std::optional<double> recognized_rate(const Result& result) {
   std::vector<double> rates;
   for (const Match& recognition : result.recognitions)
-    if (const double rate = result.path->rates[recognition.query]; !std::isnan(rate))
-      rates.push_back(rate);
+    if (const auto rate = result.path->rates[recognition.query]) rates.push_back(*rate);
   if (rates.empty()) return std::nullopt;
   const auto middle = rates.begin() + static_cast<ptrdiff_t>(rates.size() / 2);
   std::nth_element(rates.begin(), middle, rates.end());

@@ -9,12 +9,12 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/monitor.h"
-#include "decide/query_settings.h"
 #include "decide/result.h"
 #include "fabmap/database.h"
 #include "fabmap/model.h"
 #include "fabmap/train.h"
 #include "run/query.h"
+#include "settings/query_settings.h"
 
 namespace vpr {
 

@@ -55,7 +55,7 @@ std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
     match.query_window = 0;
     last_ = make_result(plan_, settings_, {decisions_->take(report), {match}}, {report.margin});
     last_->path.emplace(1);
-    if (report.rate) last_->path->rates[0] = *report.rate;
+    last_->path->rates[0] = report.rate;
     last_->path->numbers[0] = report.path;
   });
   return last_;

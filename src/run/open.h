@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "decide/choices.h"
 #include "decide/exclusion_zones.h"
+#include "settings/choices.h"
 #include "store/sequence_database.h"
 
 namespace vpr {

@@ -6,11 +6,11 @@
 #include <variant>
 #include <vector>
 
-#include "decide/choices.h"
 #include "decide/exclusion_zones.h"
 #include "decide/result.h"
-#include "decide/scores.h"
 #include "match/match.h"
+#include "settings/choices.h"
+#include "settings/scores.h"
 #include "store/sequence_database.h"
 
 namespace vpr {

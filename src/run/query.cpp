@@ -148,14 +148,14 @@ void PathRows::operator()(std::span<const ScoreRow> row) {
   steps_[frame] = report;
   steps_[frame].matches = {};
   for (const Cell& match : report.matches) found_.best[match.query_window] = match;
-  if (report.rate) path_.rates[frame] = *report.rate;
+  path_.rates[frame] = report.rate;
   path_.numbers[frame] = report.path;
   decide(decisions_.take(report), frame);
 }
 
 void PathRows::decide(const std::vector<Cell>& recognized, size_t frame) {
   for (const Cell& match : recognized) {
-    path_.decided[match.query_window] = static_cast<double>(frame);
+    path_.decided[match.query_window] = static_cast<uint32_t>(frame);
     found_.recognitions.push_back(match);
   }
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "decide/query_settings.h"
 #include "match/match.h"
+#include "settings/query_settings.h"
 #include "store/sequence_database.h"
 
 namespace vpr {

@@ -10,10 +10,10 @@
 #include "base/json.h"
 #include "bench/benches.h"
 #include "common/command.h"
-#include "decide/query_settings.h"
 #include "fabmap/database.h"
 #include "present/table.h"
 #include "run/train.h"
+#include "settings/query_settings.h"
 #include "support.h"
 
 using namespace vpr;

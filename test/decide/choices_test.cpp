@@ -1,5 +1,5 @@
 // The table of choices: every refused combination is refused by name, and nothing else is.
-#include "decide/choices.h"
+#include "settings/choices.h"
 
 #include <algorithm>
 #include <bit>

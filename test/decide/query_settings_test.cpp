@@ -1,5 +1,5 @@
 // Scores, thresholds on them, decisions, and settings in files.
-#include "decide/query_settings.h"
+#include "settings/query_settings.h"
 
 #include <cmath>
 #include <limits>
@@ -9,9 +9,9 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/random.h"
-#include "decide/choices.h"
 #include "decide/result.h"
 #include "match/score_kernels.h"
+#include "settings/choices.h"
 #include "support.h"
 
 using namespace vpr;

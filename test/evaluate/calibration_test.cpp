@@ -1,4 +1,4 @@
-#include "evaluate/calibration.h"
+#include "tune/calibration.h"
 
 #include <catch2/catch.hpp>
 

@@ -36,6 +36,15 @@ TEST_CASE("a path with three verdicts, computed by hand") {
   CHECK(found.longest_gap_m == 9);  // from frame 2 to frame 5
 }
 
+TEST_CASE("the first recognition counts when it is decided") {
+  const std::vector<double> traveled = {0, 1, 2, 3};
+  const Localization found =
+      localize(path(".r.r"), traveled, std::vector<std::optional<uint32_t>>{{}, 3, {}, 3});
+  CHECK(found.first_recognition_frames == 3);
+  CHECK(found.first_recognition_m == 3);
+  CHECK(found.longest_gap_frames == 1);
+}
+
 TEST_CASE("gaps end at the ends of the path") {
   const std::vector<double> traveled = {0, 2, 4, 6, 8};
   const Localization late = localize(path("...r."), traveled);

@@ -1,5 +1,5 @@
 // Loop closures on a trajectory: by hand, and compared with all pairs of frames.
-#include "evaluate/loops.h"
+#include "loops/loops.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
-#include "evaluate/sweep.h"
-
 #include <catch2/catch.hpp>
+
+#include "tune/cell_counts.h"
 
 using namespace vpr;
 

@@ -1,6 +1,6 @@
 // A trajectory, its times and a list of loop closures, each any bytes; valid ones are evaluated.
-#include "evaluate/loops.h"
 #include "fuzz.h"
+#include "loops/loops.h"
 #include "truth/times.h"
 
 using namespace vpr;

@@ -2,9 +2,9 @@
 // whose values must agree with their units.
 #include "evaluate/score_matrix.h"
 #include "fuzz.h"
+#include "loops/own_database.h"
 #include "match/match.h"
 #include "match/row_kernels.h"
-#include "run/own_database.h"
 #include "run/train.h"
 
 using namespace vpr;

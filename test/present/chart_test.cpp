@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "present/charts.h"
-#include "present/sweep_report.h"
 #include "support.h"
+#include "tune/sweep_report.h"
 
 using namespace vpr;
 using test::count_of;

@@ -6,13 +6,13 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "loops/loops_report.h"
 #include "present/chart.h"
 #include "present/charts.h"
 #include "present/evaluation_report.h"
-#include "present/loops_report.h"
 #include "present/score_matrix.h"
-#include "present/sweep_report.h"
 #include "support.h"
+#include "tune/sweep_report.h"
 
 using namespace vpr;
 using test::has;

@@ -79,6 +79,26 @@ TEST_CASE("margins are written next to the best matches, and missing ones are Na
   }
 }
 
+TEST_CASE("the filter's path is read back, and every recognition needs a frame of decision") {
+  const test::TemporaryFolder folder;
+  Result result = example_result();
+  result.path.emplace(5);
+  result.path->numbers = {1, 1, 1, 1, 0};
+  result.path->rates = {{}, 1, 1.5, 2, {}};
+  result.path->decided = {{}, 3, 4, {}, {}};  // recognitions end at frames 1 and 2
+  cluster(result);
+  write(folder / "r.json", result, Existing::refuse);
+  const ResultPath read = read_result(folder / "r.json").result.path.value();
+  CHECK(read.rates == result.path->rates);
+  CHECK(read.numbers == result.path->numbers);
+  CHECK(read.decided == result.path->decided);
+  for (const std::optional<uint32_t> wrong : {std::optional<uint32_t>{}, {1}, {5}, {6}}) {
+    result.path->decided[2] = wrong;
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
 TEST_CASE("a result of places uses the same writer and reader") {
   const test::TemporaryFolder folder;
   const Result expected = places_example();

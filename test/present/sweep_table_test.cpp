@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "present/sweep_report.h"
+#include "tune/sweep_report.h"
 
 using namespace vpr;
 

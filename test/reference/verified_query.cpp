@@ -9,13 +9,13 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "decide/query_settings.h"
 #include "match/fastable.h"
 #include "match/reference.h"
 #include "match/score_kernels.h"
 #include "reference/plain_fusion.h"
 #include "reference/plain_past.h"
 #include "run/query.h"
+#include "settings/query_settings.h"
 
 namespace vpr::test {
 namespace {

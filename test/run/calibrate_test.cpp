@@ -1,6 +1,4 @@
 // Calibrated thresholds, and the counts of queries that use them.
-#include "run/calibrate.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -11,6 +9,7 @@
 #include "examples.h"
 #include "run/open.h"
 #include "support.h"
+#include "tune/calibrate_sequence.h"
 
 using namespace vpr;
 

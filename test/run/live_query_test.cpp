@@ -2,7 +2,6 @@
 #include "run/live_query.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <catch2/catch.hpp>
 
@@ -55,8 +54,6 @@ struct Walks {
   std::vector<size_t> gaps;
 };
 
-bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
 std::vector<Match> recognitions_of(const Result& whole, uint32_t window) {
   std::vector<Match> recognitions;
   for (Match recognition : whole.recognitions)
@@ -80,7 +77,7 @@ void check_window(const Result& live, const Result& whole, size_t window) {
 // The part of the result that is known when the frame arrives.
 void check_path(const Result& live, const Result& whole, size_t frame) {
   REQUIRE(live.path);
-  CHECK(is_same(live.path->rates[0], whole.path->rates[frame]));
+  CHECK(live.path->rates[0] == whole.path->rates[frame]);
   CHECK(live.path->numbers[0] == whole.path->numbers[frame]);
   REQUIRE(live.best.size() == 1);
   CHECK(live.best[0].has_value());
@@ -98,7 +95,7 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
   std::vector<Match> decided;
   const auto decide = [&](const Result& live, size_t frame) {
     for (const Match& match : live.recognitions) {
-      CHECK(whole.path->decided[match.query] == static_cast<double>(frame));
+      CHECK(whole.path->decided[match.query] == frame);
       decided.push_back(match);
     }
   };

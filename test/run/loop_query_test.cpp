@@ -6,11 +6,11 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "evaluate/loops.h"
 #include "examples.h"
+#include "loops/loops.h"
+#include "loops/own_database.h"
 #include "match/reference.h"
 #include "reference/verified_query.h"
-#include "run/own_database.h"
 #include "run/query.h"
 #include "support.h"
 #include "truth/times.h"

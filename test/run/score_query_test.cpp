@@ -10,9 +10,9 @@
 #include "reference/verified_query.h"
 #include "run/open.h"
 #include "run/query.h"
-#include "run/sweep.h"
 #include "run/train.h"
 #include "support.h"
+#include "tune/sweep.h"
 
 using namespace vpr;
 using test::make_query;

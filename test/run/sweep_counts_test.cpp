@@ -3,8 +3,8 @@
 
 #include "base/random.h"
 #include "evaluate/outcomes.h"
-#include "run/sweep.h"
 #include "support.h"
+#include "tune/sweep.h"
 
 using namespace vpr;
 

@@ -1,5 +1,5 @@
 // A sweep's cells equal single queries.
-#include "run/sweep.h"
+#include "tune/sweep.h"
 
 #include <numeric>
 

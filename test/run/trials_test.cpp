@@ -1,5 +1,5 @@
 // Trials of settings, and the choice among them.
-#include "run/trials.h"
+#include "tune/trials.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "evaluate/loops.h"
+#include "loops/loops.h"
 #include "support.h"
 #include "truth/times.h"
 

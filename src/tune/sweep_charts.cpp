@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "present/palette.h"
-#include "present/sweep_report.h"
+#include "tune/sweep_report.h"
 
 namespace vpr {
 namespace {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "evaluate/sweep.h"
 #include "present/chart.h"
 #include "present/run_info.h"
 #include "present/table.h"
+#include "tune/cell_counts.h"
 
 namespace vpr {
 

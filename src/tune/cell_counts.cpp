@@ -1,4 +1,4 @@
-#include "evaluate/sweep.h"
+#include "tune/cell_counts.h"
 
 #include <algorithm>
 #include <map>

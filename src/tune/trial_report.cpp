@@ -1,4 +1,4 @@
-#include "present/trial_report.h"
+#include "tune/trial_report.h"
 
 #include <algorithm>
 

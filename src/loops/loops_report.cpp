@@ -1,4 +1,4 @@
-#include "present/loops_report.h"
+#include "loops/loops_report.h"
 
 #include <algorithm>
 #include <array>

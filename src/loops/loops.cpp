@@ -1,4 +1,4 @@
-#include "evaluate/loops.h"
+#include "loops/loops.h"
 
 #include <algorithm>
 #include <array>

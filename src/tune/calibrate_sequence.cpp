@@ -1,4 +1,4 @@
-#include "run/calibrate.h"
+#include "tune/calibrate_sequence.h"
 
 #include <algorithm>
 #include <cassert>
@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
-#include "evaluate/calibration.h"
 #include "evaluate/outcomes.h"
+#include "tune/calibration.h"
 
 namespace vpr {
 namespace {

@@ -6,7 +6,7 @@
 #include "base/json_fwd.h"
 #include "present/run_info.h"
 #include "present/table.h"
-#include "run/trials.h"
+#include "tune/trials.h"
 
 namespace vpr {
 

@@ -1,4 +1,4 @@
-#include "run/sweep.h"
+#include "tune/sweep.h"
 
 #include <algorithm>
 #include <deque>
@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "evaluate/calibration.h"
 #include "evaluate/judgment.h"
+#include "tune/calibration.h"
 
 namespace vpr {
 

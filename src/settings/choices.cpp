@@ -1,4 +1,4 @@
-#include "decide/choices.h"
+#include "settings/choices.h"
 
 #include <algorithm>
 #include <array>

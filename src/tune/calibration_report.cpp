@@ -1,4 +1,4 @@
-#include "present/calibration_report.h"
+#include "tune/calibration_report.h"
 
 #include <algorithm>
 

@@ -13,14 +13,23 @@
 
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
-#include "decide/clustering.h"
-#include "decide/scores.h"
 #include "fabmap/model.h"
 #include "match/filter_settings.h"
 #include "match/match.h"
 #include "match/zscores.h"
+#include "settings/scores.h"
 
 namespace vpr {
+
+/// Which recognitions are neighbors.
+struct ClusterSettings {
+  int64_t eps = 2;            ///< Euclidean, in frames of the (train, query) plane; 0 to kMaxEps
+  bool eps_inclusive = true;  ///< a distance of eps is inside (published program: no)
+};
+/// The largest eps.
+inline constexpr int64_t kMaxEps = 1000;
+
+VPR_FIELDS(ClusterSettings, eps, eps_inclusive)
 
 /// threshold: every window pair with a score below t_r. margin: the best match of a query window if
 /// its margin is at least X.

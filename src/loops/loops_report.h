@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "evaluate/loops.h"
+#include "loops/loops.h"
 #include "present/chart.h"
 #include "present/run_info.h"
 #include "present/table.h"

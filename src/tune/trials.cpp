@@ -1,4 +1,4 @@
-#include "run/trials.h"
+#include "tune/trials.h"
 
 #include <algorithm>
 #include <set>

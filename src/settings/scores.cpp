@@ -1,4 +1,4 @@
-#include "decide/scores.h"
+#include "settings/scores.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "decide/query_settings.h"
 #include "match/fusion.h"
 #include "match/reference.h"
 #include "match/score_kernels.h"
+#include "settings/query_settings.h"
 
 namespace vpr {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/calibration.h"
 #include "run/query.h"
-#include "run/sweep.h"
+#include "tune/calibration.h"
+#include "tune/sweep.h"
 
 namespace vpr {
 

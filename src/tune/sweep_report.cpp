@@ -1,4 +1,4 @@
-#include "present/sweep_report.h"
+#include "tune/sweep_report.h"
 
 #include <algorithm>
 #include <array>

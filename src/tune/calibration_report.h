@@ -7,7 +7,7 @@
 #include "base/json_fwd.h"
 #include "present/run_info.h"
 #include "present/table.h"
-#include "run/calibrate.h"
+#include "tune/calibrate_sequence.h"
 
 namespace vpr {
 

@@ -1,4 +1,4 @@
-#include "run/own_database.h"
+#include "loops/own_database.h"
 
 #include <algorithm>
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/sweep.h"
 #include "run/evaluate.h"
 #include "run/fabmap_query.h"
 #include "run/query.h"
-#include "run/sweep.h"
+#include "tune/cell_counts.h"
+#include "tune/sweep.h"
 
 namespace vpr {
 

@@ -1,9 +1,9 @@
 // Databases of queries that have none: a sequence against its own past, and a score matrix.
 #pragma once
 
-#include "decide/query_settings.h"
 #include "match/precomputed_distances.h"
 #include "run/train.h"
+#include "settings/query_settings.h"
 #include "store/sequence_database.h"
 
 namespace vpr {

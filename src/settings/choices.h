@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "decide/query_settings.h"
+#include "settings/query_settings.h"
 
 namespace vpr {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "evaluate/sweep.h"
 #include "run/fabmap_query.h"
 #include "run/query.h"
 #include "truth/ground_truth.h"
+#include "tune/cell_counts.h"
 
 namespace vpr {
 

@@ -1,4 +1,4 @@
-#include "decide/query_settings.h"
+#include "settings/query_settings.h"
 
 #include <cmath>
 
