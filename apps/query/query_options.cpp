@@ -82,7 +82,7 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
     text += fmt::format("  {:<17}{}\n", name, summary);
   };
   for (const SequenceMethod& method : sequence_methods())
-    if (!is_live || (method.name != "openable" && method.stage != nullptr))
+    if (!is_live || (method.name != "openable" && !method.is_approximate()))
       add(method.name, method.summary);
   if (!is_live) names.emplace_back(enum_name(DatabaseFamily::fabmap));
   add_setting(command, "--method", settings.method, help).choices("METHOD", names);

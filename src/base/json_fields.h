@@ -16,7 +16,7 @@
 namespace vpr {
 
 /// Reads the fields of one JSON object; anything unexpected is an error. `message` is the format of
-/// the error from `where` and the damage.
+/// the error from `where` and the damage, a constant.
 class Fields {
  public:
   Fields(const Json& json, std::string where,
@@ -58,7 +58,7 @@ class Fields {
  private:
   const Json& json_;
   std::string where_;
-  std::string message_;
+  std::string_view message_;
 };
 
 /// "fps": frames per second.

@@ -69,7 +69,6 @@ void match_by_hashes(const FrameDistances& distances, std::span<const size_t>,
   match_lsh(distances, settings, monitor, [&](const ScoreRow& piece) { consume(0, piece); });
 }
 
-constexpr size_t kExactMethods = 3;
 constexpr std::array<SequenceMethod, 5> kMethods = {{
     {"fastable", "reuses distances between rows, for the whole query at once", false, match_strips,
      fastable_stage},
@@ -129,7 +128,11 @@ std::optional<size_t> least_lag(const FrameDistances& frames) {
 
 std::span<const SequenceMethod> sequence_methods() { return kMethods; }
 
-std::span<const SequenceMethod> exact_methods() { return std::span(kMethods).first(kExactMethods); }
+std::span<const SequenceMethod> exact_methods() {
+  const auto first_other = std::ranges::find_if(
+      kMethods, [](const SequenceMethod& m) { return m.has_paths || m.is_approximate(); });
+  return {kMethods.begin(), first_other};
+}
 
 const SequenceMethod& find_sequence_method(std::string_view name) {
   return find_named(kMethods, "method", name);
@@ -143,7 +146,7 @@ void send_row(const Sinks& sinks, std::span<const ScoreRow> row) {
 
 WindowStage window_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings) {
-  assert(settings.method->stage != nullptr);
+  assert(!settings.method->is_approximate());
   return settings.method->stage(distances, window_lengths, settings);
 }
 
@@ -163,7 +166,7 @@ void match(const FrameDistances& distances, const MatchSettings& settings,
   const bool needs_rows =
       distances.is_in_order() || !settings.rates.empty() ||
       std::ranges::any_of(passes, [](const Pass& pass) { return !pass.sinks.rows.empty(); });
-  if (method.match_whole != nullptr && (!needs_rows || method.stage == nullptr))
+  if (method.match_whole != nullptr && (!needs_rows || method.is_approximate()))
     return method.match_whole(distances, lengths, settings, monitor,
                               [&](size_t length, const ScoreRow& piece) {
                                 for (const RowConsumer& consume : passes[length].sinks.pieces)

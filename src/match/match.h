@@ -172,6 +172,8 @@ struct SequenceMethod {
   /// Null for an approximate method, which has no whole rows (lsh.h).
   WindowStage (*stage)(const FrameDistances&, std::span<const size_t> window_lengths,
                        const MatchSettings&);
+
+  bool is_approximate() const { return stage == nullptr; }
 };
 
 /// The methods that yield the same cells: the scores of all pairs of windows of c_l frames.

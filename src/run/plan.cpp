@@ -147,10 +147,9 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
   } else if (!plan.query.precomputed) {  // a matrix has no automatic threshold
     plan_automatic_thresholds(plan, database, settings, monitor);
   }
-  ByThreshold& decision = plan.decision.emplace<ByThreshold>();
+  plan.decision = ByThreshold{};
   for (ComparedSequence& sequence : plan.sequences) {
     if (!sequence.threshold) continue;
-    if (sequence.scale == ThresholdScale::relative) decision.is_relative = true;
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -204,9 +203,8 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
 void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
                  const SequenceQuerySettings& settings, const Monitor& monitor) {
   plan_sequences(plan, database.sequences, settings, monitor);
-  const bool is_approximate = plan.match.method->stage == nullptr;
   const bool has_radii = !plan.query.precomputed && !settings.loop;
-  if (!is_approximate && (has_radii || settings.exclusion_frames)) {
+  if (!plan.match.method->is_approximate() && (has_radii || settings.exclusion_frames)) {
     plan.exclusion_zones = exclusion_zones_of(database, settings, plan.match.kernels, monitor);
     plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
   }
@@ -263,8 +261,9 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
 }
 
 bool needs_maxima(const QueryPlan& plan) {
-  const auto* by_threshold = std::get_if<ByThreshold>(&plan.decision);
-  return by_threshold != nullptr && by_threshold->is_relative;
+  return std::ranges::any_of(plan.sequences, [](const ComparedSequence& sequence) {
+    return sequence.threshold && sequence.scale == ThresholdScale::relative;
+  });
 }
 
 void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima) {

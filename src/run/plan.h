@@ -25,9 +25,7 @@ struct QueryResources {
 
 /// Recognizes all pairs of windows whose score is below the limit of their training sequence;
 /// without limits, there are only best matches.
-struct ByThreshold {
-  bool is_relative = false;  ///< limits need the largest distance of each sequence first
-};
+struct ByThreshold {};
 
 /// Recognizes best matches with the margin of their training sequence.
 struct ByMargin {};
@@ -77,7 +75,7 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
                       const ResolvedSettings& settings, const QueryResources& resources,
                       const Monitor& monitor);
 
-/// Whether limits need the largest distance of each sequence.
+/// Whether thresholds are relative to the largest distance of each sequence.
 bool needs_maxima(const QueryPlan& plan);
 
 /// Sets the limits of these thresholds; `maxima`: the largest distances, by sequence.

@@ -195,7 +195,7 @@ Result ResultRows::result(const ResolvedSettings& settings) {
 QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
                    const QueryResources& resources, const Sinks& observers,
                    const Monitor& monitor) {
-  const bool is_approximate = plan.match.method->stage == nullptr;
+  const bool is_approximate = plan.match.method->is_approximate();
   const size_t verified = is_approximate ? 0 : resources.verify_cells;
   QueryRun run;
   FrameDistances distances = searched_distances(plan);
