@@ -2,8 +2,8 @@
 # Includes must go from a later stage to an earlier one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-stages=(base sequence truth synth describe store fabmap match settings decide evaluate run present
-  tune loops bench)
+stages=(base sequence truth synth describe store words match settings decide run evaluate files
+  chart present fabmap tune loops bench)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
 # These are alternatives: none may include another.

@@ -76,8 +76,8 @@ FabmapDatabase make_fabmap(const SequenceDatabase& database) {
   return fabmap;
 }
 
-std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length) {
+std::vector<uint32_t> reference_openable(const DescriptorRows& train, const DescriptorRows& query,
+                                         size_t window_length) {
   const size_t rows = window_count(query.size(), window_length);
   const size_t cols = window_count(train.size(), window_length);
   std::vector<uint32_t> distances(rows * cols);
@@ -87,8 +87,8 @@ std::vector<uint32_t> plain_openable(const DescriptorRows& train, const Descript
   return distances;
 }
 
-std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length) {
+std::vector<uint32_t> reference_fastable(const DescriptorRows& train, const DescriptorRows& query,
+                                         size_t window_length) {
   const size_t rows = window_count(query.size(), window_length);
   const size_t cols = window_count(train.size(), window_length);
   std::vector<uint32_t> distances(rows * cols);

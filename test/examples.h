@@ -8,8 +8,8 @@
 
 #include "describe/descriptor_rows.h"
 #include "describe/frame_descriptors.h"
-#include "fabmap/database.h"
 #include "store/sequence_database.h"
+#include "words/database.h"
 
 namespace vpr::test {
 
@@ -44,11 +44,11 @@ WordSet words_of(DescriptorRow row);
 
 /// All window pairs of two sequences, row-major, query windows x training windows; empty if either
 /// sequence is shorter than a window. OpenABLE: window_length distances per cell.
-std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length);
+std::vector<uint32_t> reference_openable(const DescriptorRows& train, const DescriptorRows& query,
+                                         size_t window_length);
 
 /// The same matrix by FastABLE's recurrence, two distances per cell (paper, section VII).
-std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length);
+std::vector<uint32_t> reference_fastable(const DescriptorRows& train, const DescriptorRows& query,
+                                         size_t window_length);
 
 }  // namespace vpr::test

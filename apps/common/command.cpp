@@ -22,7 +22,7 @@
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "base/text.h"
-#include "present/result_file.h"
+#include "files/result_file.h"
 #include "progress.h"
 #include "sequence/sequence_source.h"
 #include "store/archive.h"

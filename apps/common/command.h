@@ -13,9 +13,9 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output.h"
+#include "files/run_info.h"
 #include "match/row_kernels.h"
 #include "parser.h"
-#include "present/run_info.h"
 #include "sequence/decode.h"
 
 namespace vpr {

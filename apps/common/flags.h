@@ -9,7 +9,7 @@
 #include "command.h"
 #include "match/precomputed_distances.h"
 #include "present/table.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "settings/query_settings.h"
 #include "store/archive.h"
 #include "truth/dataset.h"

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "present/result_file.h"
+#include "files/result_file.h"
 
 namespace vpr {
 

@@ -8,11 +8,11 @@
 #include "base/json.h"
 #include "common/command.h"
 #include "common/flags.h"
+#include "evaluate/evaluation.h"
 #include "evaluate/score_matrix.h"
-#include "present/evaluation_report.h"
-#include "present/result_file.h"
+#include "files/report.h"
+#include "files/result_file.h"
 #include "present/table.h"
-#include "run/evaluate.h"
 
 namespace vpr {
 

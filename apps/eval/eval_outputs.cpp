@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "eval.h"
 #include "evaluate/prediction_lists.h"
-#include "present/exports.h"
+#include "files/exports.h"
 #include "truth/positions.h"
 #include "truth/times.h"
 #include "truth/trajectory.h"

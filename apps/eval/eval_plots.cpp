@@ -5,10 +5,11 @@
 
 #include "base/error.h"
 #include "eval.h"
+#include "files/report.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_page.h"
-#include "present/evaluation_report.h"
 #include "present/questions_page.h"
+#include "present/report_tables.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {

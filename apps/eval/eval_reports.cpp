@@ -11,8 +11,8 @@
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "eval.h"
+#include "files/report_json.h"
 #include "present/comparison_report.h"
-#include "present/evaluation_report.h"
 #include "present/evaluation_text.h"
 
 namespace vpr {

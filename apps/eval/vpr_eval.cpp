@@ -10,10 +10,11 @@
 #include "base/text.h"
 #include "eval.h"
 #include "evaluate/expectation.h"
-#include "present/evaluation_report.h"
+#include "files/exports.h"
+#include "files/report_json.h"
+#include "files/run_info.h"
 #include "present/evaluation_text.h"
-#include "present/exports.h"
-#include "present/run_info.h"
+#include "present/report_tables.h"
 #include "truth/formats.h"
 
 namespace vpr {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/flags.h"
-#include "present/result_file.h"
+#include "files/result_file.h"
 #include "run/query.h"
 
 namespace vpr {

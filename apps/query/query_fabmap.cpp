@@ -5,15 +5,15 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "chart/chart.h"
 #include "decide/clustering.h"
-#include "fabmap/train.h"
-#include "present/chart.h"
-#include "present/explanation_report.h"
-#include "present/score_matrix.h"
+#include "fabmap/explanation_report.h"
+#include "fabmap/place_query.h"
+#include "files/matrix_file.h"
 #include "query.h"
-#include "run/fabmap_query.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
+#include "words/word_training.h"
 
 namespace vpr {
 namespace {

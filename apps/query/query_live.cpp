@@ -8,11 +8,11 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "present/result_file.h"
+#include "files/result_file.h"
 #include "query.h"
 #include "run/live_query.h"
 #include "run/open.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "sequence/live_source.h"
 #include "truth/times.h"
 

@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/text.h"
-#include "fabmap/model.h"
 #include "loops/loops.h"
 #include "match/match.h"
 #include "present/result_text.h"
@@ -12,6 +11,7 @@
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
 #include "truth/times.h"
+#include "words/model.h"
 
 namespace vpr {
 namespace {

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "fabmap/train.h"
 #include "present/database_report.h"
 #include "sequence/sequence_source.h"
 #include "train.h"
+#include "words/word_training.h"
 
 namespace vpr {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/flags.h"
-#include "run/evaluate.h"
+#include "evaluate/evaluation.h"
 #include "tune/sweep.h"
 
 namespace vpr {

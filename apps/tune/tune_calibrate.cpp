@@ -6,7 +6,7 @@
 #include "present/database_report.h"
 #include "run/open.h"
 #include "run/thresholds.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "store/archive.h"
 #include "tune.h"
 #include "tune/calibrate_sequence.h"

@@ -5,7 +5,7 @@
 #include "base/stopwatch.h"
 #include "run/advice.h"
 #include "run/open.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "tune.h"
 #include "tune/sweep_report.h"
 #include "tune/trial_report.h"

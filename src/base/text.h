@@ -1,7 +1,9 @@
-// Functions that split, quote, compare and print strings, and CSV.
+// Functions that split, quote, escape, compare and print strings, and CSV.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,5 +73,12 @@ std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
 
 /// A field of CSV, quoted if necessary.
 std::string csv_field(const std::string& text);
+
+/// A string for element content and quoted attributes: & < > " ' become references; bytes that are
+/// not UTF-8 and control characters become U+FFFD.
+std::string html_escaped(std::string_view text);
+
+/// RFC 4648, padded.
+std::string base64(std::span<const std::byte> bytes);
 
 }  // namespace vpr

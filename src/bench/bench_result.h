@@ -11,8 +11,8 @@
 
 #include "base/json.h"
 #include "base/monitor.h"
-#include "present/chart.h"
-#include "present/run_info.h"
+#include "chart/chart.h"
+#include "files/run_info.h"
 #include "present/table.h"
 
 namespace vpr {

@@ -9,7 +9,7 @@
 #include "base/statistics.h"
 #include "bench/benches.h"
 #include "run/open.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 
 namespace vpr {
 namespace {

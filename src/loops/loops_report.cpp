@@ -11,10 +11,11 @@
 #include "base/json_fields.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
+#include "files/report_json.h"
 #include "present/evaluation_charts.h"
-#include "present/evaluation_report.h"
 #include "present/evaluation_text.h"
 #include "present/html_page.h"
+#include "present/report_tables.h"
 #include "truth/times.h"
 
 namespace vpr {

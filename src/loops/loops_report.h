@@ -5,9 +5,9 @@
 #include <string>
 
 #include "base/json_fwd.h"
+#include "chart/chart.h"
+#include "files/run_info.h"
 #include "loops/loops.h"
-#include "present/chart.h"
-#include "present/run_info.h"
 #include "present/table.h"
 
 namespace vpr {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "match/precomputed_distances.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "settings/query_settings.h"
 #include "store/sequence_database.h"
 

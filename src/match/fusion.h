@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "fabmap/database.h"
-#include "fabmap/model.h"
 #include "match/frame_distances.h"
 #include "store/train_statistics.h"
+#include "words/database.h"
+#include "words/model.h"
 
 namespace vpr {
 

@@ -68,7 +68,8 @@ double mean_over(std::span<const DescribedFrames> sequences, const DescriptorRow
   return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
-ComponentWeights plain_common(const DescriptorRows& query, size_t frame, const ScoreBasis& basis) {
+ComponentWeights reference_common(const DescriptorRows& query, size_t frame,
+                                  const ScoreBasis& basis) {
   const TrainComponents& components = basis.components;
   ComponentValues values = {};
   for (size_t l = 0; l < components.landmarks.size(); ++l) {
@@ -79,8 +80,8 @@ ComponentWeights plain_common(const DescriptorRows& query, size_t frame, const S
   return component_weights(components, basis.settings.components, values);
 }
 
-std::vector<std::optional<size_t>> plain_schedule(const DescribedFrames& query,
-                                                  const ScoreBasis& basis) {
+std::vector<std::optional<size_t>> reference_schedule(const DescribedFrames& query,
+                                                      const ScoreBasis& basis) {
   std::vector<std::optional<size_t>> learned(query.rows.size());
   std::vector<size_t> views;  // all keyframes, increasing
   const double least_change = basis.settings.keyframe_change * basis.typical_distance;
@@ -185,8 +186,8 @@ ReferenceUpdates reference_updates(std::span<const DescribedFrames> centered_ove
                  [&](size_t j) { updates.row_means[j] = mean_over(centered_over, query.rows, j); });
   updates.common.resize(query.rows.size());
   parallel_for(query.rows.size(), monitor,
-               [&](size_t j) { updates.common[j] = plain_common(query.rows, j, basis); });
-  updates.learned = plain_schedule(query, basis);
+               [&](size_t j) { updates.common[j] = reference_common(query.rows, j, basis); });
+  updates.learned = reference_schedule(query, basis);
   return updates;
 }
 

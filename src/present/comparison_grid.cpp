@@ -7,9 +7,11 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "files/report_json.h"
 #include "present/comparison_report.h"
 #include "present/evaluation_text.h"
 #include "present/html_page.h"
+#include "present/report_tables.h"
 
 namespace vpr {
 namespace {

@@ -11,8 +11,9 @@
 #include "base/json.h"
 #include "base/json_fields.h"
 #include "base/text.h"
-#include "present/evaluation_report.h"
+#include "files/report.h"
 #include "present/evaluation_text.h"
+#include "present/report_tables.h"
 
 namespace vpr {
 namespace {

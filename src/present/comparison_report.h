@@ -11,7 +11,7 @@
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "evaluate/comparison.h"
-#include "present/evaluation_report.h"
+#include "files/report.h"
 #include "present/table.h"
 
 namespace vpr {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "fabmap/database.h"
-#include "present/run_info.h"
+#include "files/run_info.h"
 #include "present/table.h"
 #include "run/thresholds.h"
+#include "words/database.h"
 
 namespace vpr {
 

@@ -6,11 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "chart/chart.h"
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
-#include "present/chart.h"
-#include "present/evaluation_report.h"
-#include "present/score_matrix.h"
+#include "files/report.h"
+#include "present/matrix_chart.h"
+#include "present/report_tables.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "chart/chart.h"
 #include "evaluate/judgment.h"
-#include "present/chart.h"
-#include "present/evaluation_report.h"
-#include "present/score_matrix.h"
+#include "files/report.h"
+#include "present/matrix_chart.h"
 #include "truth/positions.h"
 #include "truth/trajectory.h"
 

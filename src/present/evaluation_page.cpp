@@ -7,12 +7,14 @@
 
 #include "base/json.h"
 #include "base/json_fields.h"
-#include "present/chart.h"
+#include "base/text.h"
+#include "chart/chart.h"
+#include "files/report_json.h"
 #include "present/evaluation_charts.h"
-#include "present/evaluation_report.h"
 #include "present/html_page.h"
+#include "present/matrix_chart.h"
+#include "present/report_tables.h"
 #include "present/result_text.h"
-#include "present/score_matrix.h"
 
 namespace vpr {
 namespace {

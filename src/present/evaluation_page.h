@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/monitor.h"
-#include "present/evaluation_report.h"
+#include "files/report.h"
 #include "present/gallery.h"
 
 namespace vpr {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.h"
+#include "present/report_tables.h"
 #include "present/result_text.h"
 
 namespace vpr {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "present/evaluation_report.h"
+#include "files/report.h"
 #include "present/table.h"
 
 namespace vpr {

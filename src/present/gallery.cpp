@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "present/html_page.h"
 #include "sequence/frames.h"
 

@@ -11,7 +11,7 @@
 
 #include "base/monitor.h"
 #include "evaluate/judgment.h"
-#include "present/score_matrix.h"
+#include "present/matrix_chart.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "present/run_info.h"
+#include "files/run_info.h"
 #include "present/table.h"
 #include "truth/ground_truth.h"
 

@@ -5,7 +5,8 @@
 #include <cstdint>
 
 #include "base/json.h"
-#include "present/chart.h"
+#include "base/text.h"
+#include "chart/chart.h"
 
 namespace vpr {
 namespace {
@@ -14,47 +15,6 @@ namespace {
 #include "html_parts.inc"
 
 }  // namespace
-
-std::string html_escaped(std::string_view text) {
-  // The JSON writer replaces invalid UTF-8.
-  const std::string clean =
-      Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace))
-          .get<std::string>();
-  std::string escaped;
-  for (const char c : clean) {
-    const auto byte = static_cast<uint8_t>(c);
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '>')
-      escaped += "&gt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else if (c == '\'')
-      escaped += "&#39;";
-    else if ((byte < 32 && c != '\n' && c != '\t') || byte == 127)
-      escaped += "\xef\xbf\xbd";
-    else
-      escaped += c;
-  }
-  return escaped;
-}
-
-std::string base64(std::span<const std::byte> bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t count = std::min<size_t>(3, bytes.size() - i);
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k)
-      group = group << 8 | (k < count ? static_cast<uint32_t>(bytes[i + k]) : 0);
-    for (size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
 
 std::string script_json(const Json& json) {
   std::string text;

@@ -13,13 +13,6 @@ namespace vpr {
 
 struct Chart;
 
-/// A string for element content and quoted attributes: & < > " ' become references; bytes that are
-/// not UTF-8 and control characters become U+FFFD.
-std::string html_escaped(std::string_view text);
-
-/// RFC 4648, padded.
-std::string base64(std::span<const std::byte> bytes);
-
 /// JSON for a script element of type application/json; it cannot end the element.
 std::string script_json(const Json& json);
 

@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "evaluate/place_answers.h"
 #include "present/html_page.h"
+#include "present/report_tables.h"
 
 namespace vpr {
 namespace {

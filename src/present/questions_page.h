@@ -4,9 +4,9 @@
 #include <string>
 
 #include "base/monitor.h"
-#include "present/evaluation_report.h"
+#include "evaluate/evaluation.h"
+#include "files/report.h"
 #include "present/gallery.h"
-#include "run/evaluate.h"
 
 namespace vpr {
 

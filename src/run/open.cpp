@@ -10,7 +10,7 @@
 #include "match/components.h"
 #include "match/distance_statistics.h"
 #include "run/thresholds.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 
 namespace vpr {
 namespace {

@@ -11,7 +11,7 @@
 #include "match/fastable.h"
 #include "run/open.h"
 #include "run/thresholds.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "truth/times.h"
 
 namespace vpr {

@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 
 namespace vpr {
 namespace {

@@ -13,11 +13,11 @@
 
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
-#include "fabmap/model.h"
 #include "match/filter_settings.h"
 #include "match/match.h"
 #include "match/zscores.h"
 #include "settings/scores.h"
+#include "words/model.h"
 
 namespace vpr {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "run/fabmap_query.h"
+#include "fabmap/place_query.h"
 #include "run/query.h"
 #include "truth/ground_truth.h"
 #include "tune/cell_counts.h"

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "present/palette.h"
+#include "chart/palette.h"
 #include "tune/sweep_report.h"
 
 namespace vpr {

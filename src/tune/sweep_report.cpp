@@ -8,7 +8,7 @@
 #include "base/json.h"
 #include "base/json_fields.h"
 #include "base/text.h"
-#include "present/evaluation_report.h"
+#include "files/report_json.h"
 #include "present/evaluation_text.h"
 
 namespace vpr {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "present/chart.h"
-#include "present/run_info.h"
+#include "chart/chart.h"
+#include "files/run_info.h"
 #include "present/table.h"
 #include "tune/cell_counts.h"
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 
 namespace vpr {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "run/evaluate.h"
-#include "run/fabmap_query.h"
+#include "evaluate/evaluation.h"
+#include "fabmap/place_query.h"
 #include "run/query.h"
 #include "tune/cell_counts.h"
 #include "tune/sweep.h"

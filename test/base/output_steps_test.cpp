@@ -18,8 +18,8 @@ namespace {
 /// Records calls, and makes one of them fail.
 struct Calls {
   bool is_on = false;
-  int failing = -1;                ///< index of the failing call, from 0; negative: none
-  bool has_plain_renames = false;  ///< renames without flags, as on many network file systems
+  int failing = -1;                   ///< index of the failing call, from 0; negative: none
+  bool has_flagless_renames = false;  ///< renames without flags, as on many network file systems
   std::vector<std::string> names = {};
 
   bool fails(const std::string& name) {
@@ -42,7 +42,7 @@ extern "C" int fsync(int file) {
 
 extern "C" int renameat2(int from_folder, const char* from, int to_folder, const char* to,
                          unsigned int flags) noexcept {
-  if (calls.is_on && calls.has_plain_renames) {
+  if (calls.is_on && calls.has_flagless_renames) {
     errno = EINVAL;
     return -1;
   }
@@ -66,13 +66,13 @@ using Names = std::vector<std::string>;
 bool is_any(const std::filesystem::path&) { return true; }
 
 // Writes two files and a folder over old ones, and a new file.
-void write_outputs(const TemporaryFolder& folder, int failing, bool has_plain_renames = false) {
+void write_outputs(const TemporaryFolder& folder, int failing, bool has_flagless_renames = false) {
   Outputs outputs(Existing::replace);
   outputs.file(folder / "main").write("new");
   outputs.file(folder / "companion").write("new");
   outputs.file(folder / "fresh").write("new");
   write_part(outputs.folder(folder / "db", is_any).temporary() / "note", "new");
-  calls = {true, failing, has_plain_renames};
+  calls = {true, failing, has_flagless_renames};
   try {
     outputs.commit();
   } catch (const Error&) {
@@ -102,14 +102,14 @@ TEST_CASE("everything is flushed before the first rename, and the folder after t
 }
 
 TEST_CASE("if any step fails, each output is complete, and the error lists the new ones") {
-  const bool has_plain_renames = GENERATE(false, true);
+  const bool has_flagless_renames = GENERATE(false, true);
   int failing = 0;
   for (bool has_failed = true; has_failed; ++failing) {
     INFO("step " << failing);
     const TemporaryFolder folder;
     write_old(folder);
     const std::string sentence =
-        error_text([&] { write_outputs(folder, failing, has_plain_renames); });
+        error_text([&] { write_outputs(folder, failing, has_flagless_renames); });
     has_failed = !sentence.empty();
     bool is_any_old = false;
     for (const std::string name : {"main", "companion", "db"}) {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "fabmap/database.h"
+#include "words/database.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -1,7 +1,7 @@
 // Fusion of FAB-MAP and sequences in the programs.
 #include <catch2/catch.hpp>
 
-#include "present/result_file.h"
+#include "files/result_file.h"
 #include "world.h"
 
 using namespace vpr;

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "present/result_file.h"
+#include "files/result_file.h"
 #include "running.h"
 #include "world.h"
 

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "present/result_file.h"
+#include "files/result_file.h"
 #include "support.h"
 
 using namespace vpr;

@@ -10,11 +10,11 @@
 #include "base/json.h"
 #include "bench/benches.h"
 #include "common/command.h"
-#include "fabmap/database.h"
 #include "present/table.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "settings/query_settings.h"
 #include "support.h"
+#include "words/database.h"
 
 using namespace vpr;
 using namespace vpr::test;

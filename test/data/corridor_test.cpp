@@ -130,8 +130,8 @@ TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, o
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
   const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
   const size_t length = 20;
-  const std::vector<uint32_t> right = plain_openable(train, query, length);
-  CHECK(plain_fastable(train, query, length) == right);
+  const std::vector<uint32_t> right = reference_openable(train, query, length);
+  CHECK(reference_fastable(train, query, length) == right);
   const size_t cols = train.size() - length + 1;
   std::vector<int64_t> published(right.begin(), right.end());
   int64_t largest_difference = 0;

@@ -4,11 +4,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "fabmap/model.h"
-#include "fabmap/train.h"
+#include "fabmap/place_query.h"
 #include "printed.h"
-#include "reference/plain_words.h"
-#include "run/fabmap_query.h"
+#include "reference/reference_words.h"
+#include "words/model.h"
+#include "words/word_training.h"
 
 using namespace vpr;
 using namespace vpr::test;
@@ -85,7 +85,7 @@ TEST_CASE(
   if (!folder) return;
   const Loop loop(*folder);
   const ChowLiuTree ours = train_chow_liu(loop.pretrain, loop.tree.words(), {});
-  CHECK(ours.parent == plain_chow_liu(loop.pretrain, loop.tree.words()).parent);
+  CHECK(ours.parent == reference_chow_liu(loop.pretrain, loop.tree.words()).parent);
   for (size_t q = 0; q < ours.words(); ++q)
     REQUIRE(ours.p[q] == Approx(loop.tree.p[q]).margin(1e-12));
 }

@@ -60,7 +60,7 @@ double overlap(int x, int pixels, int other, int others) {
   return std::max(0.0, std::min((x + 1) * width, (other + 1) / double(others)) - first) / width;
 }
 
-double plain_mean(const cv::Mat& picture, int x, int y, int width, int height) {
+double reference_mean(const cv::Mat& picture, int x, int y, int width, int height) {
   double sum = 0;
   for (int v = 0; v < picture.rows; ++v)
     for (int u = 0; u < picture.cols; ++u)
@@ -178,7 +178,7 @@ TEST_CASE("images shrink to area means") {
     for (int y = 0; y < 32; y += 5)
       for (int x = 0; x < 64; ++x)
         REQUIRE(small.at<uint8_t>(y, x) ==
-                Approx(plain_mean(picture, x, y, 64, 32)).margin(0.5000001));
+                Approx(reference_mean(picture, x, y, 64, 32)).margin(0.5000001));
   }
 }
 

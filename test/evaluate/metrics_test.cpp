@@ -49,7 +49,7 @@ std::vector<Threshold> all_thresholds(const std::vector<Scored>& scored) {
   return thresholds;
 }
 
-double plain_auc(const std::vector<Scored>& scored) {
+double reference_auc(const std::vector<Scored>& scored) {
   double better = 0;
   double pairs = 0;
   for (const Scored& a : scored) {
@@ -187,7 +187,8 @@ TEST_CASE("metrics equal their definitions on random scores with ties") {
     REQUIRE(*max_f1(curve).value == Approx(f1));
     REQUIRE(*extended_precision(curve).value ==
             Approx((thresholds[0].correct / thresholds[0].accepted + full) / 2));
-    if (correct > 0 && correct < count) REQUIRE(*roc_auc(curve).value == Approx(plain_auc(scored)));
+    if (correct > 0 && correct < count)
+      REQUIRE(*roc_auc(curve).value == Approx(reference_auc(scored)));
   }
 }
 
@@ -226,7 +227,7 @@ TEST_CASE("keys sort scores best first and can be converted back") {
 namespace {
 
 /// The mean risk by definition, over random orders of ties.
-double plain_risk(std::vector<Scored> scored, size_t orders) {
+double reference_risk(std::vector<Scored> scored, size_t orders) {
   RandomEngine engine(5);
   double sum = 0;
   for (size_t order = 0; order < orders; ++order) {
@@ -278,7 +279,7 @@ TEST_CASE(
   for (size_t i = 0; i < 40; ++i)
     many.push_back({double(uniform_below(engine, 8)), uniform_below(engine, 3) > 0});
   CHECK(*risk_coverage_area(curve_from(many, 40)).value ==
-        Approx(plain_risk(many, 20000)).margin(0.002));
+        Approx(reference_risk(many, 20000)).margin(0.002));
   const auto points = risk_coverage_points(curve_from(kFive, 4));
   REQUIRE(points.size() == 4);  // no threshold at a single incorrect one, except the last
   CHECK(points[1] == std::pair(0.4, 0.0));

@@ -148,7 +148,7 @@ int open_file(int folder, const char* path, int flags, mode_t mode) {
 
 int rename_file(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
   return at_path("rename", to_folder, to, false, [&] {
-    if (flags != 0 && state.plan.has_plain_renames && is_below(to_folder, to)) {
+    if (flags != 0 && state.plan.has_flagless_renames && is_below(to_folder, to)) {
       errno = EINVAL;
       return -1;
     }

@@ -25,8 +25,8 @@ enum class Fault : char {
 struct Plan {
   std::string folder;  ///< as named by the program, relative
   Fault fault = Fault::none;
-  uint64_t number = 0;             ///< of the call, from 1
-  bool has_plain_renames = false;  ///< without flags, as on a network file system
+  uint64_t number = 0;                ///< of the call, from 1
+  bool has_flagless_renames = false;  ///< without flags, as on a network file system
 };
 
 /// Records of calls, one per line: name, whether it failed as planned ("!") or not (" "), path.

@@ -2,12 +2,12 @@
 #include "base/json.h"
 #include "bench/generated.h"
 #include "common/parser.h"
+#include "fabmap/place_query.h"
+#include "files/result_file.h"
 #include "fuzz.h"
-#include "present/result_file.h"
-#include "run/fabmap_query.h"
 #include "run/open.h"
 #include "run/query.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 
 using namespace vpr;
 

@@ -2,8 +2,8 @@
 // be opened.
 #include "base/checksum.h"
 #include "base/json.h"
+#include "fabmap/place_query.h"
 #include "fuzz.h"
-#include "run/fabmap_query.h"
 #include "run/open.h"
 #include "run/query.h"
 #include "store/archive.h"

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "base/json.h"
+#include "files/report_json.h"
 #include "fuzz.h"
 #include "present/comparison_report.h"
 

@@ -4,9 +4,9 @@
 
 #include "base/checksum.h"
 #include "base/json.h"
+#include "files/report_json.h"
+#include "files/result_file.h"
 #include "fuzz.h"
-#include "present/evaluation_report.h"
-#include "present/result_file.h"
 
 using namespace vpr;
 

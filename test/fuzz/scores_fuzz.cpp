@@ -5,7 +5,7 @@
 #include "loops/own_database.h"
 #include "match/match.h"
 #include "match/row_kernels.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 
 using namespace vpr;
 

@@ -26,7 +26,7 @@ std::vector<double> distances_within(const DescriptorRows& rows) {
 }
 
 // Sums over all landmarks, as in the header.
-ComponentValues plain_components(const TrainComponents& components, DescriptorRow row) {
+ComponentValues reference_components(const TrainComponents& components, DescriptorRow row) {
   ComponentValues values = {};
   const ElementType element = components.shape.element;
   for (size_t l = 0; l < components.landmarks.size(); ++l)
@@ -148,7 +148,7 @@ TEST_CASE("sums by tables equal sums of direct distances") {
   const TrainComponents components = compute_components(example.spans(), 0, {});
   const Projector project = make_projector(components);
   for (const LdbCode& code : example.query)
-    CHECK(project(code) == plain_components(components, code));
+    CHECK(project(code) == reference_components(components, code));
 }
 
 TEST_CASE("sums by tables for vectors equal sums of unrounded distances") {
@@ -162,7 +162,7 @@ TEST_CASE("sums by tables for vectors equal sums of unrounded distances") {
   const Projector project = make_projector(components);
   for (size_t i = 0; i < rows.size(); ++i) {
     const ComponentValues found = project(rows[i]);
-    const ComponentValues expected = plain_components(components, rows[i]);
+    const ComponentValues expected = reference_components(components, rows[i]);
     for (size_t k = 0; k < kMaxComponents; ++k) CHECK(found[k] == Approx(expected[k]).margin(1e-6));
   }
 }

@@ -14,7 +14,7 @@ using namespace vpr;
 namespace {
 
 // The reference implementation, in double precision.
-TrainStatistics plain_statistics(std::span<const DescribedFrames> sequences, size_t reach) {
+TrainStatistics reference_statistics(std::span<const DescribedFrames> sequences, size_t reach) {
   struct Frame {
     size_t sequence;
     size_t index;
@@ -68,7 +68,7 @@ TEST_CASE("statistics of training frames equal the reference implementation") {
   StatisticsSettings settings;
   settings.neighbor_share = 0.02;  // 6 of 300 frames, 5 (neighbor_frames) of 90
   settings.neighbor_frames = 6;
-  const TrainStatistics expected = plain_statistics(spans, 6);
+  const TrainStatistics expected = reference_statistics(spans, 6);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
     const TrainStatistics found = compute_statistics(spans, settings, {});
@@ -88,7 +88,7 @@ TEST_CASE("statistics of training frames equal the reference implementation") {
 TEST_CASE("the number of neighbors grows with the sequence") {
   const std::vector<LdbCode> codes = test::walk_codes(500, 3);
   const DescribedFrames span{codes, {}};
-  const TrainStatistics expected = plain_statistics(std::span(&span, 1), 10);
+  const TrainStatistics expected = reference_statistics(std::span(&span, 1), 10);
   const TrainStatistics found = compute_statistics({&span, 1}, {}, {});
   for (size_t i = 0; i < 500; ++i) REQUIRE(found.bias[i] == Approx(expected.bias[i]).margin(1e-4));
 }
@@ -182,7 +182,7 @@ TEST_CASE("statistics of distances with squares above 32 bits equal the referenc
   for (size_t i = 0; i < 200; i += 3)
     std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(i * shape.row_bytes()), 7500, uint8_t{255});
   const DescribedFrames span{{shape, bytes}, {}};
-  const TrainStatistics expected = plain_statistics({&span, 1}, 5);
+  const TrainStatistics expected = reference_statistics({&span, 1}, 5);
   const TrainStatistics found = compute_statistics({&span, 1}, {}, {});
   CHECK(found.typical_distance == Approx(expected.typical_distance).epsilon(1e-12));
   for (size_t i = 0; i < 200; ++i) {

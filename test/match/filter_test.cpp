@@ -12,7 +12,7 @@
 #include "base/simd.h"
 #include "examples.h"
 #include "match/score_kernels.h"
-#include "reference/plain_filter.h"
+#include "reference/reference_filter.h"
 #include "support.h"
 
 using namespace vpr;
@@ -124,7 +124,7 @@ TEST_CASE("the filter equals the reference implementation, and no step crosses a
   example.train_unreadable[3] = {0, 17, 18, 299};
   RandomEngine engine(5);
   FilterState state = start(example);
-  PlainFilter plain = start_plain_filter(state.cells);
+  ReferenceFilter plain = start_reference_filter(state.cells);
   const size_t frames = 40 + 1 + 2 + 300 + 3;
   CHECK(state.cells.places == frames - 4);
   double least_kept = 1;
@@ -132,14 +132,14 @@ TEST_CASE("the filter equals the reference implementation, and no step crosses a
     std::vector<uint16_t> scores = random_scores(frames, engine);
     scores[view % 40] = kScoreBias - 4 * kScoreUnit + kScoresPerLikelihood / 2;  // a path
     advance_filter(state, scores);
-    advance_plain_filter(plain, scores);
+    advance_reference_filter(plain, scores);
     least_kept = std::min(least_kept, state.kept);
     for (size_t cell = 0; cell < state.cells.size(); ++cell) {
       if (plain.masses[cell] == 0) {
         REQUIRE(state.values[cell] == kNoValue);
         continue;
       }
-      REQUIRE(deviations(state.values[cell]) == Approx(plain_value(plain, cell)).margin(0.01));
+      REQUIRE(deviations(state.values[cell]) == Approx(reference_value(plain, cell)).margin(0.01));
     }
   }
   CHECK(least_kept < 1);

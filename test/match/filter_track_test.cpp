@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 #include "match/score_kernels.h"
-#include "reference/plain_filter.h"
+#include "reference/reference_filter.h"
 
 using namespace vpr;
 
@@ -108,7 +108,7 @@ TEST_CASE("paths equal the reference implementation") {
     Places places;
     RandomEngine engine(seed);
     std::vector<std::vector<uint32_t>> values;
-    std::vector<PlainKeyframe> found;
+    std::vector<ReferenceKeyframe> found;
     std::map<size_t, size_t> cells;  // by keyframe
     size_t sequence = 0;
     size_t place = 0;
@@ -133,8 +133,8 @@ TEST_CASE("paths equal the reference implementation") {
         cells[keyframe.frame] = keyframe.cell;
       traced += cells[view] != places.cell(sequence, place);
     }
-    const std::vector<PlainKeyframe> expected =
-        plain_paths(places.state.cells, values, places.track.settings);
+    const std::vector<ReferenceKeyframe> expected =
+        reference_paths(places.state.cells, values, places.track.settings);
     for (size_t view = 0; view < found.size(); ++view) {
       INFO("seed " << seed << ", view " << view);
       REQUIRE(found[view].path == expected[view].path);

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "reference/plain_fusion.h"
+#include "reference/reference_fusion.h"
 
 using namespace vpr;
 
@@ -138,7 +138,7 @@ TEST_CASE("integer rows equal the reference implementation") {
       for (uint32_t word = 0; word < 30; ++word)
         if (uniform_below(engine, 10) < share) words.push_back(word);
       const FusionRow row = fusion_row(basis, words, weight);
-      const FusionRow plain = plain_fusion_row(basis, words, weight);
+      const FusionRow plain = reference_fusion_row(basis, words, weight);
       REQUIRE(row.added.size() == plain.added.size());
       CHECK(row.likeliest.has_value() == plain.likeliest.has_value());
       for (size_t i = 0; i < row.added.size(); ++i)

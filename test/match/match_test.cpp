@@ -87,18 +87,18 @@ TEST_CASE("the reference implementation equals values computed by hand") {
   train[1][0] = 0b11;
   train[2][0] = 0b111;
   const std::vector<LdbCode> query(2, LdbCode{});
-  CHECK(test::plain_openable(train, query, 1) == std::vector<uint32_t>{1, 2, 3, 1, 2, 3});
-  CHECK(test::plain_openable(train, query, 2) == std::vector<uint32_t>{1 + 2, 2 + 3});
-  CHECK(test::plain_openable(train, query, 3).empty());
-  CHECK(test::plain_fastable(train, query, 2) == test::plain_openable(train, query, 2));
+  CHECK(test::reference_openable(train, query, 1) == std::vector<uint32_t>{1, 2, 3, 1, 2, 3});
+  CHECK(test::reference_openable(train, query, 2) == std::vector<uint32_t>{1 + 2, 2 + 3});
+  CHECK(test::reference_openable(train, query, 3).empty());
+  CHECK(test::reference_fastable(train, query, 2) == test::reference_openable(train, query, 2));
 }
 
 TEST_CASE("the recurrence equals the sums of windows, cell by cell") {
   const std::vector<LdbCode> train = test::walk_codes(40, 1);
   const std::vector<LdbCode> query = test::walk_codes(33, 2);
   for (size_t length = 1; length <= 34; ++length)
-    REQUIRE(test::plain_fastable(train, query, length) ==
-            test::plain_openable(train, query, length));
+    REQUIRE(test::reference_fastable(train, query, length) ==
+            test::reference_openable(train, query, length));
 }
 
 TEST_CASE("every method equals the reference implementation, for any length and SIMD target") {

@@ -16,7 +16,7 @@
 #include "match/reference.h"
 #include "match/score_kernels.h"
 #include "match/zscores.h"
-#include "reference/plain_past.h"
+#include "reference/reference_past.h"
 #include "support.h"
 #include "truth/times.h"
 
@@ -117,11 +117,11 @@ double worst_score(const Walk& walk, size_t length, const ZScoreSettings& settin
   const Cells fast = scores_of(walk, length, settings);
   const Cells raw = reference_cells(walk, length);
   REQUIRE(fast.size() == raw.size());
-  const PlainPast shared = plain_past(walk.span(), walk.past, settings, {});
+  const ReferencePast shared = reference_past(walk.span(), walk.past, settings, {});
   std::vector<std::vector<double>> columns;
   for (size_t i = 0; i < walk.codes.size(); ++i)
     columns.push_back(
-        plain_past_scores(walk.span(), walk.past, settings, shared, i, walk.codes.size() - 1));
+        reference_past_scores(walk.span(), walk.past, settings, shared, i, walk.codes.size() - 1));
   double worst = 0;
   for (const auto& [key, sum] : fast) {
     if (!raw.contains(key)) FAIL("a cell that is none");

@@ -39,9 +39,9 @@ std::vector<std::vector<uint16_t>> all_pairs(const FrameDistances& distances) {
 }
 
 // Computes every sum directly.
-RatedCells plain_rates(const std::vector<std::vector<uint16_t>>& pairs,
-                       const FrameDistances& frames, size_t length,
-                       const std::vector<Rate>& rates) {
+RatedCells reference_rates(const std::vector<std::vector<uint16_t>>& pairs,
+                           const FrameDistances& frames, size_t length,
+                           const std::vector<Rate>& rates) {
   RatedCells cells;
   for (const FrameRun& query : frames.query_runs)
     for (size_t j = query.first + length - 1; j < query.first + query.count; ++j)
@@ -117,9 +117,9 @@ TEST_CASE("windows of several rates equal direct sums, and rate 1 is FastABLE") 
     for (const size_t length : {1, 2, 3, 5, 8, 11}) {
       INFO("seed " << seed << ", c_l " << length);
       const RatedCells fast = fast_rates(distances, settings_of(length, kRates));
-      CHECK(fast == plain_rates(pairs, distances, length, kRates));
+      CHECK(fast == reference_rates(pairs, distances, length, kRates));
       CHECK(fast_rates(distances, settings_of(length, {{5, 16}, {16, 5}})) ==
-            plain_rates(pairs, distances, length, {{5, 16}, {16, 5}}));
+            reference_rates(pairs, distances, length, {{5, 16}, {16, 5}}));
       RatedCells one;
       MatchSettings online = settings_of(length, {});
       online.method = &find_sequence_method("fastable-online");
@@ -152,7 +152,7 @@ TEST_CASE("z-scores support rates, and several lengths share a pass") {
     passes.push_back({lengths[l], {{[&, l](const ScoreRow& row) { add_row(fast[l], row); }}}});
   match(scores(), settings_of(1, kRates), passes, {});
   for (size_t l = 0; l < lengths.size(); ++l)
-    CHECK(fast[l] == plain_rates(pairs, scores(), lengths[l], kRates));
+    CHECK(fast[l] == reference_rates(pairs, scores(), lengths[l], kRates));
 }
 
 TEST_CASE("only the window with its rate follows a sequence at another speed") {

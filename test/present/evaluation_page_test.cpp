@@ -7,11 +7,12 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "evaluate/metrics.h"
+#include "files/report_json.h"
 #include "present/comparison_report.h"
-#include "present/evaluation_report.h"
 #include "present/html_page.h"
-#include "present/score_matrix.h"
+#include "present/matrix_chart.h"
 #include "sequence/sequence_source.h"
 #include "support.h"
 

@@ -12,8 +12,8 @@
 #include "match/fastable.h"
 #include "match/reference.h"
 #include "match/score_kernels.h"
-#include "reference/plain_fusion.h"
-#include "reference/plain_past.h"
+#include "reference/reference_fusion.h"
+#include "reference/reference_past.h"
 #include "run/query.h"
 #include "settings/query_settings.h"
 
@@ -35,8 +35,8 @@ using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
 
 // The sum of the window of a rate that ends at training frame i and query frame j; nullopt if it
 // begins before training frame `first`.
-std::optional<double> plain_sum(const PairValue& value, const Rate& rate, size_t length,
-                                size_t sequence, size_t first, size_t i, size_t j) {
+std::optional<double> reference_sum(const PairValue& value, const Rate& rate, size_t length,
+                                    size_t sequence, size_t first, size_t i, size_t j) {
   if (i + 1 < first + rate_span(rate, length)) return std::nullopt;
   double sum = 0;
   for (size_t m = 0; m < length; ++m) sum += value(sequence, i - rate_offset(rate, m), j - m);
@@ -50,23 +50,24 @@ size_t run_start(const DescribedFrames& sequence, size_t i) {
 }
 
 // The best sum over all rates; nullopt if no window fits.
-std::optional<double> plain_best(const PairValue& value, const RatedWindows& windows,
-                                 std::span<const DescribedFrames> train, const Cell& cell) {
+std::optional<double> reference_best(const PairValue& value, const RatedWindows& windows,
+                                     std::span<const DescribedFrames> train, const Cell& cell) {
   const size_t i = cell.train_window + windows.length - 1;
   const size_t first = run_start(train[cell.sequence], i);
   std::optional<double> best;
   for (const Rate& rate : windows.rates)
-    if (const auto sum = plain_sum(value, rate, windows.length, cell.sequence, first, i,
-                                   cell.query_window + windows.length - 1))
+    if (const auto sum = reference_sum(value, rate, windows.length, cell.sequence, first, i,
+                                       cell.query_window + windows.length - 1))
       best = std::min(best.value_or(*sum), *sum);
   return best;
 }
 
 /// z of a training frame to all query frames that a cell needs, computed once.
-class PlainScores {
+class ReferenceScores {
  public:
-  PlainScores(std::span<const DescribedFrames> train, const DescriptorRows& query,
-              const ReferenceUpdates& updates, const ScoreBasis& basis, const PlainFusion& fusion)
+  ReferenceScores(std::span<const DescribedFrames> train, const DescriptorRows& query,
+                  const ReferenceUpdates& updates, const ScoreBasis& basis,
+                  const ReferenceFusion& fusion)
       : train_(train), query_(query), updates_(updates), basis_(basis), fusion_(fusion) {}
   double operator()(size_t sequence, size_t i, size_t j) {
     auto& scores = known_[i];
@@ -83,7 +84,7 @@ class PlainScores {
   DescriptorRows query_;
   const ReferenceUpdates& updates_;
   const ScoreBasis& basis_;
-  const PlainFusion& fusion_;
+  const ReferenceFusion& fusion_;
   std::map<size_t, std::vector<double>> known_;  // by training frame of the last sequence
 };
 
@@ -95,22 +96,22 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
                                     const Monitor& monitor) {
   const ReferenceUpdates updates =
       basis != nullptr ? reference_updates(train, query, *basis, monitor) : ReferenceUpdates{};
-  const PlainFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
-                           windows.length, monitor);
+  const ReferenceFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
+                               windows.length, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return reference_distance(train[sequence].rows, i, query.rows, j);
   };
   std::vector<std::optional<double>> right(cells.size());
   parallel_for(cells.size(), monitor, [&](size_t c) {
     if (basis == nullptr) {
-      right[c] = plain_best(distance, windows, train, cells[c]);
+      right[c] = reference_best(distance, windows, train, cells[c]);
       return;
     }
     // Only an offline score depends on frames after the window.
     const size_t known =
         basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
-    PlainScores scores(train, query.rows.first(known), updates, *basis, fusion);
-    right[c] = plain_best(std::ref(scores), windows, train, cells[c]);
+    ReferenceScores scores(train, query.rows.first(known), updates, *basis, fusion);
+    right[c] = reference_best(std::ref(scores), windows, train, cells[c]);
     if (right[c])
       *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
   });
@@ -127,13 +128,14 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
 std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescribedFrames& walk,
                                     std::span<const uint32_t> past, size_t window_length,
                                     const ZScoreSettings& settings) {
-  const PlainPast shared = plain_past(walk, past, settings, {});
+  const ReferencePast shared = reference_past(walk, past, settings, {});
   std::vector<Cell> wrong;
   for (const Cell& cell : cells) {
     double right = 0;
     for (size_t k = 0; k < window_length; ++k) {
       const size_t frame = cell.query_window + k;
-      right += plain_past_scores(walk, past, settings, shared, cell.train_window + k, frame)[frame];
+      right +=
+          reference_past_scores(walk, past, settings, shared, cell.train_window + k, frame)[frame];
     }
     const auto found = static_cast<double>(cell.score - score_offset(window_length));
     if (std::abs(found - right * kScoreUnit) > static_cast<double>(window_length))

@@ -11,7 +11,7 @@
 #include "reference/verified_query.h"
 #include "run/open.h"
 #include "run/query.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "support.h"
 
 using namespace vpr;

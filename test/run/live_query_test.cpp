@@ -9,7 +9,7 @@
 #include "examples.h"
 #include "run/open.h"
 #include "run/thresholds.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "support.h"
 
 using namespace vpr;

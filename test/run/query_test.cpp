@@ -11,7 +11,7 @@
 #include "match/reference.h"
 #include "run/advice.h"
 #include "run/thresholds.h"
-#include "run/train.h"
+#include "run/train_sequences.h"
 #include "support.h"
 
 using namespace vpr;
@@ -46,7 +46,7 @@ std::vector<Match> slow_recognitions(const std::vector<std::vector<LdbCode>>& tr
                                      double threshold) {
   std::vector<Match> recognitions;
   for (size_t s = 0; s < train.size(); ++s) {
-    const auto distances = test::plain_openable(train[s], query, length);
+    const auto distances = test::reference_openable(train[s], query, length);
     const double most = *std::max_element(distances.begin(), distances.end());
     const size_t cols = train[s].size() - length + 1;
     for (size_t x = 0; x < distances.size(); ++x)

@@ -27,8 +27,8 @@ Trajectory at(const std::vector<std::pair<int64_t, double>>& times_and_xs) {
 }
 
 /// Compares every frame with every pose.
-Poses plain_poses_at(const Trajectory& trajectory, const std::vector<int64_t>& frames,
-                     const AssociationRules& rules) {
+Poses reference_poses_at(const Trajectory& trajectory, const std::vector<int64_t>& frames,
+                         const AssociationRules& rules) {
   Poses poses;
   for (const int64_t frame : frames) {
     const int64_t time = frame + rules.offset_ns;
@@ -108,8 +108,8 @@ TEST_CASE("one pass over both times equals comparing every frame with every pose
       frames.push_back(frame += 1 + static_cast<int64_t>(uniform_below(random, 25)));
     const AssociationRules rules{static_cast<int64_t>(uniform_below(random, 12)),
                                  static_cast<int64_t>(uniform_below(random, 9)) - 4};
-    CHECK(
-        are_alike(poses_at(trajectory, frames, rules), plain_poses_at(trajectory, frames, rules)));
+    CHECK(are_alike(poses_at(trajectory, frames, rules),
+                    reference_poses_at(trajectory, frames, rules)));
   }
 }
 

@@ -1,0 +1,191 @@
+#include "evaluate/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "evaluate/judgment.h"
+#include "evaluate/place_answers.h"
+#include "truth/positions.h"
+
+namespace vpr {
+namespace {
+
+std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthScope& scope,
+                                const Monitor& monitor) {
+  if (by.poses.empty()) return {};
+  return read_traveled(by.poses, scope.query, monitor);
+}
+
+/// A query frame and its training frame.
+struct MatchedFrame {
+  size_t query = 0;
+  FrameMatch match;
+};
+
+// The recognitions of a result, or the best matches if there are none.
+std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
+  std::vector<MatchedFrame> all;
+  if (evaluation.result) {
+    const Result& result = evaluation.result->result;
+    for (const Match* recognition : recognitions_by_frame(result))
+      if (recognition != nullptr)
+        all.push_back(
+            {anchor_of(recognition->query, result.window_length()),
+             {recognition->sequence, anchor_of(recognition->train, result.window_length())}});
+  }
+  if (!all.empty()) return all;
+  for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)
+    if (query.best && query.has_match) all.push_back({query.frame, *query.best});
+  return all;
+}
+
+bool is_incorrect(const GroundTruth& truth, const MatchedFrame& one) {
+  return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::different;
+}
+
+size_t count_right(const GroundTruth& truth, const std::vector<MatchedFrame>& all) {
+  return static_cast<size_t>(std::ranges::count_if(all, [&](const MatchedFrame& one) {
+    return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::same;
+  }));
+}
+
+// A warning if the query and the searched training sequence of aligned sequences differ in length.
+std::optional<std::string> length_warning(const Evaluation& evaluation,
+                                          const EvaluationSettings& by) {
+  constexpr double kSameLength = 0.1;
+  if (by.ground_truth->format != "aligned" || by.ground_truth->options.train_step)
+    return std::nullopt;
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
+  const auto train =
+      std::ranges::find_if(scope.sequences, [](const auto& one) { return one.searched; });
+  const size_t frames = scope.query.recorded_frames();
+  const size_t train_frames = train->sequence.recorded_frames();
+  const double step = static_cast<double>(train_frames) / static_cast<double>(frames);
+  if (std::abs(step - 1) <= kSameLength) return std::nullopt;
+  return fmt::format("the query has {} and the training sequence {}: --train-step {:.3g}?",
+                     counted(frames, "frame"), train_frames, step);
+}
+
+// Names the smallest larger tolerance at which at least 9 of 10 matches are correct.
+std::optional<std::string> tolerance_warning(const GroundTruth& truth,
+                                             const std::vector<MatchedFrame>& matches,
+                                             const std::string& noun) {
+  constexpr int64_t kMostOff = 10;  // frames; a larger offset is not a matter of tolerance
+  GroundTruth wider = truth;
+  while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
+    const size_t correct = count_right(wider, matches);
+    if (10 * correct < 9 * matches.size()) continue;
+    const std::string share = correct == matches.size()
+                                  ? fmt::format("all {}", correct)
+                                  : fmt::format("{} of {}", correct, matches.size());
+    return fmt::format("{} {} are within {} of the truth", share, noun,
+                       counted(wider.tolerance_frames, "frame"));
+  }
+  return std::nullopt;
+}
+
+// Warns if the ground truth, not the method, is the likely cause of incorrect recognitions.
+void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const Monitor& monitor) {
+  const GroundTruth& truth = evaluation.truth;
+  if (!truth.is_known || !by.ground_truth) return;
+  std::vector<MatchedFrame> matches = matched_frames(evaluation);
+  std::string noun = evaluation.result ? "recognitions" : "best matches";
+  const bool most_are_incorrect = 2 * count_right(truth, matches) < matches.size();
+  if (!most_are_incorrect) {
+    std::erase_if(matches, [&](const MatchedFrame& one) { return !is_incorrect(truth, one); });
+    noun = "incorrect " + noun;
+  }
+  if (matches.empty()) return;
+  std::optional<std::string> warning = tolerance_warning(truth, matches, noun);
+  if (!warning && most_are_incorrect) warning = length_warning(evaluation, by);
+  if (!warning) return;
+  evaluation.doubts_truth = true;
+  warn(monitor, *warning);
+}
+
+// Counts and verdicts by the answers in a file.
+void judge_by_answers(Evaluation& evaluation, const std::filesystem::path& file,
+                      std::span<const double> traveled_m) {
+  EvaluatedResult& judged = *evaluation.result;
+  const std::vector<PlaceLabel> labels = read_place_answers(file, judged.result);
+  for (size_t c = 0; c < labels.size(); ++c) judged.clusters[c].label = labels[c];
+  count_clusters(judged.counts, judged.clusters);
+  judge_by_places(evaluation.judgment, judged.result, labels, traveled_m);
+  evaluation.truth.protocol =
+      fmt::format("answers to {} of {}", labels.size() - judged.counts.clusters->ignored,
+                  counted(labels.size(), "place"));
+}
+
+void present_by(Judgment& judgment, const EvaluationSettings& by) {
+  if (by.confidence) set_confidence(judgment, *by.confidence);
+  if (!by.recall_at.empty()) judgment.recall_at = by.recall_at;
+  judgment.stretch_frames = by.stretch_frames;
+}
+
+// The query of the scores, with this number of frames.
+Sequence query_of(const ScoreSettings& settings, size_t frames) {
+  Sequence query = settings.query;
+  query.frames = frames;
+  const Selection& selection = query.selection;
+  if (!selection.is_all() && selection.frames() != frames)
+    throw Error(ErrorKind::data,
+                fmt::format("the scores have {}, but of {} the speed {} selects {}. Use the speed, "
+                            "its seed and the number of frames of the query of the scores.",
+                            counted(frames, "frame"), counted(selection.recorded_frames, "frame"),
+                            selection.speed, selection.frames()));
+  return query;
+}
+
+}  // namespace
+
+GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor) {
+  if (!by.ground_truth) return unknown_ground_truth(scope);
+  scope.query_names = by.query_names;
+  for (size_t s = 0; s < std::min(by.train_names.size(), scope.sequences.size()); ++s)
+    scope.sequences[s].names = by.train_names[s];
+  return read_ground_truth(*by.ground_truth, scope, monitor);
+}
+
+Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
+                           const EvaluationSettings& by, const Monitor& monitor) {
+  Evaluation evaluation;
+  const GroundTruthScope scope = scope_of(result);
+  evaluation.truth = truth_of(by, scope, monitor);
+  const GroundTruth& truth = evaluation.truth;
+  const std::vector<double> traveled_m = traveled_by(by, scope, monitor);
+  evaluation.judgment = matrix ? judge(result, *matrix, truth, traveled_m, monitor)
+                               : judge(result, truth, traveled_m, monitor);
+  present_by(evaluation.judgment, by);
+  EvaluatedResult& judged = evaluation.result.emplace();
+  judged.counts = count_recognitions(result, truth, monitor);
+  if (truth.is_known) judged.by_keyframe = count_by_keyframe(result, truth, monitor);
+  judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
+  judged.result = std::move(result);
+  if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);
+  evaluation.matrix = std::move(matrix);
+  warn_of_truth(evaluation, by, monitor);
+  return evaluation;
+}
+
+Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
+                           const EvaluationSettings& by, const Monitor& monitor) {
+  Evaluation evaluation;
+  evaluation.scores = settings;
+  ScoreLayout layout = layout_of(matrix, settings.window_length);
+  layout.scope.query = query_of(settings, layout.scope.query.frames);
+  evaluation.truth = truth_of(by, layout.scope, monitor);
+  const std::vector<double> traveled_m = traveled_by(by, layout.scope, monitor);
+  evaluation.judgment =
+      judge(matrix, layout, evaluation.truth, settings.threshold, traveled_m, monitor);
+  present_by(evaluation.judgment, by);
+  evaluation.fingerprint = matrix.fingerprint(monitor);
+  evaluation.matrix = std::move(matrix);
+  warn_of_truth(evaluation, by, monitor);
+  return evaluation;
+}
+
+}  // namespace vpr

@@ -1,0 +1,44 @@
+// Explanations of FAB-MAP's matches as JSON ("explanation" of a result), text and images.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/json_fwd.h"
+#include "fabmap/place_query.h"
+
+namespace vpr {
+
+Json explanation_json(const Explanation& explanation);
+std::string explanation_text(const Explanation& explanation);
+
+/// A word at its position in an image.
+struct MarkedPoint {
+  cv::Point2f at;
+  uint32_t word = 0;
+  bool speaks_for = true;  ///< increases the probability of the place
+};
+
+/// A frame and its words.
+struct MarkedImage {
+  cv::Mat gray;  ///< 8 bits; empty: blank
+  std::vector<MarkedPoint> points;
+  std::string title;
+};
+
+struct ImagePair {
+  MarkedImage query;
+  MarkedImage view;
+};
+
+/// Marks the words of a frame that speak for and against the place.
+MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
+                       const std::string& title);
+
+/// One row per pair, BGR, 8 bits. Words have the color of Meaning::right if they speak for the
+/// place, else of Meaning::wrong. Lines connect words for the place that are in both images.
+cv::Mat draw_word_pairs(const std::vector<ImagePair>& pairs);
+
+}  // namespace vpr

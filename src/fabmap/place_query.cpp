@@ -1,0 +1,310 @@
+#include "fabmap/place_query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/stopwatch.h"
+#include "sequence/frames.h"
+#include "words/model.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values in memory at the same time
+constexpr size_t kMostFramesAtOnce = 64;
+
+void check_share(std::string_view name, double value) {
+  if (!(value >= 0 && value <= 1))
+    throw Error(ErrorKind::usage, fmt::format("{} must be from 0 to 1, found {}", name, value));
+}
+
+Match likeliest_view(size_t frame, std::span<const double> posterior,
+                     const std::vector<uint32_t>& place_of) {
+  const auto best = std::max_element(posterior.begin() + 1, posterior.end());
+  const auto view = static_cast<uint32_t>(best - posterior.begin() - 1);
+  return {static_cast<uint32_t>(frame), 0, place_of[view], view, *best};
+}
+
+// The number of views that a frame may match: with `loop`, query frames before the gap only.
+size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t frame,
+                   const FabmapQuerySettings& settings) {
+  if (!settings.loop) return searched.views.views();
+  const size_t from_database = searched.views.views() - query_frames;
+  return from_database + (frame > settings.loop_gap ? frame - settings.loop_gap : 0);
+}
+
+// Initializes the probability of new views for the motion model.
+void extend_previous(std::vector<double>& previous, size_t views, double smoothing) {
+  if (previous.empty() || previous.size() == views + 1) return;
+  previous.resize(views + 1, (1 - smoothing) / static_cast<double>(views + 1));
+}
+
+// The result before the first frame.
+Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
+                   const std::string& query_name, const FabmapQuerySettings& settings) {
+  Result result;
+  result.settings = settings;
+  result.query = query.sequence;
+  result.query.name = query_name;
+  result.query_windows = query.sequence.frames;
+  ResultPlaces& places = result.places.emplace();
+  places.names = searched.place_names();
+  places.views = searched.places().size();
+  places.featureless = featureless_frames(query);
+  ComparedSequence& compared = result.sequences.emplace_back();
+  compared.sequence = {"places", places.names.size()};
+  compared.windows = places.names.size();
+  return result;
+}
+
+std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
+  std::vector<uint32_t> place_of = searched.places();
+  if (place_of.empty())
+    throw Error(
+        ErrorKind::usage,
+        "the database has no places. Train some, or use vpr-query loops to recognize places of the "
+        "query.");
+  return place_of;
+}
+
+bool is_unreadable(const SequenceWords& query, size_t frame) {
+  return std::binary_search(query.sequence.unreadable.begin(), query.sequence.unreadable.end(),
+                            frame);
+}
+
+size_t frames_at_once(size_t views) {
+  return std::clamp(kPosteriorsAtOnce / views, size_t{2}, kMostFramesAtOnce);
+}
+
+// The pretraining frames whose average likelihood is the likelihood of the new place.
+ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
+                          uint64_t seed) {
+  const size_t all = database.pretrain.views();
+  if (settings.new_place_samples == 0 || settings.new_place_samples >= all)
+    return database.pretrain;
+  std::vector<size_t> order(all);
+  for (size_t i = 0; i < all; ++i) order[i] = i;
+  RandomEngine engine(seed);
+  for (size_t i = 0; i < settings.new_place_samples; ++i)
+    std::swap(order[i], order[i + uniform_below(engine, all - i)]);
+  ViewWords sample;
+  for (size_t i = 0; i < settings.new_place_samples; ++i)
+    sample.add(database.pretrain.view(order[i]));
+  return sample;
+}
+
+// The likeliest views of different places, best first.
+std::vector<size_t> best_views(std::span<const double> posterior,
+                               const std::vector<uint32_t>& place_of) {
+  std::vector<size_t> order(posterior.size() - 1);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return posterior[a + 1] > posterior[b + 1]; });
+  std::vector<size_t> best;
+  for (const size_t view : order) {
+    if (best.size() == kExplainedPlaces) break;
+    if (std::none_of(best.begin(), best.end(),
+                     [&](size_t v) { return place_of[v] == place_of[view]; }))
+      best.push_back(view);
+  }
+  return best;
+}
+
+std::string view_name(const FabmapDatabase& database, size_t view) {
+  const ViewOrigin origin = database.origin(view);
+  const Sequence& sequence = database.groups[origin.group].sequence;
+  const std::string& name = sequence.frame_names[origin.frame];
+  return fmt::format("{}: {}", sequence.name,
+                     name.empty() ? fmt::format("#{}", origin.frame) : name);
+}
+
+}  // namespace
+
+void check_query_settings(const FabmapQuerySettings& settings) {
+  check_share("t_p", settings.place_threshold);
+  check_share("posterior.smoothing", settings.posterior.smoothing);
+  check_share("posterior.motion_bias", settings.posterior.motion_bias);
+  if (!(settings.posterior.new_place_prior > 0 && settings.posterior.new_place_prior <= 1))
+    throw Error(ErrorKind::usage, "posterior.new_place_prior must be above 0 and at most 1");
+  if (settings.window < 1 || settings.window > 1'000'000)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_w must be from 1 to 1000000, found {}", settings.window));
+  if (settings.lut_digits < 1 || settings.lut_digits > 12)
+    throw Error(ErrorKind::usage,
+                fmt::format("lut_digits must be from 1 to 12, found {}", settings.lut_digits));
+  find_fabmap_variant(settings.variant);
+}
+
+void append_recognitions(std::vector<Match>& recognitions, size_t frame,
+                         std::span<const double> posterior, const ViewWindow& window,
+                         uint64_t window_length, const std::vector<uint32_t>& place_of) {
+  std::map<uint32_t, Match> found;
+  for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
+    if (window.run[view] < window_length) continue;
+    const Match match{static_cast<uint32_t>(frame), 0, place_of[view], view, posterior[view + 1]};
+    const auto [entry, is_new] = found.emplace(match.train, match);
+    if (!is_new && match.score > entry->second.score) entry->second = match;
+  }
+  for (const auto& [place, match] : found) recognitions.push_back(match);
+}
+
+FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
+                          const std::string& query_name) {
+  FabmapDatabase extended = database;
+  ViewGroup group{query.sequence};
+  group.sequence.name = query_name;
+  group.sequence.frame_names.resize(query.sequence.frames);
+  add_group(extended, group, query.words);
+  index_views(extended);
+  return extended;
+}
+
+QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                      const std::string& query_name, const FabmapQuerySettings& settings,
+                      uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
+  check_query_settings(settings);
+  if (settings.loop && !query.sequence.selection.is_all())
+    throw Error(ErrorKind::usage,
+                "vpr-query loops needs all frames of a query. For fewer frames, use a range with a "
+                "step, as in PATH@::6.");
+  std::optional<FabmapDatabase> extended;
+  if (settings.loop) extended = with_query(database, query, query_name);
+  const FabmapDatabase& searched = extended ? *extended : database;
+  const std::vector<uint32_t> place_of = places_of(searched);
+  const size_t frames = query.sequence.frames;
+  QueryRun run{make_result(searched, query, query_name, settings), {}};
+  Result& result = run.result;
+  Stopwatch watch;
+  const FabmapMatcher matcher(searched, settings, seed);
+  run.seconds["index"] = watch.elapsed_s();
+  watch = {};
+  StepCounter counter(monitor, "match", frames);
+  ViewWindow window;
+  std::vector<double> previous;
+  // In order of frames, because the motion model starts from the previous posterior.
+  const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
+    const bool unreadable = is_unreadable(query, frame);
+    std::vector<double> posterior;
+    if (!unreadable) {
+      extend_previous(previous, views.size(), settings.posterior.smoothing);
+      posterior = fabmap_posterior(views, new_place, previous, settings.posterior);
+    }
+    // A frame without words resembles every view without words. Its posterior goes to files and to
+    // the motion model, but recognizes nothing.
+    const std::span<const double> shown =
+        query.words[frame].empty() ? std::span<const double>{} : posterior;
+    if (observe) observe(frame, posterior);
+    window.add(shown, settings.place_threshold, views.size());
+    result.places->new_place.push_back(unreadable ? 0 : posterior[0]);
+    result.best.emplace_back();
+    if (!shown.empty() && !views.empty()) {
+      const Match best = likeliest_view(frame, posterior, place_of);
+      if (std::isfinite(views[best.view])) result.best.back() = best;
+    }
+    append_recognitions(result.recognitions, frame, shown, window, settings.window, place_of);
+    if (!unreadable) previous = std::move(posterior);
+  };
+  const size_t at_once = frames_at_once(place_of.size());
+  for (size_t begin = 0; begin < frames; begin += at_once) {
+    const size_t count = std::min(at_once, frames - begin);
+    std::vector<std::vector<double>> views(count);
+    std::vector<double> new_place(count);
+    parallel_for(count, monitor, [&](size_t i) {
+      const size_t frame = begin + i;
+      views[i] = matcher.views(query.words[frame], known_views(searched, frames, frame, settings));
+      new_place[i] = matcher.new_place(query.words[frame]);
+      counter.add();
+    });
+    for (size_t i = 0; i < count; ++i) fold(begin + i, views[i], new_place[i]);
+  }
+  run.seconds["match"] = watch.elapsed_s();
+  return run;
+}
+
+FabmapMatcher::FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed)
+    : model(make_fabmap_model(db.tree, {s.p_seen_if_there, s.p_seen_if_not}, s.word_model)),
+      index(make_fabmap_index(model, db.views, db.index)),
+      samples(new_place_views(db, s, seed)),
+      sample_lists(make_word_index(samples, model.words())),
+      sample_index(make_fabmap_index(model, samples, sample_lists)),
+      unreadable(db.unreadable_views()),
+      database(db),
+      settings(s) {}
+
+std::vector<double> FabmapMatcher::views(const WordSet& words, size_t known_views) const {
+  std::vector<double> logs =
+      find_fabmap_variant(settings.variant)
+          .log_likelihoods({model, database.views, index, words, known_views,
+                            static_cast<int>(settings.lut_digits), unreadable});
+  for (const size_t view : unreadable)
+    if (view < logs.size()) logs[view] = -std::numeric_limits<double>::infinity();
+  return logs;
+}
+
+double FabmapMatcher::new_place(const WordSet& words) const {
+  if (settings.new_place == NewPlaceModel::mean_field) return new_place_mean_field(model, words);
+  return log_mean_exp(
+      fabmap2_log_likelihoods({model, samples, sample_index, words, samples.views()}));
+}
+
+Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
+                          std::span<const double> posterior, const FabmapQuerySettings& settings) {
+  Explanation explanation{frame, 0, {}};
+  if (posterior.empty()) return explanation;
+  explanation.new_place = posterior[0];
+  const FabmapModel model = make_fabmap_model(
+      searched.tree, {settings.p_seen_if_there, settings.p_seen_if_not}, settings.word_model);
+  const std::vector<uint32_t> place_of = searched.places();
+  const std::vector<std::string> names = searched.place_names();
+  for (const size_t view : best_views(posterior, place_of)) {
+    PlaceExplanation& place = explanation.places.emplace_back();
+    place.match = {static_cast<uint32_t>(frame), 0, place_of[view], static_cast<uint32_t>(view),
+                   posterior[view + 1]};
+    place.place = names[place_of[view]];
+    place.view = view_name(searched, view);
+    const std::vector<WordEvidence> evidence =
+        word_evidence(model, words, searched.views.view(view));
+    const auto is_seen = [](const WordEvidence& word) { return word.in_frame || word.in_view; };
+    for (const WordEvidence& word : evidence) {
+      place.log_odds += word.log_odds;
+      if (word.log_odds > 0 && is_seen(word) && place.for_it.size() < kExplainedWords)
+        place.for_it.push_back(word);
+    }
+    for (auto word = evidence.rbegin(); word != evidence.rend(); ++word)
+      if (word->log_odds < 0 && is_seen(*word) && place.against.size() < kExplainedWords)
+        place.against.push_back(*word);
+  }
+  return explanation;
+}
+
+FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
+                           const FabmapDatabase& database, const Monitor& monitor) {
+  FrameFeatures features;
+  if (!sequence.files.empty()) {
+    if (frame < sequence.files.size())
+      features.gray = decode_image(sequence.files[frame], PixelFormat::gray);
+  } else {
+    for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
+                   [&](size_t index, const cv::Mat& image) {
+                     if (index == frame) features.gray = image.clone();
+                   });
+  }
+  if (features.gray.empty())
+    throw Error(ErrorKind::input, fmt::format("{}: has no readable frame {}",
+                                              sequence.argument.path.string(), frame));
+  const LocalFeatures found = find_features(features.gray, database.settings.features);
+  features.points = found.points;
+  features.words = nearest_words(make_vocabulary(database.vocabulary), found.descriptors);
+  return features;
+}
+
+}  // namespace vpr

@@ -1,0 +1,108 @@
+// A FAB-MAP query, from words to posteriors and recognitions, and the explanation of one frame.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/monitor.h"
+#include "decide/result.h"
+#include "run/query.h"
+#include "settings/query_settings.h"
+#include "words/database.h"
+#include "words/model.h"
+#include "words/word_training.h"
+
+namespace vpr {
+
+/// Receives the posterior of every frame, in order: the new place, then the views; empty for an
+/// unreadable frame. With `loop` it grows: the views of query frames follow in the order of frames,
+/// each once it may be matched.
+using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
+
+/// Throws Error(usage) for a setting out of range.
+void check_query_settings(const FabmapQuerySettings& settings);
+
+/// Appends the places with a view above t_p for `window_length` consecutive frames (c_w), each by
+/// the likeliest such view. `posterior`: the new place first; empty for a frame that recognizes
+/// nothing.
+void append_recognitions(std::vector<Match>& recognitions, size_t frame,
+                         std::span<const double> posterior, const ViewWindow& window,
+                         uint64_t window_length, const std::vector<uint32_t>& place_of);
+
+/// The database of a query with `loop`: every query frame is a place, after those of `database`.
+FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
+                          const std::string& query_name);
+
+/// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
+/// no best match and no recognition, and interrupt a window of c_w frames. Throws Error(usage) for
+/// settings out of range, or a database without places unless `loop`.
+QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                      const std::string& query_name, const FabmapQuerySettings& settings,
+                      uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
+
+/// The part of a query that is the same for all frames. `database` and `settings` must outlive it.
+/// Not copyable, because its indices refer to its lists.
+struct FabmapMatcher {
+  FabmapModel model;
+  FabmapIndex index;
+  ViewWords samples;  ///< pretraining frames; their average likelihood is the new place's
+  WordIndex sample_lists;
+  FabmapIndex sample_index;
+  std::vector<size_t> unreadable;  ///< views, rising
+  const FabmapDatabase& database;
+  const FabmapQuerySettings& settings;
+
+  FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed);
+  FabmapMatcher(const FabmapMatcher&) = delete;
+
+  /// Log-likelihoods of the first `known_views` views; minus infinity for an undecodable view.
+  std::vector<double> views(const WordSet& words, size_t known_views) const;
+  /// Log-likelihood of the new place.
+  double new_place(const WordSet& words) const;
+};
+
+/// A likely place of a frame, with the words for and against it.
+struct PlaceExplanation {
+  Match match;
+  std::string place;
+  std::string view;     ///< "<group>: <name of the frame>"
+  double log_odds = 0;  ///< of the view against a new place by mean field
+  // Words in the frame or in the view, strongest first.
+  std::vector<WordEvidence> for_it;
+  std::vector<WordEvidence> against;
+};
+
+/// The explanation of a recognition.
+struct Explanation {
+  size_t frame = 0;
+  double new_place = 0;  ///< its posterior
+  std::vector<PlaceExplanation> places;
+};
+
+/// The largest numbers of words on each side, and of places.
+inline constexpr size_t kExplainedWords = 8;
+inline constexpr size_t kExplainedPlaces = 3;
+
+/// Explains the likeliest places of a frame, each by its likeliest view. `searched`: the database,
+/// or with_query's. `posterior`: of the frame, new place first; empty for an unreadable frame,
+/// which has no places.
+Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
+                          std::span<const double> posterior, const FabmapQuerySettings& settings);
+
+/// The features of one frame and their words.
+struct FrameFeatures {
+  cv::Mat gray;
+  std::vector<cv::Point2f> points;
+  std::vector<uint32_t> words;  ///< per point
+};
+
+/// Decodes one frame of a sequence and finds its features. Throws Error(input) if the sequence has
+/// no such frame, or it cannot be decoded.
+FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
+                           const FabmapDatabase& database, const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,156 @@
+#include "files/exports.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "evaluate/evaluation.h"
+#include "files/report.h"
+#include "truth/times.h"
+
+namespace vpr {
+namespace {
+
+// By Verdict and FrameVerdict.
+constexpr std::array<std::string_view, 4> kVerdictWords = {"correct", "incorrect", "ignored",
+                                                           "unreadable"};
+constexpr std::array<std::string_view, 4> kFrameVerdictWords = {"none", "correct", "incorrect",
+                                                                "ignored"};
+
+std::string prefix(const std::string& name, const std::string& query) {
+  return csv_field(name) + "," + csv_field(query) + ",";
+}
+
+/// The match of each recognized query frame.
+std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& evaluation) {
+  const Judgment& judgment = evaluation.judgment;
+  std::vector<std::optional<FrameMatch>> matches(judgment.verdicts.size());
+  if (!evaluation.result) {
+    for (const QueryOutcome& query : judgment.outcomes.queries)
+      if (judgment.verdicts[query.frame] != FrameVerdict::none) matches[query.frame] = query.best;
+    return matches;
+  }
+  const Result& result = evaluation.result->result;
+  const std::vector<const Match*> recognitions = recognitions_by_frame(result);
+  for (size_t frame = 0; frame < recognitions.size(); ++frame)
+    if (const Match* match = recognitions[frame])
+      matches[frame] = FrameMatch{match->sequence, anchor_of(match->train, result.window_length())};
+  return matches;
+}
+
+const Pose* position_of(const TrainPositions& positions, const FrameMatch& match) {
+  if (match.sequence >= positions.size()) return nullptr;
+  const auto& frames = positions[match.sequence];
+  if (match.reference >= frames.size() || !frames[match.reference]) return nullptr;
+  return &*frames[match.reference];
+}
+
+std::string time_of(const FrameClock& clock, size_t frame) {
+  if (frame < clock.sources.size()) frame = clock.sources[frame];
+  if (frame < clock.times_ns.size()) return time_text(clock.times_ns[frame]);
+  const double rate = clock.frames_per_second.value_or(1);
+  return fmt::format("{:.6f}", static_cast<double>(frame) / rate);
+}
+
+}  // namespace
+
+std::string outcomes_csv_header() {
+  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,recognition,"
+         "rank,"
+         "margin\n";
+}
+
+std::string recognitions_csv_header() {
+  return "name,query,sequence,first_frame,frame,last_frame,train_first_frame,train_frame,"
+         "train_last_frame,recognitions,recognitions_correct,recognitions_incorrect,score,"
+         "outcome\n";
+}
+
+std::string outcomes_csv(const Judgment& judgment, const std::string& name,
+                         const std::string& query_name) {
+  const std::string start = prefix(name, query_name);
+  const Outcomes& outcomes = judgment.outcomes;
+  std::string text;
+  for (const QueryOutcome& query : outcomes.queries) {
+    const std::string best =
+        query.best
+            ? fmt::format(
+                  "{},{},{}",
+                  csv_field(judgment.layout.scope.sequences[query.best->sequence].sequence.name),
+                  query.best->reference, score_of_key(query.key, outcomes.kind))
+            : ",,";
+    text +=
+        fmt::format("{}{},{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length,
+                    query.frame, best, kVerdictWords[static_cast<size_t>(query.verdict)],
+                    query.has_match        ? "yes"
+                    : query.is_unreachable ? "no_valid_window"
+                                           : "no",
+                    kFrameVerdictWords[static_cast<size_t>(judgment.verdicts[query.frame])],
+                    query.rank ? std::to_string(*query.rank) : "",
+                    query.margin ? fmt::format("{}", *query.margin) : "");
+  }
+  return text;
+}
+
+std::string recognitions_csv(const EvaluatedResult& judged, const std::string& name) {
+  const Result& result = judged.result;
+  const std::string start = prefix(name, result.query.name);
+  const size_t length = result.window_length();
+  const Clusters clusters = clusters_of(result);
+  std::string text;
+  for (size_t c = 0; c < judged.clusters.size(); ++c) {
+    const Cluster& cluster = clusters.all[c];
+    const JudgedCluster& one = judged.clusters[c];
+    const std::string& target = result.places ? result.places->names[cluster.train_window]
+                                              : result.sequences[cluster.sequence].sequence.name;
+    text += fmt::format(
+        "{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target), cluster.query_first,
+        anchor_of(cluster.query_window, length), anchor_of(cluster.query_last, length),
+        cluster.train_first, anchor_of(cluster.train_window, length),
+        anchor_of(cluster.train_last, length), cluster.recognitions, one.recognitions.correct,
+        one.recognitions.incorrect, cluster.best_score, verdict_text(one));
+  }
+  return text;
+}
+
+std::string recognized_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
+                                  const FrameClock& clock) {
+  const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
+  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
+  const auto matches = recognized_matches(evaluation);
+  for (size_t frame = 0; frame < matches.size(); ++frame) {
+    if (!matches[frame]) continue;
+    const Pose* pose = position_of(positions, *matches[frame]);
+    if (pose == nullptr) continue;
+    const auto& [x, y, z] = pose->position;
+    const std::string height = z == 0 ? "0" : fmt::format("{:.6f}", z);
+    text += fmt::format("{} {:.6f} {:.6f} {} 0 0 0 1\n", time_of(clock, frame), x, y, height);
+  }
+  return text;
+}
+
+std::string junit_xml(const std::string& suite, const std::string& file,
+                      std::span<const CheckedValue> values) {
+  const auto failures = std::ranges::count(values, false, &CheckedValue::is_met);
+  const std::string counts = fmt::format("tests=\"{}\" failures=\"{}\"", values.size(), failures);
+  const std::string name = html_escaped(suite);
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {0}>\n  <testsuite name=\"{1}\" "
+      "{0} errors=\"0\" skipped=\"0\" file=\"{2}\">\n",
+      counts, name, html_escaped(file));
+  for (const CheckedValue& value : values) {
+    xml += fmt::format("    <testcase classname=\"{}\" name=\"{}\"", name, html_escaped(value.key));
+    if (value.is_met) {
+      xml += "/>\n";
+      continue;
+    }
+    xml += fmt::format(
+        ">\n      <failure message=\"{}\"/>\n    </testcase>\n",
+        html_escaped(fmt::format("expected {}, found {}", value.expected, value.found)));
+  }
+  return xml + "  </testsuite>\n</testsuites>\n";
+}
+
+}  // namespace vpr

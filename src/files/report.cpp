@@ -1,0 +1,289 @@
+#include "files/report.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "match/match.h"
+#include "truth/ground_truth.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostPoints = 100;  // of a curve in a report
+
+/// Definitions that need no ground truth.
+constexpr std::array<std::string_view, 3> kTruthless = {"anchor", "recognitions", "localization"};
+
+constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
+constexpr const char* kUnreachableProtocol =
+    "a query window with matches only where no training window ends is not among the queries";
+
+std::vector<ReportedPlace> places_of(const EvaluatedResult& judged) {
+  std::vector<ReportedPlace> places;
+  const Result& result = judged.result;
+  const auto anchor = [&](size_t window) { return anchor_of(window, result.window_length()); };
+  for (size_t c = 0; c < judged.clusters.size(); ++c) {
+    const Cluster& cluster = result.clusters->all[c];
+    places.push_back({result.sequences[cluster.sequence].sequence.name,
+                      anchor(cluster.query_window),
+                      {anchor(cluster.query_first), anchor(cluster.query_last)},
+                      anchor(cluster.train_window),
+                      {anchor(cluster.train_first), anchor(cluster.train_last)},
+                      judged.clusters[c]});
+  }
+  return places;
+}
+
+using Definitions = std::vector<std::pair<std::string, std::string>>;
+
+void define_windows(Definitions& define, const Result& result) {
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  const std::string_view measure =
+      has_paths(settings) ? "path score" : score_kind(settings.score).measure;
+  define.insert(
+      define.end(),
+      {{"anchor", kAnchorProtocol},
+       {"recognitions",
+        fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
+       {"places", result.path ? "paths, judged at their middle frame"
+                              : "clusters of recognitions, judged at their mean"},
+       {"recognitions_by_place", "recognitions, each with the verdict on its place"},
+       {"mixed_places", "correct places with incorrect recognitions"},
+       {"distinct", "correct places"},
+       {"best_match", fmt::format("the window with the lowest {}, ties to the first; rate = "
+                                  "correct / (queries - ignored)",
+                                  measure)},
+       {"no_ground_truth",
+        "a query window whose anchor has no match in the ground truth is not among the queries"},
+       {"no_valid_window", kUnreachableProtocol}});
+}
+
+void define_places(Definitions& define) {
+  define.insert(
+      define.end(),
+      {{"recognitions", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
+       {"distinct", "places recognized correctly at least once"},
+       {"best_match",
+        "the place of the likeliest view, the new place omitted, ties to the first; a frame "
+        "without words is incorrect; rate = correct / (queries - ignored)"},
+       {"no_ground_truth",
+        "a frame without a match in the ground truth is not among the queries"}});
+}
+
+void define_scores(Definitions& define, size_t window_length) {
+  const bool has_windows = window_length > 1;
+  if (has_windows) define.emplace_back("anchor", kAnchorProtocol);
+  define.emplace_back(
+      "best_match",
+      "the reference with the best score, ties to the first; rate = correct / (queries - ignored)");
+  define.emplace_back(
+      "no_ground_truth",
+      "a query without a match in the ground truth is not among the queries of rate and recall");
+  if (has_windows) define.emplace_back("no_valid_window", kUnreachableProtocol);
+  define.emplace_back("unreadable", "a query without any score");
+}
+
+constexpr const char* kViewProtocol =
+    "consecutive frames that look alike are one keyframe; a pair of keyframes with recognitions, "
+    "and a query keyframe with best matches, counts once: correct or incorrect if all of its "
+    "windows are, else mixed; rate = mean over query keyframes of the share of correct windows";
+
+void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
+  const bool has_ranks = judgment.outcomes.has_ranks;
+  define.emplace_back(
+      "single_best",
+      fmt::format("a {}; recall is over queries with a match; the best match of a query without "
+                  "one is incorrect; {}",
+                  judgment.outcomes.confidence == Confidence::margin
+                      ? "margin accepts best matches that have at least this margin"
+                      : "threshold accepts best matches that score at least as well",
+                  has_ranks ? "references labeled ignore are skipped"
+                            : "a query whose best match is labeled ignore is omitted"));
+  if (judgment.outcomes.has_margins)
+    define.emplace_back(
+        "margin",
+        "difference between the best match and the runner-up, in score per frame; a best match "
+        "without a runner-up is never accepted by its margin");
+  if (judgment.all_pairs)
+    define.emplace_back(
+        "all_pairs",
+        "a threshold accepts pairs that score at least as well; recall is over all pairs of the "
+        "same place; pairs labeled ignore, and queries without any score, are omitted");
+  if (has_ranks)
+    define.emplace_back(
+        "precision_at",
+        "correct references among the K best, divided by K; mAP@K: mean over queries of the sum of "
+        "the precision at each correct one among the K best, divided by the smaller of K and the "
+        "number of correct ones");
+  define.emplace_back(
+      "recall_achievement",
+      "the path is cut into stretches of about stretch_frames frames; share of the stretches with "
+      "a match in the ground truth whose recall@1 reaches the target");
+  define.emplace_back(
+      "ties", "equal scores are accepted together; the best match and ranks take the first");
+  define.emplace_back(
+      "localization",
+      is_result
+          ? "a frame is recognized by its closest recognition"
+          : fmt::format("a frame is recognized by its best match if it scores at least as well as "
+                        "{}{}",
+                        judgment.threshold ? fmt::format("{:.6g}", *judgment.threshold)
+                                           : "any correct one before the first mistake",
+                        judgment.is_oracle ? ", a threshold chosen from the ground truth" : ""));
+}
+
+template <class T>
+ByAcceptance<T> by_acceptance(const Judgment& judgment, T (*function)(const Curve&)) {
+  ByAcceptance<T> all{function(judgment.single_best), {}, {}, {}};
+  const bool is_by_score = judgment.outcomes.confidence == Confidence::score;
+  if (judgment.other_best)
+    (is_by_score ? all.by_margin : all.by_score) = function(*judgment.other_best);
+  if (judgment.all_pairs) all.all_pairs = function(judgment.all_pairs->curve);
+  return all;
+}
+
+ReportedMetrics metrics_of(const Judgment& judgment) {
+  const Outcomes& outcomes = judgment.outcomes;
+  ReportedMetrics found;
+  found.curves = by_acceptance(judgment, numbers_of);
+  if (outcomes.has_ranks) found.curves.single_best.tied_queries = tied_queries(outcomes);
+  if (judgment.all_pairs) {
+    found.curves.all_pairs->same_without_score = judgment.all_pairs->same_without_score;
+    found.curves.all_pairs->ignored = judgment.all_pairs->ignored;
+  }
+  if (outcomes.has_ranks) {
+    found.precision_at.emplace();
+    found.map_at.emplace();
+  }
+  for (const size_t k : judgment.recall_at) {
+    if (k == 1 || outcomes.has_ranks) found.recall_at[k] = recall_at(outcomes, k);
+    if (!outcomes.has_ranks || k > kMaxRank) continue;
+    found.precision_at->emplace(k, precision_at(outcomes, k));
+    found.map_at->emplace(k, mean_average_precision_at(outcomes, k));
+  }
+  const auto recalls = local_recalls(outcomes, judgment.stretch_frames);
+  ReportedAchievement& achievement = found.recall_achievement;
+  achievement.stretch_frames = judgment.stretch_frames;
+  achievement.stretches = static_cast<size_t>(
+      std::ranges::count_if(recalls, [](const auto& recall) { return recall.has_value(); }));
+  for (size_t t = 0; t < kRecallTargets.size(); ++t)
+    achievement.shares[t] = recall_achievement(recalls, kRecallTargets[t]);
+  return found;
+}
+
+/// The parts that scores do not have.
+void add_result(Report& report, const EvaluatedResult& judged) {
+  const Result& result = judged.result;
+  report.method = method_of(result.settings);
+  report.selection = result.query.selection;
+  report.settings = result.settings;
+  report.counts = judged.counts;
+  report.by_keyframe = judged.by_keyframe;
+  if (result.clusters) report.recognitions = places_of(judged);
+  Definitions& define = report.protocol.definitions;
+  if (result.places)
+    define_places(define);
+  else
+    define_windows(define, result);
+  if (judged.by_keyframe) define.emplace_back("by_keyframe", kViewProtocol);
+}
+
+}  // namespace
+
+std::string Protocol::definition(const std::string& key) const {
+  for (const auto& [name, words] : definitions)
+    if (name == key) return words;
+  return "";
+}
+
+bool Report::has_paths() const {
+  return query_settings() != nullptr && vpr::has_paths(*query_settings());
+}
+
+bool Report::has_places() const {
+  const QuerySettings* of_query = query_settings();
+  return of_query != nullptr && std::holds_alternative<FabmapQuerySettings>(*of_query);
+}
+
+std::string Report::selection_words() const {
+  std::string words;
+  if (selection.selected_fps > 0)
+    words = fmt::format("{} frames per second", selection.selected_fps);
+  if (selection.speed.empty()) return words;
+  return words + fmt::format("{}speed {}, seed {}", words.empty() ? "" : ", ", selection.speed,
+                             selection.seed);
+}
+
+Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor) {
+  const Judgment& judgment = evaluation.judgment;
+  const GroundTruth& truth = evaluation.truth;
+  Report report;
+  report.judged = judgment.by;
+  report.query = evaluation.query().name;
+  report.name = evaluation.name;
+  report.protocol = {truth.protocol, truth.tolerance_frames, {}};
+  report.provenance.made_by = provenance_of(run);
+  report.provenance.ground_truth = ground_truth_fingerprint(truth, judgment.layout.scope, monitor);
+  if (evaluation.result) {
+    add_result(report, *evaluation.result);
+    report.provenance.result = evaluation.fingerprint;
+  } else {
+    report.method = evaluation.scores.method;
+    report.selection = evaluation.scores.query.selection;
+    report.settings = evaluation.scores;
+    report.counts.best_match = best_match_counts(judgment.outcomes);
+    define_scores(report.protocol.definitions, evaluation.scores.window_length);
+    report.provenance.scores = evaluation.fingerprint;
+  }
+  define_metrics(report.protocol.definitions, judgment, evaluation.result.has_value());
+  if (judgment.by != JudgedBy::ground_truth) {
+    Definitions& define = report.protocol.definitions;
+    std::erase_if(define, [](const auto& definition) {
+      return std::ranges::find(kTruthless, definition.first) == kTruthless.end();
+    });
+    if (judgment.by == JudgedBy::places)
+      define.emplace_back("places",
+                          "clusters or paths of recognitions, judged with all of their "
+                          "recognitions by a person who "
+                          "compared images; ignored without an answer");
+  }
+  report.metrics = metrics_of(judgment);
+  report.localization = judgment.localization;
+  report.is_oracle = judgment.is_oracle;
+  report.curves = by_acceptance(judgment, reported_curve);
+  report.outcomes = judgment.outcomes;
+  report.verdicts = judgment.verdicts;
+  return report;
+}
+
+CurveNumbers numbers_of(const Curve& curve) {
+  CurveNumbers numbers;
+  numbers.to_find = curve.to_find;
+  for (size_t m = 0; m < numbers.values.size(); ++m)
+    numbers.values[m] = curve_metrics()[m].of_curve(curve);
+  return numbers;
+}
+
+ReportedCurve reported_curve(const Curve& curve) {
+  ReportedCurve found{curve.points.size(), {}};
+  for (const CurvePoint& point : thinned(curve, kMostPoints))
+    found.points.push_back({curve.threshold(point), point.correct, point.incorrect});
+  return found;
+}
+
+std::vector<CurvePoint> thinned(const Curve& curve, size_t most) {
+  const size_t count = curve.points.size();
+  if (count <= most) return curve.points;
+  std::vector<CurvePoint> points;
+  for (size_t i = 0; i < most; ++i) points.push_back(curve.points[i * (count - 1) / (most - 1)]);
+  return points;
+}
+
+std::string_view verdict_text(const JudgedCluster& judged) {
+  if (judged.label == PlaceLabel::different) return "incorrect";
+  if (judged.label == PlaceLabel::ignore) return "ignored";
+  return judged.is_mixed() ? "mixed" : "correct";
+}
+
+}  // namespace vpr

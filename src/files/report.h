@@ -1,0 +1,142 @@
+// Evaluation reports: the numbers of one evaluated result, or of evaluated scores.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "evaluate/evaluation.h"
+#include "evaluate/judgment.h"
+#include "files/run_info.h"
+
+namespace vpr {
+
+/// The query of scores without --query.
+inline constexpr const char* kUnnamedQuery = "queries";
+
+/// A cluster of recognitions. All frames are anchors.
+struct ReportedPlace {
+  std::string sequence;
+  size_t query = 0;
+  std::array<size_t, 2> query_range = {};  ///< first, last
+  size_t train = 0;
+  std::array<size_t, 2> train_range = {};
+  JudgedCluster judged;
+};
+
+struct CurveNumbers {
+  uint64_t to_find = 0;
+  /// One per entry of curve_metrics().
+  std::vector<MetricValue> values = std::vector<MetricValue>(curve_metrics().size());
+  std::optional<uint64_t> tied_queries;        ///< best matches of a matrix only
+  std::optional<uint64_t> same_without_score;  ///< all pairs only
+  std::optional<uint64_t> ignored;             ///< all pairs only
+};
+
+struct ReportedPoint {
+  double threshold = 0;
+  uint64_t correct = 0;
+  uint64_t incorrect = 0;
+};
+
+/// At most 100 points of a curve.
+struct ReportedCurve {
+  size_t thresholds = 0;  ///< number of points of the whole curve
+  std::vector<ReportedPoint> points;
+};
+
+/// A value for each way to accept matches.
+template <class T>
+struct ByAcceptance {
+  T single_best;               ///< best matches by the outcomes' confidence
+  std::optional<T> by_margin;  ///< best matches by the other confidence, if margins are known
+  std::optional<T> by_score;
+  std::optional<T> all_pairs;  ///< with a matrix only
+};
+
+/// A metric by K.
+using RankValues = std::map<size_t, std::optional<double>>;
+
+struct ReportedAchievement {
+  size_t stretch_frames = 0;
+  size_t stretches = 0;  ///< with a query that has a match
+  std::array<std::optional<double>, kRecallTargets.size()> shares = {};
+};
+
+struct ReportedMetrics {
+  ByAcceptance<CurveNumbers> curves;
+  RankValues recall_at;
+  std::optional<RankValues> precision_at;  ///< if ranks are known
+  std::optional<RankValues> map_at;
+  ReportedAchievement recall_achievement;
+};
+
+/// Definitions of the metrics, in words.
+struct Protocol {
+  std::string ground_truth;
+  int64_t tolerance_frames = 0;
+  std::vector<std::pair<std::string, std::string>> definitions;  ///< key of the report, definition
+
+  /// Empty for a key without definition.
+  std::string definition(const std::string& key) const;
+};
+
+/// Fingerprints of the inputs of a report.
+struct ReportSources {
+  Provenance made_by;
+  std::optional<std::string> result;  ///< or scores
+  std::optional<std::string> scores;
+  std::string ground_truth;  ///< of the labels of all pairs
+
+  const std::string& evaluated() const { return result ? *result : *scores; }
+};
+
+/// The content of a report file.
+struct Report {
+  JudgedBy judged = JudgedBy::ground_truth;
+  std::string method;
+  std::string query;
+  Selection selection;  ///< of the query; without sources if it was read from a file
+  std::variant<QuerySettings, ScoreSettings> settings;  ///< of a result, or of scores
+  Counts counts;                                        ///< for scores, best matches only
+  std::optional<CountsByKeyframe> by_keyframe;
+  std::optional<std::vector<ReportedPlace>> recognitions;
+  ReportedMetrics metrics;
+  Localization localization;
+  bool is_oracle = false;  ///< the threshold of verdicts is from the ground truth
+  ByAcceptance<ReportedCurve> curves;
+  Outcomes outcomes;  ///< without the references of best matches if it was read from a file
+  std::vector<FrameVerdict> verdicts;
+  Protocol protocol;
+  ReportSources provenance;
+  std::optional<std::string> name;  ///< set by the user
+
+  /// Null for scores.
+  const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }
+  Json settings_json() const;
+  /// Whether recognitions are along paths of the filter.
+  bool has_paths() const;
+  /// Whether references are places of FAB-MAP instead of frames.
+  bool has_places() const;
+  /// The selection of the query, as in "speed varying, seed 1"; empty for all frames.
+  std::string selection_words() const;
+};
+
+Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
+
+CurveNumbers numbers_of(const Curve& curve);
+ReportedCurve reported_curve(const Curve& curve);
+
+/// At most `most` points with evenly spaced indices, including the first and the last.
+std::vector<CurvePoint> thinned(const Curve& curve, size_t most);
+
+/// correct, mixed, incorrect or ignored.
+std::string_view verdict_text(const JudgedCluster& judged);
+
+}  // namespace vpr

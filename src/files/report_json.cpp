@@ -1,0 +1,446 @@
+#include "files/report_json.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/json_fields.h"
+#include "base/text.h"
+#include "files/result_file.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint64_t kMostFrames = uint64_t{1} << 32;
+constexpr std::string_view kVerdictLetters = ".rwi";  // by FrameVerdict
+
+/// A field with its own functions.
+template <class Write, class Read>
+struct Form {
+  Write write;
+  Read read;
+};
+template <class Write, class Read>
+Form(Write, Read) -> Form<Write, Read>;  // Clang 14 deduces no arguments of aggregates
+
+/// An object whose fields a function visits.
+template <class Visit>
+struct Part {
+  Visit visit;
+};
+template <class Visit>
+Part(Visit) -> Part<Visit>;
+
+template <class Visit, class Visitor>
+void visit_fields(Part<Visit>& part, Visitor&& visitor) {
+  part.visit(visitor);
+}
+
+char letter_of(const QueryOutcome& query) {
+  switch (query.verdict) {
+    case Verdict::correct:
+      return 'c';
+    case Verdict::incorrect:
+      return query.has_match ? 'w' : query.is_unreachable ? 'b' : 'n';
+    case Verdict::ignored:
+      return 'i';
+    case Verdict::unreadable:
+      return 'u';
+  }
+  return 'u';
+}
+
+void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
+  constexpr std::string_view kLetters = "cwnbiu";
+  if (kLetters.find(letter) == std::string_view::npos) fields.fail("an outcome is invalid");
+  query.has_match = letter == 'c' || letter == 'w';
+  query.is_unreachable = letter == 'b';
+  query.verdict = letter == 'c'   ? Verdict::correct
+                  : letter == 'i' ? Verdict::ignored
+                  : letter == 'u' ? Verdict::unreadable
+                                  : Verdict::incorrect;
+}
+
+/// A number or "-" per query.
+template <class Number>
+std::string number_words(const Outcomes& outcomes, const Number& number_of) {
+  std::vector<std::string> words;
+  for (const QueryOutcome& query : outcomes.queries) {
+    const auto number = number_of(query);
+    words.push_back(number ? fmt::format("{}", *number) : "-");
+  }
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+template <class T, class Set>
+void read_number_words(const Fields& fields, const std::string& key, Outcomes& outcomes,
+                       const Set& set) {
+  const std::string text = fields.text(key);
+  const auto words = split_words(text);
+  if (words.size() != outcomes.queries.size()) fields.fail("its outcomes do not fit each other");
+  for (size_t q = 0; q < words.size(); ++q) {
+    if (words[q] == "-") continue;
+    T number{};
+    const char* end = words[q].data() + words[q].size();
+    const auto [stop, error] = std::from_chars(words[q].data(), end, number);
+    if (error != std::errc{} || stop != end)
+      fields.fail(fmt::format("one of its {} is not a number", key));
+    set(outcomes.queries[q], number);
+  }
+}
+
+/// A letter and numbers per query window, and a letter per frame.
+struct OutcomesForm {
+  Outcomes& outcomes;
+  std::vector<FrameVerdict>& verdicts;
+
+  void write(Json& json, const std::string& key) const {
+    Json& part = json[key];
+    part = {{"first_frame", outcomes.window_length - 1},
+            {"score_order", enum_name(outcomes.kind)},
+            {"best", outcome_letters(outcomes)}};
+    part["scores"] = number_words(outcomes, [&](const QueryOutcome& query) {
+      return query.key == kNoScore ? std::nullopt
+                                   : std::optional(score_of_key(query.key, outcomes.kind));
+    });
+    if (outcomes.has_margins)
+      part["margins"] =
+          number_words(outcomes, [](const QueryOutcome& query) { return query.margin; });
+    if (outcomes.has_ranks)
+      part["ranks"] = number_words(outcomes, [](const QueryOutcome& query) { return query.rank; });
+    std::string letters;
+    for (const FrameVerdict verdict : verdicts)
+      letters += kVerdictLetters[static_cast<size_t>(verdict)];
+    part["recognized"] = letters;
+  }
+
+  void read(const Fields& fields, const std::string& key) {
+    const Fields part = fields.object(key);
+    const uint64_t first_frame = part.count("first_frame", kMostFrames);
+    outcomes.window_length = first_frame + 1;
+    fields_from_json(part["score_order"], outcomes.kind, part, "score_order");
+    for (const char letter : part.text("best")) {
+      QueryOutcome& query = outcomes.queries.emplace_back();
+      query.frame = first_frame + outcomes.queries.size() - 1;
+      set_verdict(query, letter, part);
+    }
+    outcomes.query_frames = first_frame + outcomes.queries.size();
+    read_number_words<double>(part, "scores", outcomes, [&](QueryOutcome& query, double score) {
+      query.key = score_key(score, outcomes.kind);
+    });
+    outcomes.has_margins = part.has("margins");
+    if (outcomes.has_margins)
+      read_number_words<double>(part, "margins", outcomes,
+                                [](QueryOutcome& query, double margin) { query.margin = margin; });
+    outcomes.has_ranks = part.has("ranks");
+    if (outcomes.has_ranks)
+      read_number_words<size_t>(part, "ranks", outcomes,
+                                [](QueryOutcome& query, size_t rank) { query.rank = rank; });
+    for (const char letter : part.text("recognized")) {
+      const size_t verdict = kVerdictLetters.find(letter);
+      if (verdict == std::string_view::npos) part.fail("its verdicts do not fit its outcomes");
+      verdicts.push_back(static_cast<FrameVerdict>(verdict));
+    }
+    if (verdicts.size() != outcomes.query_frames) part.fail("its verdicts do not fit its outcomes");
+  }
+};
+
+/// Two integers as a list.
+auto range_form(std::array<size_t, 2>& range) {
+  return Form{[&](Json& json, const std::string& key) { json[key] = range; },
+              [&](const Fields& fields, const std::string& key) {
+                std::vector<size_t> ends;
+                fields_from_json(fields[key], ends, fields, key);
+                if (ends.size() != 2) fields.fail(fmt::format("\"{}\" is not a range", key));
+                range = {ends[0], ends[1]};
+              }};
+}
+
+}  // namespace
+
+VPR_FIELDS(LabelCounts, correct, incorrect, ignored)
+
+template <class Visitor>
+void visit_fields(Counts& counts, Visitor&& visit) {
+  visit("recognitions", Part{[&](auto& inner) {
+          visit_fields(counts.recognitions, inner);
+          inner("distinct", counts.distinct);
+        }});
+  visit("recognitions_by_place", IfSet{counts.recognitions_by_place});
+  visit("places", IfSet{counts.clusters});
+  if (counts.clusters) visit("mixed_places", counts.mixed_clusters);
+}
+
+template <class Visitor>
+void visit_fields(BestMatchCounts& counts, Visitor&& visit) {
+  visit("queries", counts.queries);
+  visit("correct", counts.correct);
+  visit("ignored", counts.ignored);
+  visit("no_ground_truth", counts.no_ground_truth);
+  visit("no_valid_window", counts.no_valid_window);
+  visit("unreadable", counts.unreadable);
+  visit("rate", Derived{counts.rate()});
+}
+
+VPR_FIELDS(KeyframeCounts, correct, incorrect, mixed, ignored)
+
+template <class Visitor>
+void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
+  visit("query_keyframes", counts.query_keyframes);
+  visit("train_keyframes", counts.train_keyframes);
+  visit("recognitions", counts.recognitions);
+  visit("best_match", Part{[&](auto& inner) {
+          visit_fields(counts.best_match, inner);
+          inner("rate", counts.best_match_rate);
+        }});
+}
+
+template <class Visitor>
+void visit_fields(ReportedPlace& place, Visitor&& visit) {
+  visit("sequence", place.sequence);
+  visit("query", place.query);
+  visit("query_range", range_form(place.query_range));
+  visit("train", place.train);
+  visit("train_range", range_form(place.train_range));
+  visit("label", place.judged.label);
+  visit("recognitions", place.judged.recognitions);
+}
+
+template <class Visitor>
+void visit_fields(CurveNumbers& numbers, Visitor&& visit) {
+  visit("to_find", numbers.to_find);
+  for (size_t m = 0; m < numbers.values.size(); ++m)
+    visit(curve_metrics()[m].key, numbers.values[m].value);
+  visit("thresholds", Part{[&](auto& inner) {
+          for (size_t m = 0; m < numbers.values.size(); ++m)
+            inner(curve_metrics()[m].key, IfSet{numbers.values[m].threshold});
+        }});
+  visit("tied_queries", IfSet{numbers.tied_queries});
+  visit("same_without_score", IfSet{numbers.same_without_score});
+  visit("ignored", IfSet{numbers.ignored});
+}
+
+VPR_FIELDS(ReportedPoint, threshold, correct, incorrect)
+
+VPR_FIELDS(ReportedCurve, thresholds, points)
+
+template <class T, class Visitor>
+void visit_fields(ByAcceptance<T>& all, Visitor&& visit) {
+  visit("single_best", all.single_best);
+  visit("by_margin", IfSet{all.by_margin});
+  visit("by_score", IfSet{all.by_score});
+  visit("all_pairs", IfSet{all.all_pairs});
+}
+
+template <class Visitor>
+void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
+  visit("stretch_frames", achievement.stretch_frames);
+  visit("stretches", achievement.stretches);
+  visit("reached", Part{[&](auto& inner) {
+          for (size_t t = 0; t < kRecallTargets.size(); ++t)
+            inner(fmt::format("{:g}", kRecallTargets[t]), achievement.shares[t]);
+        }});
+}
+
+template <class Visitor>
+void visit_fields(Localization& path, Visitor&& visit) {
+  visit("frames", path.frames);
+  visit("recognized", path.recognized);
+  visit("recognized_share", Derived{path.recognized_share()});
+  visit("frames_with_match", path.frames_with_match);
+  visit("correct", path.correct);
+  visit("incorrect", path.incorrect);
+  visit("share", Derived{path.share()});
+  visit("longest_gap_frames", path.longest_gap_frames);
+  visit("longest_gap_m", path.longest_gap_m);
+  visit("first_recognition_frames", path.first_recognition_frames);
+  visit("first_recognition_m", path.first_recognition_m);
+}
+
+template <class Visitor>
+void visit_fields(ReportedMetrics& metrics, Visitor&& visit) {
+  visit_fields(metrics.curves, visit);
+  visit("recall_at", metrics.recall_at);
+  visit("recall_achievement", metrics.recall_achievement);
+  visit("precision_at", IfSet{metrics.precision_at});
+  visit("map_at", IfSet{metrics.map_at});
+}
+
+template <class Visitor>
+void visit_fields(Protocol& protocol, Visitor&& visit) {
+  visit("ground_truth", protocol.ground_truth);
+  visit("tolerance_frames", protocol.tolerance_frames);
+  visit("", Form{[&](Json& json, const std::string&) {
+                   for (const auto& [key, words] : protocol.definitions) json[key] = words;
+                 },
+                 [&](const Fields& fields, const std::string&) {
+                   for (const auto& item : fields.json().items())
+                     if (item.key() != "ground_truth" && item.key() != "tolerance_frames")
+                       protocol.definitions.emplace_back(item.key(), fields.text(item.key()));
+                 }});
+}
+
+template <class Visitor>
+void visit_fields(ReportSources& sources, Visitor&& visit) {
+  visit_fields(sources.made_by, visit);
+  visit("result", IfSet{sources.result});
+  visit("scores", IfSet{sources.scores});
+  visit("ground_truth", sources.ground_truth);
+}
+
+template <class Visitor>
+void visit_fields(ScoreSettings& settings, Visitor&& visit) {
+  visit("method", settings.method);
+  bool& is_similarity = settings.format.is_similarity;
+  visit("scores",
+        Form{[&](Json& json, const std::string& key) {
+               json[key] = enum_name(is_similarity ? ScoreOrder::similarity : ScoreOrder::distance);
+             },
+             [&](const Fields& fields, const std::string& key) {
+               ScoreOrder order{};
+               fields_from_json(fields[key], order, fields, key);
+               is_similarity = order == ScoreOrder::similarity;
+             }});
+  visit("train_first", settings.format.train_first);
+  visit("missing", settings.format.missing);
+  visit("window", settings.window_length);
+  visit("threshold", settings.threshold);
+}
+
+namespace {
+
+void read_settings(const Fields& fields, const std::string& key, Report& report) {
+  const Fields settings = fields.object(key);
+  if (settings.has("scores"))
+    fields_from_json(settings.json(), report.settings.emplace<ScoreSettings>(), settings, key);
+  else
+    report.settings = read_query_settings(fields);
+}
+
+}  // namespace
+
+template <class Visitor>
+void visit_fields(Report& report, Visitor&& visit) {
+  visit("schema", Derived{std::string("vpr.report/3")});
+  visit("method", report.method);
+  visit("query", report.query);
+  visit("", Form{[&](Json& json, const std::string&) { add_selection(json, report.selection); },
+                 [&](const Fields& fields, const std::string&) {
+                   report.selection =
+                       read_selection(fields, [](const auto&) { return kMostFrames; });
+                 }});
+  visit("settings",
+        Form{[&](Json& json, const std::string& key) { json[key] = report.settings_json(); },
+             [&](const Fields& fields, const std::string& key) {
+               read_settings(fields, key, report);
+             }});
+  if (report.query_settings() != nullptr) visit("counts", report.counts);
+  visit("best_match", report.counts.best_match);
+  visit("by_keyframe", IfSet{report.by_keyframe});
+  visit("recognized_places", IfSet{report.recognitions});
+  visit("metrics", report.metrics);
+  visit("localization", report.localization);
+  visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
+  visit("oracle", Unless{report.is_oracle, false});
+  visit("curves", report.curves);
+  visit("outcomes", OutcomesForm{report.outcomes, report.verdicts});
+  visit("protocol", report.protocol);
+  visit("provenance", report.provenance);
+  visit("name", IfSet{report.name});
+}
+
+Json Report::settings_json() const {
+  const QuerySettings* of_query = query_settings();
+  return of_query != nullptr ? settings_in_force(*of_query)
+                             : fields_to_json(std::get<ScoreSettings>(settings));
+}
+
+Json report_json(const Report& report) {
+  Json json = fields_to_json(report);
+  if (report.judged == JudgedBy::ground_truth) return json;
+  json["judged"] = enum_name(report.judged);
+  const auto omit = [&json](const std::string& key) {
+    const Json::json_pointer at(key);
+    if (json.contains(at)) json[at.parent_pointer()].erase(at.back());
+  };
+  for (const char* key :
+       {"/best_match", "/metrics", "/curves", "/confidence", "/protocol/tolerance_frames",
+        "/provenance/ground_truth", "/counts/mixed_places", "/localization/frames_with_match"})
+    omit(key);
+  if (report.judged == JudgedBy::places) return json;
+  omit("/counts/recognitions_by_place");
+  omit("/counts/recognitions/distinct");
+  for (const Metric& metric : path_metrics()) omit(fmt::format("/localization/{}", metric.key));
+  return json;
+}
+
+Json report_json(const Report& report, const RunInfo& run, double seconds) {
+  Json json = report_json(report);
+  add_run(json, run, {{"evaluate", seconds}});
+  return json;
+}
+
+Report read_report(const std::filesystem::path& path) {
+  const Json json = read_json(path, ErrorKind::data);
+  if (json.is_object() && json.value("schema", Json()).is_string() &&
+      json["schema"].get<std::string>().starts_with("vpr.result/"))
+    throw Error(ErrorKind::usage,
+                fmt::format("{0}: is a result, and reports are compared. Make one first: vpr-eval "
+                            "{0} --ground-truth ... -o report.json",
+                            path.string()));
+  return parse_report(json, path.string());
+}
+
+Report parse_report(const Json& json, const std::string& where) {
+  require_schema(json, "report", where, ErrorKind::data);
+  if (json.contains("judged"))
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: is a report without ground truth, which has no metrics to compare. "
+                    "Evaluate its result again with --ground-truth",
+                    where));
+  const Fields fields(json, where);
+  Report report;
+  fields_from_json(json, report, fields, "report");
+  const Outcomes& outcomes = report.outcomes;
+  if (outcomes.confidence == Confidence::margin && !outcomes.has_margins)
+    fields.fail("its outcomes do not fit each other");
+  if (!report.provenance.result && !report.provenance.scores) fields.fail("\"scores\" is missing");
+  return report;
+}
+
+std::string outcome_letters(const Outcomes& outcomes) {
+  std::string letters;
+  for (const QueryOutcome& query : outcomes.queries) letters += letter_of(query);
+  return letters;
+}
+
+Json curve_numbers_json(const Curve& curve) { return fields_to_json(numbers_of(curve)); }
+
+Json curve_json(const Curve& curve) { return fields_to_json(reported_curve(curve)); }
+
+Json counts_json(const Counts& counts) { return fields_to_json(counts); }
+
+Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
+                  const RunInfo& run, double seconds) {
+  Json json = {{"schema", "vpr.reports/3"}, {"reports", Json::array()}};
+  for (size_t i = 0; i < reports.size(); ++i)
+    json["reports"].push_back({{"name", names[i]}, {"report", report_json(reports[i])}});
+  add_run(json, run, {{"evaluate", seconds}});
+  return json;
+}
+
+Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run,
+                    double seconds) {
+  Json json = {{"schema", "vpr.protocols/3"}, {"protocols", Json::array()}};
+  for (const auto& [preset, report] : reports)
+    json["protocols"].push_back(
+        {{"name", preset->name}, {"source", preset->source}, {"report", report_json(report)}});
+  add_run(json, run, {{"evaluate", seconds}});
+  return json;
+}
+
+}  // namespace vpr

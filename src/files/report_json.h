@@ -1,0 +1,48 @@
+// Reports as JSON: of one result (vpr.report/3), of several results (vpr.reports/3), and of one
+// result under several protocols (vpr.protocols/3).
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "files/report.h"
+#include "truth/formats.h"
+
+namespace vpr {
+
+/// The file without "machine" and "timing". Numbers that need a ground truth, or any verdict, are
+/// absent without one.
+Json report_json(const Report& report);
+Json report_json(const Report& report, const RunInfo& run, double seconds);
+
+/// Throws Error(input) if the file cannot be read, Error(usage) for a result, and for a report
+/// without ground truth, and Error(data) for any other file and for damage.
+Report read_report(const std::filesystem::path& path);
+/// `where`: the name of the file in messages.
+Report parse_report(const Json& json, const std::string& where);
+
+/// A letter per query: c(orrect), w(rong), n(o match), b(eyond reach), i(gnored), u(nreadable).
+std::string outcome_letters(const Outcomes& outcomes);
+
+Json curve_numbers_json(const Curve& curve);
+Json curve_json(const Curve& curve);
+
+/// "counts" of a report, and of a cell of a sweep.
+Json counts_json(const Counts& counts);
+
+/// `names`: one per report.
+Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
+                  const RunInfo& run, double seconds);
+
+/// The report of a result with the ground truth of a preset.
+struct ProtocolReport {
+  const GroundTruthPreset* preset = nullptr;
+  Report report;
+};
+
+Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run, double seconds);
+
+}  // namespace vpr

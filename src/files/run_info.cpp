@@ -1,0 +1,48 @@
+#include "files/run_info.h"
+
+#include <array>
+#include <cmath>
+
+#include <unistd.h>
+
+#include "base/json.h"
+#include "base/provenance.h"
+
+namespace vpr {
+namespace {
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+Provenance provenance_of(const RunInfo& run) {
+  return {run.program, program_version(), program_commit(), run.seed};
+}
+
+Json provenance_json(const RunInfo& run) { return value_to_json(provenance_of(run)); }
+
+Json machine_json(const RunInfo& run) {
+  Json json = {{"host", host_name()}, {"threads", run.threads}};
+  if (!run.simd_target.empty()) json["simd"] = run.simd_target;
+  if (run.memory_limit > 0) json["memory_limit"] = run.memory_limit;
+  json["command_line"] = run.command_line;
+  json["paths"] = Json::object();
+  for (const auto& [role, path] : run.paths) json["paths"][role] = path;
+  return json;
+}
+
+Json timing_json(const std::map<std::string, double>& seconds) {
+  Json json = Json::object();
+  for (const auto& [step, value] : seconds) json[step + "_s"] = std::round(value * 1e3) / 1e3;
+  return json;
+}
+
+void add_run(Json& json, const RunInfo& run, const std::map<std::string, double>& seconds) {
+  json["machine"] = machine_json(run);
+  json["timing"] = timing_json(seconds);
+}
+
+}  // namespace vpr

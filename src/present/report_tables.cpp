@@ -1,0 +1,439 @@
+#include "present/report_tables.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "files/report_json.h"
+#include "match/match.h"
+#include "present/evaluation_text.h"
+#include "settings/query_settings.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostPlaces = 20;  // in a printed list
+
+// t_r, t_p, or the setting of another decision.
+std::string_view decided_by(const QuerySettings& settings) {
+  const auto* of_sequence = std::get_if<SequenceQuerySettings>(&settings);
+  return of_sequence != nullptr ? decision_kind(of_sequence->decision).symbol
+                                : score_of(settings).threshold_symbol;
+}
+
+std::string text(const Json& json) {
+  return json.is_string() ? json.get<std::string>() : json.dump();
+}
+
+std::string range_text(const std::array<size_t, 2>& range) {
+  return range[0] == range[1] ? std::to_string(range[0])
+                              : fmt::format("{} to {}", range[0], range[1]);
+}
+
+// "80.4", or "-" without a value.
+std::string percent(std::optional<double> rate) {
+  return rate ? fmt::format("{:.1f}", 100 * *rate) : "-";
+}
+
+std::string method_title(const Report& report) {
+  if (report.name) return *report.name;
+  const Json settings = title_settings(report);
+  return settings.contains("score") && settings["score"] != "raw"
+             ? report.method + ", " + text(settings["score"])
+             : report.method;
+}
+
+std::string setting_text(const Json& settings, std::string_view symbol) {
+  const auto found = settings.find(std::string(symbol));
+  return found == settings.end() ? "" : fmt::format(", {} {}", symbol, text(*found));
+}
+
+size_t count_of(const Judgment& judgment, FrameVerdict verdict) {
+  return static_cast<size_t>(
+      std::count(judgment.verdicts.begin(), judgment.verdicts.end(), verdict));
+}
+
+std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
+  const std::optional<size_t> frame = judgment.localization.first_recognition_frames;
+  if (!frame) return "";
+  return fmt::format("; the first correct one at frame {}{}", *frame,
+                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(*frame) /
+                                                                        *frames_per_second)
+                                       : "");
+}
+
+// "; 12 before the first mistake, ..."; empty without a mistake, and if all best matches have the
+// same score.
+std::string oracle_words(const Judgment& judgment) {
+  const auto& points = judgment.single_best.points;
+  if (points.size() < 2 || points.back().incorrect == 0) return "";
+  const size_t correct = count_of(judgment, FrameVerdict::correct);
+  return fmt::format("; {} before the first mistake, at a threshold chosen from the ground truth",
+                     correct == 0 ? "none" : std::to_string(correct));
+}
+
+// "Best match correct in 106 of 200 frames (53.0 %)".
+std::string best_match_words(const Judgment& judgment) {
+  const BestMatchCounts counts = best_match_counts(judgment.outcomes);
+  const std::string unit = judgment.layout.window_length > 1 ? "window" : "frame";
+  if (!counts.rate()) return fmt::format("No {} has a match in the ground truth", unit);
+  const bool all_match = counts.no_ground_truth + counts.no_valid_window == 0;
+  const std::string more = all_match ? "" : " with a match";
+  return fmt::format("Best match correct in {} of {} ({:.1f} %)", counts.correct,
+                     counted(counts.queries - counts.ignored, unit + more, unit + "s" + more),
+                     100 * *counts.rate());
+}
+
+void add_columns(Table& table, std::string_view key, const RankValues& values) {
+  const Metric& metric = find_metric(key);
+  for (const auto& [k, value] : values)
+    add_column(table, fmt::format("{}{}", metric.symbol, k), metric_cell(metric, value));
+}
+
+/// The metrics of a curve.
+struct NamedNumbers {
+  std::string name;    ///< in the first column
+  std::string prefix;  ///< of columns in CSV
+  const CurveNumbers* numbers = nullptr;
+};
+
+std::vector<NamedNumbers> curves_of(const Report& report) {
+  const auto& curves = report.metrics.curves;
+  const bool by_margin = report.outcomes.confidence == Confidence::margin;
+  std::vector<NamedNumbers> all = {
+      {by_margin ? "best matches, by margin" : "best matches", "best", &curves.single_best}};
+  if (curves.by_margin) all.push_back({"best matches, by margin", "margin", &*curves.by_margin});
+  if (curves.by_score) all.push_back({"best matches, by score", "score", &*curves.by_score});
+  if (curves.all_pairs) all.push_back({"all pairs", "pairs", &*curves.all_pairs});
+  return all;
+}
+
+std::string curve_cell(const CurveNumbers& numbers, size_t metric) {
+  return metric_cell(curve_metrics()[metric], numbers.values[metric].value);
+}
+
+Table curve_table(const Report& report) {
+  const BestMatchCounts& best = report.counts.best_match;
+  const auto& tied = report.metrics.curves.single_best.tied_queries;
+  Table table;
+  table.title = fmt::format(
+      "Metrics ({} with a match; {} without one, incorrect if accepted{}; {} ignored, {} "
+      "unreadable, omitted{})",
+      counted(best.queries, "query", "queries"), best.no_ground_truth,
+      best.no_valid_window == 0
+          ? ""
+          : fmt::format("; {} whose place lies where no training window ends, likewise",
+                        best.no_valid_window),
+      best.ignored, best.unreadable, tied ? fmt::format("; {} tied, to the first", *tied) : "");
+  table.columns = {"of", "to find"};
+  for (const Metric& metric : curve_metrics()) table.columns.emplace_back(metric.symbol);
+  for (const NamedNumbers& curve : curves_of(report)) {
+    auto& row = table.rows.emplace_back();
+    row = {curve.name, std::to_string(curve.numbers->to_find)};
+    for (size_t m = 0; m < curve_metrics().size(); ++m)
+      row.push_back(curve_cell(*curve.numbers, m));
+  }
+  return table;
+}
+
+constexpr const char* kRankTitle =
+    "{} (queries with a match; ties to the first; ignored references skipped)";
+
+Table recall_table(const Report& report) {
+  Table table{fmt::format(kRankTitle, "Recall@K"), {}, {}};
+  add_columns(table, "recall_at", report.metrics.recall_at);
+  return table;
+}
+
+// No columns if ranks are unknown.
+Table ranking_table(const Report& report) {
+  Table table{fmt::format(kRankTitle, "Precision@K and mAP@K"), {}, {}};
+  if (report.metrics.precision_at) add_columns(table, "precision_at", *report.metrics.precision_at);
+  if (report.metrics.map_at) add_columns(table, "map_at", *report.metrics.map_at);
+  return table;
+}
+
+Table achievement_table(const Report& report) {
+  const ReportedAchievement& found = report.metrics.recall_achievement;
+  const Metric& metric = find_metric("recall_achievement");
+  Table table;
+  table.title = fmt::format(
+      "Recall achievement rate (share of {} of about {} whose recall@1 reaches the target)",
+      counted(found.stretches, "stretch", "stretches"), counted(found.stretch_frames, "frame"));
+  for (size_t t = 0; t < kRecallTargets.size(); ++t)
+    add_column(table, fmt::format("{}{:g}", metric.symbol, kRecallTargets[t]),
+               metric_cell(metric, found.shares[t]));
+  return table;
+}
+
+Table localization_table(const Report& report) {
+  Table table;
+  table.title = fmt::format("Along the path ({})", report.protocol.definition("localization"));
+  add_column(table, "frames", report.localization.frames);
+  for (const Metric& metric : path_metrics())
+    if (!metric.key.ends_with("_m") || report.localization.longest_gap_m)  // positions are known
+      add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localization)));
+  return table;
+}
+
+Table view_table(const CountsByKeyframe& counts) {
+  const auto& [query_keyframes, train_keyframes, recognitions, best, rate] = counts;
+  Table table;
+  table.title = fmt::format(
+      "By keyframe (consecutive frames that look alike count once: {} and {})",
+      counted(query_keyframes, "query keyframe"), counted(train_keyframes, "training keyframe"));
+  add_column(table, "keyframe pairs correct", recognitions.correct);
+  add_column(table, "keyframe pairs incorrect", recognitions.incorrect);
+  add_column(table, "keyframe pairs mixed", recognitions.mixed);
+  add_column(table, "keyframes correct", best.correct);
+  add_column(table, "keyframes incorrect", best.incorrect);
+  add_column(table, "keyframes mixed", best.mixed);
+  add_column(table, "keyframes %", percent(rate));
+  return table;
+}
+
+// The first kMostPlaces places; empty without places.
+std::string recognitions_text(const Report& report) {
+  if (!report.recognitions || report.recognitions->empty()) return "";
+  const std::vector<ReportedPlace>& places = *report.recognitions;
+  Table table;
+  table.title = fmt::format(
+      "Places, judged at their {} (mixed: correct there, but some recognitions are incorrect)",
+      report.has_paths() ? "middle frame" : "mean");
+  table.columns = {"sequence", "query frames",         "train frames",
+                   "place",    "recognitions correct", "recognitions incorrect"};
+  for (const ReportedPlace& place : places) {
+    if (table.rows.size() == kMostPlaces) break;
+    const LabelCounts& recognitions = place.judged.recognitions;
+    add_row(table, place.sequence, range_text(place.query_range), range_text(place.train_range),
+            verdict_text(place.judged), recognitions.correct, recognitions.incorrect);
+  }
+  return render_table(table, TableFormat::text) +
+         (places.size() > kMostPlaces
+              ? fmt::format("... and {} more\n", places.size() - kMostPlaces)
+              : "");
+}
+
+// The first table with the share of best matches that are correct over all frames with a match.
+// Frames without a window count as incorrect, so that different window lengths are comparable.
+Table comparable_table(const Report& report) {
+  Table table = report_table(report);
+  const BestMatchCounts& best = report.counts.best_match;
+  const uint64_t frames = report.localization.frames_with_match - best.ignored;
+  add_column(table, "of frames", frames);
+  add_column(
+      table, "% of frames",
+      frames == 0 ? "-" : fmt::format("{:.1f}", 100 * double(best.correct) / double(frames)));
+  return table;
+}
+
+Table csv_row(const Report& report) {
+  Table table;
+  add_column(table, "method", report.method);
+  add_column(table, "query", report.query);
+  const Table counts = comparable_table(report);
+  table.title = counts.title;
+  add_columns(table, counts);
+  if (const auto& by_place = report.counts.recognitions_by_place) {
+    add_column(table, "recognitions by place correct", by_place->correct);
+    add_column(table, "recognitions by place incorrect", by_place->incorrect);
+    add_column(table, "recognitions by place ignored", by_place->ignored);
+  }
+  if (report.by_keyframe) add_columns(table, view_table(*report.by_keyframe));
+  for (const NamedNumbers& curve : curves_of(report))
+    for (size_t m = 0; m < curve_metrics().size(); ++m)
+      add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
+                 curve_cell(*curve.numbers, m));
+  for (const Table& more : {recall_table(report), ranking_table(report), achievement_table(report),
+                            localization_table(report)})
+    add_columns(table, more);
+  return table;
+}
+
+}  // namespace
+
+std::string metric_cell(const Metric& metric, std::optional<double> value) {
+  return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
+}
+
+Json title_settings(const Report& report) {
+  Json settings = report.settings_json();
+  if (report.has_paths())
+    for (const std::string_view key :
+         {score_kind(Score::raw).window_symbol, std::string_view("score")})
+      settings.erase(std::string(key));
+  return settings;
+}
+
+std::string evaluation_title(const Report& report) {
+  return fmt::format("{} on {}", method_title(report), report.query);
+}
+
+std::string title_with_settings(const Report& report) {
+  std::string title = evaluation_title(report);
+  const Json settings = title_settings(report);
+  title += setting_text(settings, score_kind(Score::raw).window_symbol);
+  for (const DecisionKind& decision : decision_kinds())
+    title += setting_text(settings, decision.symbol);
+  for (const std::string_view symbol :
+       {probability_kind().window_symbol, probability_kind().threshold_symbol})
+    title += setting_text(settings, symbol);
+  return title;
+}
+
+std::string reference_word(const Report& report) {
+  return report.has_places() ? "training place" : "training frame";
+}
+
+std::string summary_sentence(const Judgment& judgment, std::optional<double> frames_per_second) {
+  if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
+  const size_t correct = count_of(judgment, FrameVerdict::correct);
+  const size_t incorrect = count_of(judgment, FrameVerdict::incorrect);
+  const size_t unjudged = count_of(judgment, FrameVerdict::unjudged);
+  const size_t all = correct + incorrect + unjudged;
+  const auto some = [](size_t count) { return count == 0 ? "none" : std::to_string(count); };
+  std::string text = judgment.threshold ? best_match_words(judgment) + ". " : "";
+  text +=
+      fmt::format("Recognized in {} of {}", some(all), counted(judgment.verdicts.size(), "frame"));
+  if (judgment.by == JudgedBy::nothing)
+    return text + fmt::format(" ({} %). Nothing is judged without a ground truth.",
+                              percent(judgment.localization.recognized_share()));
+  if (all > 0) {
+    text += fmt::format(", {} of them incorrect", some(incorrect));
+    if (unjudged > 0)
+      text += fmt::format(", {} {}", unjudged,
+                          judgment.by == JudgedBy::places ? "without an answer" : "to be ignored");
+  }
+  return text + first_of(judgment, frames_per_second) + ".";
+}
+
+Table report_table(const Report& report) {
+  const QuerySettings* of_query = report.query_settings();
+  const Json settings = report.settings_json();
+  const BestMatchCounts& best = report.counts.best_match;
+  Table table;
+  table.title = fmt::format("{} ({})", evaluation_title(report), report.protocol.ground_truth);
+  if (of_query != nullptr) {
+    const Counts& counts = report.counts;
+    const ScoreKind& score = score_of(*of_query);
+    for (const std::string_view symbol : {score.window_symbol, decided_by(*of_query)})
+      add_column(table, symbol, text(settings[std::string(symbol)]));
+    if (settings.contains("t_r_scale"))
+      add_column(table, "scale",
+                 settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
+                                             : text(settings["t_r_scale"]));
+    add_column(table, "recognitions correct", counts.recognitions.correct);
+    add_column(table, "recognitions incorrect", counts.recognitions.incorrect);
+    if (counts.clusters) {
+      add_column(table, "places correct", counts.clusters->correct);
+      add_column(table, "of these mixed", counts.mixed_clusters);
+      add_column(table, "places incorrect", counts.clusters->incorrect);
+    }
+    add_column(table, "distinct", counts.distinct);
+  } else {
+    add_column(table, "scores", text(settings["scores"]));
+    add_column(table, "window", text(settings["window"]));
+  }
+  add_column(table, "best correct", best.correct);
+  add_column(table, "of", best.queries - best.ignored);
+  add_column(table, "%", percent(best.rate()));
+  return table;
+}
+
+Table places_table(const Report& report) {
+  const Counts& counts = report.counts;
+  const Localization& path = report.localization;
+  const bool is_judged = report.judged == JudgedBy::places;
+  Table table;
+  table.title = fmt::format("{} ({})", evaluation_title(report),
+                            is_judged ? report.protocol.ground_truth : "not judged");
+  const auto add = [&](const std::string& noun, const LabelCounts& labels) {
+    add_column(table, noun, labels.correct + labels.incorrect + labels.ignored);
+    if (!is_judged) return;
+    add_column(table, noun + " correct", labels.correct);
+    add_column(table, noun + " incorrect", labels.incorrect);
+  };
+  add("recognitions", counts.recognitions_by_place.value_or(counts.recognitions));
+  if (counts.clusters) add("places", *counts.clusters);
+  add("frames", {path.correct, path.incorrect, path.recognized - path.correct - path.incorrect});
+  add_column(table, "of", path.frames);
+  add_column(table, "%", percent(path.recognized_share()));
+  return table;
+}
+
+std::vector<Table> metrics_tables(const Report& report) {
+  std::vector<Table> tables = {curve_table(report)};
+  if (report.metrics.recall_at.size() > 1) tables.push_back(recall_table(report));
+  if (report.metrics.precision_at) tables.push_back(ranking_table(report));
+  tables.push_back(achievement_table(report));
+  tables.push_back(localization_table(report));
+  return tables;
+}
+
+std::string reports_text(std::span<const Report> reports, const std::vector<std::string>& names,
+                         TableFormat format) {
+  std::vector<Table> rows;
+  if (format == TableFormat::csv) {
+    for (const Report& report : reports) rows.push_back(csv_row(report));
+    return render_table(stack_tables(rows, "name", names), format);
+  }
+  if (format == TableFormat::latex)
+    return render_table(overview_table(reports, names, "method"), format);
+  const bool is_one = reports.size() == 1;
+  std::vector<std::vector<Table>> kinds;  // the same table of all reports
+  std::vector<std::vector<std::string>> named;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const Report& report = reports[r];
+    std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
+    if (report.by_keyframe) tables.push_back(view_table(*report.by_keyframe));
+    for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
+    kinds.resize(std::max(kinds.size(), tables.size()));
+    named.resize(kinds.size());
+    for (size_t t = 0; t < tables.size(); ++t) {
+      kinds[t].push_back(std::move(tables[t]));
+      named[t].insert(named[t].end(), kinds[t].back().rows.size(), names[r]);
+    }
+  }
+  std::string text;
+  for (size_t t = 0; t < kinds.size(); ++t) {
+    const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", named[t]);
+    text += (t == 0 ? "" : "\n") + render_table(table, format);
+    if (t > 0 || !is_one || format != TableFormat::text) continue;
+    const std::string places = recognitions_text(reports[0]);
+    if (!places.empty()) text += "\n" + places;
+  }
+  return text;
+}
+
+Table protocols_table(const std::vector<ProtocolReport>& reports) {
+  std::vector<Table> rows;
+  std::vector<std::string> names;
+  for (const auto& [preset, report] : reports) {
+    rows.push_back(report_table(report));
+    names.emplace_back(preset->name);
+  }
+  Table table = stack_tables(rows, "protocol", names);
+  table.title = evaluation_title(reports.front().report);
+  return table;
+}
+
+std::string protocols_text(const std::vector<ProtocolReport>& reports) {
+  std::vector<Report> rows;
+  std::vector<std::string> names;
+  for (const auto& [preset, report] : reports) {
+    rows.push_back(report);
+    names.emplace_back(preset->name);
+  }
+  return short_text(overview_table(rows, names, "protocol"));
+}
+
+std::string protocols_notes(const std::vector<ProtocolReport>& reports) {
+  std::string notes;
+  for (const ProtocolReport& one : reports) notes += one.report.protocol.ground_truth + "\n";
+  return notes;
+}
+
+}  // namespace vpr

@@ -1,0 +1,58 @@
+// Reports as sentences and tables.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "files/report_json.h"
+#include "present/table.h"
+
+namespace vpr {
+
+/// "-" without a value.
+std::string metric_cell(const Metric& metric, std::optional<double> value);
+
+/// The settings that a title may name; those of windows are omitted for a method that has none.
+Json title_settings(const Report& report);
+/// "name on query": the name set by the user, or the method, with the score if it is not raw.
+std::string evaluation_title(const Report& report);
+/// The same with c_l and the threshold.
+std::string title_with_settings(const Report& report);
+
+/// "training frame", or "training place" for FAB-MAP.
+std::string reference_word(const Report& report);
+
+/// For a result: "Recognized in 17 of 111 frames, 3 of them incorrect; the first correct one at
+/// frame 21 (2.1 s)." The time since the first frame needs frames_per_second, which is above 0.
+/// If nothing is judged, with their share. For scores: "Best match correct in 53 of 111
+/// frames (47.7 %)", with recognitions only at a threshold of the user; a threshold from the ground
+/// truth is marked.
+std::string summary_sentence(const Judgment& judgment, std::optional<double> frames_per_second);
+
+/// One row: settings and counts.
+Table report_table(const Report& report);
+
+/// One row: totals, and counts by answers to places.
+Table places_table(const Report& report);
+
+/// Metrics of curves, ranks (if known), stretches and localization. Titles state what is counted.
+std::vector<Table> metrics_tables(const Report& report);
+
+/// All tables of the reports. Several reports share each table, with `names` in the first column.
+/// CSV is one table.
+std::string reports_text(std::span<const Report> reports, const std::vector<std::string>& names,
+                         TableFormat format);
+
+/// One row per protocol. `reports` must not be empty.
+Table protocols_table(const std::vector<ProtocolReport>& reports);
+
+/// The description of each ground truth, one per line.
+std::string protocols_notes(const std::vector<ProtocolReport>& reports);
+
+/// The table of protocols in a few lines.
+std::string protocols_text(const std::vector<ProtocolReport>& reports);
+
+}  // namespace vpr

@@ -1,0 +1,268 @@
+#include "run/train_sequences.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "describe/imported.h"
+#include "match/distance_statistics.h"
+#include "run/open.h"
+#include "run/thresholds.h"
+#include "words/word_training.h"
+
+namespace vpr {
+namespace {
+
+void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
+                     bool skip_unreadable, const Monitor& monitor) {
+  DescriptorSet described =
+      describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor);
+  Sequence& sequence = described.sequence;
+  sequence.name = argument.name;
+  if (!sequence.unreadable.empty())
+    warn(monitor, fmt::format("{}: {} of {} cannot be decoded and will never match", sequence.name,
+                              sequence.unreadable.size(), counted(sequence.frames, "frame")));
+  const DescriptorShape found = described.descriptors.shape();
+  const DescriptorShape expected = database.descriptors.shape();
+  if (!database.descriptors.owned.empty() && found != expected)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its descriptors have {} {}, descriptors of the database {}",
+                            argument.sequence.path.string(), found.length, element_noun(found),
+                            expected.length));
+  database.descriptors.append(described.rows());
+  database.sequences.push_back({std::move(sequence)});
+}
+
+void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
+                             const Monitor& monitor) {
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s)
+    if (count_windows(readable_runs(spans[s]), window_length) == 0)
+      warn(monitor, fmt::format("{}: cannot be recognized with this c_l, because it has no {} "
+                                "consecutive readable frames",
+                                database.sequences[s].sequence.name, window_length));
+}
+
+// Warns if many consecutive frames with imported directions are closer than cosine distances
+// resolve.
+void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monitor) {
+  constexpr double kShare = 0.01;
+  const ElementType element = database.descriptors.shape().element;
+  if (!database.descriptors.kind->is_imported ||
+      (element != ElementType::int8 && element != ElementType::int16))
+    return;
+  const DistanceKind& distance = distance_of(element);
+  size_t near = 0;
+  for (const DescribedFrames& sequence : descriptor_spans(database))
+    for (const FrameRun& run : readable_runs(sequence))
+      for (size_t i = run.first + 1; i < run.first + run.count; ++i) {
+        const DescriptorRow before = sequence.rows[i - 1];
+        const DescriptorRow row = sequence.rows[i];
+        near += distance.pair(before, row) <= 1 && !std::ranges::equal(before, row);
+      }
+  const size_t frames = database.descriptors.rows().size();
+  if (static_cast<double>(near) > kShare * static_cast<double>(frames))
+    warn(monitor, fmt::format("{} of {} frames differ from the next one by at most the resolution "
+                              "of cosine distances ({:.1e}). Use --metric chord.",
+                              near, frames, distance.unit.size));
+}
+
+void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
+                    const RowKernels& kernels, const Monitor& monitor) {
+  warn_of_short_sequences(database, window_length, monitor);
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  if (!is_left_to_queries(spans))
+    database.thresholds.push_back(
+        compute_thresholds(spans, window_length, safety_factor, kernels, monitor));
+  else
+    warn(monitor, fmt::format("the training sequences are long: their automatic t_r is computed "
+                              "for each query that needs it. To store it, use vpr-tune threshold "
+                              "DB --c-l {} --write.",
+                              window_length));
+}
+
+// Appends sequences and computes everything except thresholds.
+void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
+            bool skip_unreadable, const StatisticsSettings& settings, const RowKernels& kernels,
+            const Monitor& monitor) {
+  for (size_t s = 0; s < sequences.size(); ++s)
+    append_sequence(database, sequences[s], skip_unreadable,
+                    part_of(monitor, sequences[s].name, s, sequences.size()));
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s)
+    database.sequences[s].typical_distance =
+        typical_distance(database.sequences[s], spans[s], monitor);
+  ensure_exclusion_zones(database, kernels, monitor);
+  database.statistics = compute_statistics(spans, settings, monitor);
+}
+
+// The difference between a training sequence and the group with its name.
+std::string difference(const FabmapDatabase& fabmap, const Sequence& sequence) {
+  const auto found = std::ranges::find(fabmap.groups, sequence.name,
+                                       [](const ViewGroup& group) { return group.sequence.name; });
+  if (found == fabmap.groups.end())
+    return fmt::format("has no training sequence {}", sequence.name);
+  const Sequence& named = found->sequence;
+  if (named.frames != sequence.frames)
+    return fmt::format("{} has {}, and {} in the other database", sequence.name,
+                       counted(named.frames, "frame"), sequence.frames);
+  const auto [own, other] = std::ranges::mismatch(named.frame_names, sequence.frame_names);
+  if (own != named.frame_names.end())
+    return fmt::format("frame {} of {} is {}, and {} in the other database",
+                       own - named.frame_names.begin(), sequence.name, *own, *other);
+  return fmt::format("the unreadable frames of {} differ", sequence.name);
+}
+
+// The first view of the group of a training sequence.
+size_t first_view_of(const FabmapDatabase& fabmap, const Sequence& sequence,
+                     const std::string& name) {
+  size_t first = 0;
+  for (const ViewGroup& group : fabmap.groups) {
+    if (group.sequence.name == sequence.name &&
+        group.sequence.frame_names == sequence.frame_names &&
+        group.sequence.unreadable == sequence.unreadable)
+      return first;
+    first += group.sequence.frames;
+  }
+  throw Error(ErrorKind::data,
+              fmt::format("{}: {}. Train it with the sequences of the other database, as in "
+                          "vpr-train fabmap --pretrain OTHER --train SEQUENCE.",
+                          name, difference(fabmap, sequence)));
+}
+
+// Describes frames for a fused database. They are decoded once, except for illumination-invariant
+// descriptors, which need colors: FAB-MAP uses gray images as decoders yield them.
+DescriptorSet describe_with_words(const SequenceSource& source, const SequenceDatabase& database,
+                                  const FusedViews& fused, Unreadable unreadable,
+                                  const Monitor& monitor) {
+  const DescriptorKind& kind = *database.descriptors.kind;
+  if (database.descriptor.illumination_invariant) {
+    DescriptorSet set = kind.describe(source, database.descriptor, unreadable, monitor);
+    SequenceSource all = source;
+    all.argument.speed.clear();  // describe_frames applies it
+    set.words = describe_words(all, fused.fabmap, unreadable == Unreadable::skip, monitor).words;
+    return set;
+  }
+  std::mutex mutex;
+  std::vector<WordSet> words;
+  const auto collect = [&](size_t index, const cv::Mat& gray) {
+    WordSet found =
+        quantize(fused.vocabulary, find_features(gray, fused.fabmap.settings.features).descriptors);
+    const std::lock_guard lock(mutex);
+    if (index >= words.size()) words.resize(index + 1);
+    words[index] = std::move(found);
+  };
+  DescriptorSet set = kind.describe(source, database.descriptor, unreadable, monitor, collect);
+  words.resize(set.sequence.frames);
+  set.words = std::move(words);
+  return set;
+}
+
+}  // namespace
+
+SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
+                                 const SequenceTrainSettings& settings, const RowKernels& kernels,
+                                 const Monitor& monitor) {
+  check_window_length(settings.window_length);
+  check_safety_factor(settings.safety_factor);
+  SequenceDatabase database;
+  database.descriptors.kind = &descriptor_kind(settings.descriptor_kind);
+  database.descriptor = settings.descriptor;
+  if (database.descriptors.kind->shape.element == ElementType::points16) {
+    std::vector<SequenceSource> sources;
+    for (const NamedArgument& argument : sequences)
+      sources.push_back(open_sequence(argument.sequence));
+    database.descriptors.unit = coordinate_unit(settings.descriptor_kind, sources, monitor);
+  }
+  extend(database, sequences, settings.skip_unreadable, settings.statistics, kernels, monitor);
+  warn_of_near_frames(database, monitor);
+  add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
+  return database;
+}
+
+SequenceDatabase add_sequences(const SequenceDatabase& database,
+                               const std::vector<NamedArgument>& sequences, bool skip_unreadable,
+                               const RowKernels& kernels, const Monitor& monitor) {
+  SequenceDatabase extended;
+  extended.descriptor = database.descriptor;
+  extended.sequences = database.sequences;
+  extended.descriptors.kind = database.descriptors.kind;
+  extended.descriptors.unit = database.descriptors.unit;
+  extended.descriptors.append(database.descriptors.rows());
+  extend(extended, sequences, skip_unreadable,
+         database.statistics ? database.statistics->settings : StatisticsSettings{}, kernels,
+         monitor);
+  for (const ThresholdTable& table : database.thresholds)
+    add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);
+  return extended;
+}
+
+void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name) {
+  if (database.descriptors.kind->is_imported)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: cannot be fused with a database of imported descriptors, because "
+                            "FAB-MAP needs the images of a query",
+                            name));
+  FusedViews fused;
+  for (const TrainSequence& train : database.sequences) {
+    const Sequence& sequence = train.sequence;
+    const size_t first_view = first_view_of(fabmap, sequence, name);
+    const size_t first = fused.views.size();
+    fused.frames.push_back(sequence.frames);
+    for (size_t i = 0; i < sequence.frames; ++i)
+      fused.views.push_back(static_cast<uint32_t>(first_view + i));
+    for (const size_t frame : sequence.unreadable) fused.views[first + frame] = FusedViews::kNoView;
+  }
+  fused.fabmap = std::move(fabmap);
+  fused.vocabulary = make_vocabulary(fused.fabmap.vocabulary);
+  database.statistics.value().fused = std::make_shared<const FusedViews>(std::move(fused));
+}
+
+const FusedViews* fused_views(const SequenceDatabase& database) {
+  return database.statistics ? database.statistics->fused.get() : nullptr;
+}
+
+DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
+                              bool skip_unreadable, const Monitor& monitor) {
+  const DescriptorKind& kind = *database.descriptors.kind;
+  const bool has_frames = source.kind != SequenceKind::descriptors;
+  if (kind.is_imported && has_frames)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has images, but the database has imported descriptors. Use "
+                            "descriptors of the same program, as in q.npy.",
+                            source.argument.path.string()));
+  if (!kind.is_imported && !has_frames)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: holds descriptors, but frames of the database are described by "
+                            "{}. Use the images.",
+                            source.argument.path.string(), kind.name));
+  const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  DescriptorSettings settings = database.descriptor;
+  settings.unit = database.descriptors.unit;
+  const FusedViews* fused = fused_views(database);
+  DescriptorSet set = fused != nullptr
+                          ? describe_with_words(source, database, *fused, unreadable, monitor)
+                          : kind.describe(source, settings, unreadable, monitor);
+  const Selection shown =
+      at_speed(source.argument.speed, set.sequence.frames, source.argument.seed);
+  return selected(std::move(set), shown);
+}
+
+std::vector<DescribedFrames> descriptor_spans(const SequenceDatabase& database) {
+  std::vector<DescribedFrames> spans;
+  const DescriptorRows rows = database.descriptors.rows();
+  size_t first = 0;
+  for (const TrainSequence& train : database.sequences) {
+    const size_t frames = train.sequence.frames;
+    DescribedFrames& span = spans.emplace_back();
+    span.rows = rows.subspan(first, frames);
+    span.unreadable = train.sequence.unreadable;
+    first += frames;
+  }
+  return spans;
+}
+
+}  // namespace vpr

@@ -1,0 +1,110 @@
+// FAB-MAP's database: vocabulary, Chow-Liu tree and the words of every view; and its use in fusion
+// with sequence scores.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/enum_names.h"
+#include "base/output.h"
+#include "sequence/sequence.h"
+#include "words/chow_liu.h"
+#include "words/local_features.h"
+#include "words/vocabulary.h"
+
+namespace vpr {
+
+/// The algorithm that clusters descriptors into words.
+enum class Clustering { kmeans, radius };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<Clustering> = {"kmeans", "radius"};
+
+/// Settings of training a vocabulary and a Chow-Liu tree on pretraining frames.
+struct FabmapTrainSettings {
+  FeatureSettings features;
+  Clustering clustering = Clustering::kmeans;
+  /// number of words requested from k-means; in a database: the number of words
+  uint64_t words = 1000;
+  uint64_t iterations = 20;  ///< maximum number of Lloyd steps
+  /// of radius clustering: a descriptor farther than this from all centers becomes one
+  double radius = 0.4;
+  bool skip_unreadable = false;
+};
+
+template <class Visitor>
+void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
+  visit_fields(settings.features, visit);
+  visit("clustering", settings.clustering);
+  visit("words", settings.words);
+  visit("iterations", settings.iterations);
+  visit("radius", settings.radius);
+  visit("skip_unreadable", settings.skip_unreadable);
+}
+
+/// Frames that were trained together: each one its own place, or all of them views of one place.
+struct ViewGroup {
+  Sequence sequence;  ///< its unreadable frames never match
+  bool is_place = false;
+};
+
+/// The source of a view.
+struct ViewOrigin {
+  size_t group = 0;
+  size_t frame = 0;  ///< within the group
+};
+
+/// The content of a database folder: all training data of FAB-MAP.
+struct FabmapDatabase {
+  FabmapTrainSettings settings;
+  uint64_t seed = 1;
+  cv::Mat vocabulary;  ///< words x dims, CV_32F or CV_8U
+  ChowLiuTree tree;
+  ViewWords pretrain;
+  ViewWords views;  ///< of all groups, one after the other
+  WordIndex index;  ///< of the views
+  std::vector<ViewGroup> groups;
+  std::string fingerprint;  ///< of a stored database
+
+  /// `view` is below views.views().
+  ViewOrigin origin(size_t view) const;
+  /// Views of frames that could not be decoded, increasing.
+  std::vector<size_t> unreadable_views() const;
+  /// The index of the place of each view: place groups with the same name share one place.
+  std::vector<uint32_t> places() const;
+  /// Names by place index: the name of the group, or "group#frame".
+  std::vector<std::string> place_names() const;
+};
+
+/// For each group, the number of frames that were decoded but show no word.
+std::vector<size_t> featureless_frames(const FabmapDatabase& database);
+
+/// Appends a group and the words of its frames. Invalidates the index.
+void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames);
+
+/// Rebuilds the index of all views.
+void index_views(FabmapDatabase& database);
+
+/// Verifies every file. Throws Error(input) if a file is missing; Error(data) if it is damaged or
+/// belongs to another method or version.
+FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
+
+/// Byte-identical for equal content. The caller commits.
+void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
+                           Outputs& outputs);
+
+/// FAB-MAP's data for the training frames of a sequence database: a FAB-MAP database of the same
+/// frames, in which each frame is a view.
+struct FusedViews {
+  /// The view of a frame that could not be decoded.
+  static constexpr uint32_t kNoView = std::numeric_limits<uint32_t>::max();
+
+  FabmapDatabase fabmap;
+  Vocabulary vocabulary;        ///< of the FAB-MAP database, to describe frames
+  std::vector<size_t> frames;   ///< frame count of each training sequence
+  std::vector<uint32_t> views;  ///< view of each training frame, sequence after sequence
+};
+
+}  // namespace vpr

@@ -1,0 +1,180 @@
+#include "evaluate/evaluation.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "evaluate/place_answers.h"
+#include "files/report_json.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+const EvaluationSettings kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, {}};
+
+/// Four frames: the first two are recognized correctly, the third incorrectly, and the last one is
+/// not recognized.
+Result example() {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 1;
+  result.settings = settings;
+  result.query.name = "walk";
+  result.query.frames = result.query_windows = 4;
+  ComparedSequence& compared = result.sequences.emplace_back();
+  compared.sequence = {"ref", 4};
+  compared.windows = 4;
+  result.recognitions = {{0, 0, 0, 0, 5}, {1, 0, 1, 0, 6}, {2, 0, 0, 0, 7}};
+  for (const Match& recognition : result.recognitions) result.best.emplace_back(recognition);
+  result.best.emplace_back();
+  Clusters& clusters = result.clusters.emplace();
+  clusters.all = {{0, 0, 0, 1, 0, 0, 1, 2, 5}, {0, 2, 2, 2, 0, 0, 0, 1, 7}};
+  clusters.of_recognition = {0, 0, 1};
+  return result;
+}
+
+std::vector<uint64_t> numbers(const LabelCounts& counts) {
+  return {counts.correct, counts.incorrect, counts.ignored};
+}
+
+}  // namespace
+
+TEST_CASE("a result is evaluated and counted by one ground truth") {
+  const Evaluation found = evaluate_result(example(), {}, kAligned, {});
+  CHECK(found.query().name == "walk");
+  CHECK(found.truth.is_known);
+  CHECK_FALSE(found.matrix);
+  REQUIRE(found.result);
+  const Counts& counts = found.result->counts;
+  CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{2, 1, 0});
+  CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
+  CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
+  CHECK((counts.best_match.queries == 4 && counts.best_match.correct == 2));
+  REQUIRE(found.result->clusters.size() == 2);
+  CHECK(found.result->clusters[0].label == PlaceLabel::same);
+  CHECK(numbers(found.result->clusters[1].recognitions) == std::vector<uint64_t>{0, 1, 0});
+  CHECK(found.judgment.verdicts ==
+        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
+                                  FrameVerdict::incorrect, FrameVerdict::none});
+  CHECK_FALSE(found.judgment.localization.longest_gap_m);
+  CHECK_FALSE(found.result->by_keyframe);
+}
+
+TEST_CASE("poses of the query yield distances in meters") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
+  EvaluationSettings by = kAligned;
+  by.poses = folder / "poses.csv";
+  const Evaluation found = evaluate_result(example(), {}, by, {});
+  CHECK(found.judgment.localization.first_recognition_m == 0);
+  CHECK(found.judgment.localization.longest_gap_m == 5);
+}
+
+TEST_CASE("without ground truth, a result is shown without evaluation") {
+  const Evaluation found = evaluate_result(example(), {}, {}, {});
+  CHECK_FALSE(found.truth.is_known);
+  CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
+  CHECK(found.judgment.verdicts[0] == FrameVerdict::unjudged);
+  const Json report = report_json(report_of(found, {}));
+  CHECK(report["judged"] == "nothing");
+  CHECK(report["counts"]["places"]["ignored"] == 2);
+  CHECK(report["localization"] ==
+        Json{{"frames", 4}, {"recognized", 3}, {"recognized_share", 0.75}});
+  for (const char* key : {"metrics", "curves", "best_match"}) CHECK_FALSE(report.contains(key));
+  CHECK(test::error_kind([&] { parse_report(report, "r.json"); }) == ErrorKind::usage);
+}
+
+TEST_CASE("answers to places judge the places, their recognitions and the frames") {
+  const test::TemporaryFolder folder;
+  const auto judged_by = [&](const std::string& rows) {
+    test::write_text(folder / "places.csv", "place,query,sequence,train,same\n" + rows);
+    EvaluationSettings by;
+    by.places = folder / "places.csv";
+    return evaluate_result(example(), {}, by, {});
+  };
+  // The first place has two recognitions, at frames 0 and 1; the second one has frame 2.
+  const Evaluation found = judged_by("2,2,ref,0,no\n1,0,ref,0,yes\n");
+  CHECK_FALSE(found.truth.is_known);
+  CHECK(found.judgment.by == JudgedBy::places);
+  const Counts& counts = found.result->counts;
+  CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
+  CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
+  CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
+  CHECK(counts.distinct == 1);
+  CHECK(found.judgment.verdicts ==
+        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
+                                  FrameVerdict::incorrect, FrameVerdict::none});
+  CHECK(found.judgment.localization.recognized == 3);
+  CHECK(found.judgment.localization.correct == 2);
+  CHECK(found.judgment.localization.longest_gap_frames == 2);
+  const Json report = report_json(report_of(found, {}));
+  CHECK(report["judged"] == "places");
+  CHECK(report["localization"]["share"] == 0.5);
+  for (const char* key : {"metrics", "curves", "best_match"}) CHECK_FALSE(report.contains(key));
+  const Evaluation half = judged_by("2,2,ref,0,no\n");
+  CHECK(numbers(*half.result->counts.recognitions_by_place) == std::vector<uint64_t>{0, 1, 2});
+  CHECK(numbers(*half.result->counts.clusters) == std::vector<uint64_t>{0, 1, 1});
+  CHECK(half.judgment.verdicts[0] == FrameVerdict::unjudged);
+}
+
+TEST_CASE("answers that do not fit the places of a result are refused, with their line") {
+  const test::TemporaryFolder folder;
+  const auto error = [&](const std::string& text, Result result = example()) {
+    test::write_text(folder / "p.csv", text);
+    return test::error_text([&] { read_place_answers(folder / "p.csv", result); });
+  };
+  const std::string header = "place,query,sequence,train,same\n";
+  using Catch::Contains;
+  CHECK_THAT(error(""), Contains("has no column place"));
+  CHECK_THAT(error(header), Contains("has no answers"));
+  for (const char* row : {"0,0,ref,0,yes", "3,0,ref,0,yes", "1,1,ref,0,yes", "1,0,ref,1,yes",
+                          "1,0,other,0,yes", "2,0,ref,0,yes", "-1,0,ref,0,yes", "x,0,ref,0,yes"})
+    CHECK_THAT(error(header + row + "\n"), Contains("line 2: the result has no place"));
+  CHECK_THAT(error(header + "1,0,ref,0,yes\n1,0,ref,0,no\n"), Contains("line 3: place 1 has two"));
+  CHECK_THAT(error(header + "1,0,ref,0,sure\n"), Contains("\"same\" is \"sure\""));
+  Result places = example();
+  places.clusters.reset();
+  CHECK_THAT(error(header, places), Contains("FAB-MAP has none"));
+}
+
+TEST_CASE("without clusters, every recognition of a result is evaluated separately") {
+  Result result = example();
+  result.settings = FabmapQuerySettings{};
+  result.clusters.reset();
+  result.places.emplace().names = {"a", "b", "c", "d"};
+  const Evaluation found = evaluate_result(std::move(result), {}, kAligned, {});
+  REQUIRE(found.result->clusters.size() == 3);
+  CHECK(found.result->clusters[1].label == PlaceLabel::same);
+  CHECK(found.result->clusters[2].label == PlaceLabel::different);
+  CHECK(found.result->counts.distinct == 2);
+}
+
+TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix by its pairs") {
+  const test::TemporaryFolder folder;
+  const std::vector<int32_t> scores = {5, 9, 9, 9,  //
+                                       9, 6, 9, 9,  //
+                                       7, 9, 8, 9,  //
+                                       9, 9, 9, 9};
+  test::write_array<int32_t>(folder / "s.npy", scores, {4, 4});
+  ScoreSettings settings;
+  settings.threshold = 7;
+  settings.query.name = "theirs";
+  const auto matrix = [&] { return ScoreMatrix(folder / "s.npy", settings.format); };
+  const Evaluation alone = evaluate_scores(matrix(), settings, kAligned, {});
+  CHECK(alone.query().name == "theirs");
+  CHECK_FALSE(alone.result);
+  CHECK(alone.fingerprint == matrix().fingerprint({}));
+  CHECK(alone.judgment.verdicts ==
+        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
+                                  FrameVerdict::incorrect, FrameVerdict::none});
+  REQUIRE(alone.judgment.all_pairs);
+
+  const Evaluation both = evaluate_result(example(), matrix(), kAligned, {});
+  REQUIRE(both.matrix);
+  REQUIRE(both.judgment.all_pairs);
+  CHECK(both.judgment.all_pairs->curve.points.size() ==
+        alone.judgment.all_pairs->curve.points.size());
+  CHECK(both.judgment.verdicts == alone.judgment.verdicts);
+  CHECK(both.result->counts.recognitions.correct == 2);
+}

@@ -1,0 +1,143 @@
+// Invalid files are refused by a robust reader.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "files/result_examples.h"
+
+using namespace vpr;
+using namespace vpr::test;
+namespace fs = std::filesystem;
+
+TEST_CASE("a modified result of places is refused") {
+  const test::TemporaryFolder folder;
+  for (const auto& change : std::vector<void (*)(Result&)>{
+           [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
+           [](Result& r) { r.sequences.push_back(r.sequences[0]); },
+           [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
+           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.recognitions[1].train = 2; },
+           [](Result& r) { r.recognitions[1] = r.recognitions[0]; },
+           [](Result& r) { r.recognitions[2].score = std::nan(""); }}) {
+    Result result = places_example();
+    change(result);
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("companions of another run are refused") {
+  const test::TemporaryFolder folder;
+  const test::TemporaryFolder other;
+  const fs::path path = write_example(folder);
+  Result changed = example_result();
+  changed.recognitions.pop_back();
+  write(other / "r.json", changed, Existing::refuse);
+  fs::copy_file(other / "r.recognitions.npy", folder / "r.recognitions.npy",
+                fs::copy_options::overwrite_existing);
+  CHECK(test::error_text([&] { read_result(path); }).find("belongs to another run") !=
+        std::string::npos);
+  fs::remove(folder / "r.recognitions.npy");
+  CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
+}
+
+TEST_CASE("a file of another run next to a result is refused, and may be removed") {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder / "r.json";
+  {
+    Outputs outputs(Existing::refuse);
+    outputs.file(folder / "m.png").write("image");
+    outputs.file(folder / "m.npy").write("matrix");
+    write_result(path, example_result(), {}, outputs);
+    outputs.commit();
+  }
+  read_result(path);
+  for (const char* name : {"m.png", "m.npy"}) {
+    test::write_text(folder / name, "of another run");
+    CHECK(test::error_text([&] { read_result(path); }) ==
+          fmt::format("{}: belongs to another run than {}; run vpr-query again, with --force, or "
+                      "remove this file",
+                      (folder / name).string(), path.string()));
+    fs::remove(folder / name);
+  }
+  read_result(path);
+}
+
+TEST_CASE("modified results are refused without a crash") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  const Json whole = Json::parse(test::read_text(path));
+  const auto broken = [&](const std::string& pointer, const Json& value) {
+    Json json = whole;
+    json[Json::json_pointer(pointer)] = value;
+    json.erase("checksum");
+    json["checksum"] = result_checksum(json);
+    test::write_text(path, json.dump());
+    return test::error_kind([&] { read_result(path); });
+  };
+  for (const auto& [pointer, value] :
+       std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
+                                                 {"/settings/c_l", 3},
+                                                 {"/settings/method", "fastabel"},
+                                                 {"/query/windows", 5},
+                                                 {"/query/frames", -1},
+                                                 {"/query/frames", 1e30},
+                                                 {"/sequences/0/frames", 2},
+                                                 {"/sequences/0/windows", 6},
+                                                 {"/sequences", 3},
+                                                 {"/clusters/0/sequence", 2},
+                                                 {"/clusters/0/train/last", 5},
+                                                 {"/clusters/0/query/window", 4},
+                                                 {"/files/recognitions/checksum", "xxh3:0"},
+                                                 {"/files", Json::array()},
+                                                 {"/settings/clustering/eps", 5000},
+                                                 {"/settings/clustering/eps", 0},
+                                                 {"/clusters", Json::array()},
+                                                 {"/clusters/0/recognitions", 3},
+                                                 {"/schema", "vpr.result/2"},
+                                                 {"/query", Json()}}) {
+    INFO(pointer);
+    CHECK(broken(pointer, value) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("a result with modified text is refused, except in machine and timing") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  Json json = Json::parse(test::read_text(path));
+  json["machine"]["threads"] = 99;
+  test::write_text(path, to_text(json));
+  read_result(path);
+  json["clusters"] = Json::array();
+  test::write_text(path, to_text(json));
+  CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
+}
+
+TEST_CASE("random damage yields an error or a result, never a crash") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  RandomEngine engine(1);
+  for (const char* name : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
+                           "r.best_scores.npy"}) {
+    const std::string whole = test::read_text(folder / name);
+    for (int i = 0; i < 300; ++i) {
+      std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
+      text[uniform_below(engine, text.size())] = static_cast<char>(engine());
+      test::write_text(folder / name, text);
+      test::error_kind([&] { read_result(path); });
+    }
+    test::write_text(folder / name, whole);
+  }
+  CHECK(read_result(path).result.recognitions == example_result().recognitions);
+}
+
+TEST_CASE("an existing result is refused as a whole") {
+  const test::TemporaryFolder folder;
+  write_example(folder);
+  fs::remove(folder / "r.json");
+  Outputs outputs(Existing::refuse);
+  CHECK(test::error_kind([&] { claim_result(folder / "r.json", outputs); }) == ErrorKind::usage);
+  write_example(folder, Existing::replace);
+}

@@ -1,0 +1,110 @@
+#include "reference/reference_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "match/score_kernels.h"
+
+namespace vpr {
+namespace {
+
+double likelihood(uint16_t score) {
+  const double z = (static_cast<double>(score) - kScoreBias) / kScoreUnit;
+  return std::exp(kSharpness * (kUnrelated - std::min(z, 8.0)));
+}
+
+// The mass that steps within the run bring to a cell at a rate, before the observation.
+double stepped(const ReferenceFilter& filter, const CellRun& run, size_t rate, size_t to) {
+  const FilterRate& steps = filter_rates()[rate];
+  double sum = 0;
+  for (size_t s = 0; s < kSteps; ++s) {
+    const size_t step = kFirstSteps[rate] + s;
+    if (to < run.first + step) continue;
+    double all = 0;
+    for (const std::vector<double>& masses : filter.rates) all += masses[to - step];
+    sum += steps.steps[s] *
+           ((1 - kRateChange) * filter.rates[rate][to - step] + kRateChange * steps.prior * all);
+  }
+  return sum;
+}
+
+size_t best_of(const std::vector<uint32_t>& values) {
+  return static_cast<size_t>(std::ranges::min_element(values) - values.begin());
+}
+
+bool is_near(const FilterCells& cells, size_t a, size_t b, size_t near) {
+  const double gap = static_cast<double>(a) - static_cast<double>(b);
+  return run_of(cells, a).sequence == run_of(cells, b).sequence &&
+         std::abs(gap) <= static_cast<double>(near);
+}
+
+uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>& values,
+                          size_t near) {
+  const size_t best = best_of(values);
+  uint32_t least = kNewPathValue;
+  for (const CellRun& run : cells.runs)
+    for (size_t cell = run.first; cell < run.first + run.count; ++cell)
+      if (!is_near(cells, cell, best, near)) least = std::min(least, values[cell]);
+  return least - std::min(least, values[best]);
+}
+
+}  // namespace
+
+ReferenceFilter start_reference_filter(const FilterCells& cells) {
+  ReferenceFilter filter{cells, {}, std::vector<double>(cells.size(), 0)};
+  filter.rates.assign(kRates, std::vector<double>(cells.size(), 0));
+  return filter;
+}
+
+void advance_reference_filter(ReferenceFilter& filter, std::span<const uint16_t> scores) {
+  std::vector<std::vector<double>> next(kRates, std::vector<double>(filter.cells.size(), 0));
+  for (const CellRun& run : filter.cells.runs)
+    for (size_t cell = run.first; cell < run.first + run.count; ++cell)
+      for (size_t rate = 0; rate < kRates; ++rate)
+        next[rate][cell] = likelihood(scores[filter.cells.frames[cell]]) *
+                           (stepped(filter, run, rate, cell) + filter_rates()[rate].prior);
+  filter.rates = std::move(next);
+  std::ranges::fill(filter.masses, 0);
+  for (const std::vector<double>& masses : filter.rates)
+    for (size_t cell = 0; cell < masses.size(); ++cell) filter.masses[cell] += masses[cell];
+  const double most = std::exp(kMostEvidence) / *std::ranges::max_element(filter.masses);
+  if (most >= 1) return;
+  for (std::vector<double>& masses : filter.rates)
+    for (double& mass : masses) mass *= most;
+  for (double& mass : filter.masses) mass *= most;
+}
+
+double reference_value(const ReferenceFilter& filter, size_t cell) {
+  return -std::log(filter.masses[cell]) / kSharpness;
+}
+
+std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
+                                               std::span<const std::vector<uint32_t>> values,
+                                               const FilterSettings& settings) {
+  std::vector<ReferenceKeyframe> keyframes(values.size());
+  size_t path = 0;
+  for (size_t first = 0; first < values.size();) {
+    ++path;
+    size_t end = first + 1;  // of the path
+    while (end < values.size() &&
+           is_near(cells, best_of(values[end - 1]), best_of(values[end]), settings.near_keyframes))
+      ++end;
+    for (size_t k = first; k < end; ++k) {
+      size_t at = std::min(k + settings.path_keyframes / 2, end - 1);
+      size_t cell = best_of(values[at]);
+      for (; at > k; --at) {
+        size_t before = cell;
+        for (size_t step = 0; step <= kLongestStep; ++step)
+          if (values[at - 1][cell - step] <= values[at - 1][before]) before = cell - step;
+        cell = before;
+      }
+      const bool is_long = k + 1 - first >= settings.path_keyframes;
+      keyframes[k] = {
+          path, is_long ? reference_margin(cells, values[k], settings.near_keyframes) : 0, cell};
+    }
+    first = end;
+  }
+  return keyframes;
+}
+
+}  // namespace vpr
