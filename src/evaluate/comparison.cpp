@@ -62,26 +62,22 @@ std::vector<MethodQueries> find_common(std::span<const NamedOutcomes> methods,
   return all;
 }
 
-std::optional<double> weighted_recall(const MethodQueries& method,
-                                      std::span<const uint32_t> weights, size_t k) {
-  if (k > 1 && !method.method->outcomes.has_ranks) return std::nullopt;
-  uint64_t to_find = 0;
-  uint64_t found = 0;
+std::optional<double> weighted_mean(const MethodQueries& method, std::span<const uint32_t> weights,
+                                    const MetricAt& metric) {
+  if (!metric.metric->is_known_at(method.method->outcomes, metric.k)) return std::nullopt;
+  uint64_t queries = 0;
+  double sum = 0;
   for (size_t q = 0; q < weights.size(); ++q) {
     const QueryOutcome& query = *method.queries[q];
     if (!query.has_match) continue;
-    to_find += weights[q];
-    if (is_found_at(query, k)) found += weights[q];
+    queries += weights[q];
+    sum += weights[q] * metric.metric->of_query(query, metric.k);
   }
-  if (to_find == 0) return std::nullopt;
-  return static_cast<double>(found) / static_cast<double>(to_find);
+  if (queries == 0) return std::nullopt;
+  return sum / static_cast<double>(queries);
 }
 
-std::vector<std::optional<double>> metric_values(const MethodQueries& method,
-                                                 std::span<const uint32_t> weights,
-                                                 const std::vector<size_t>& ks) {
-  std::vector<std::optional<double>> values;
-  for (const size_t k : ks) values.push_back(weighted_recall(method, weights, k));
+Curve weighted_curve(const MethodQueries& method, std::span<const uint32_t> weights) {
   std::vector<ScoredItem> items;
   uint64_t to_find = 0;
   for (const size_t q : method.order) {
@@ -89,9 +85,28 @@ std::vector<std::optional<double>> metric_values(const MethodQueries& method,
     items.push_back({method.key(q), query.verdict == Verdict::correct, weights[q]});
     if (query.has_match) to_find += weights[q];
   }
-  const Curve curve = curve_of(items, to_find, confidence_order(method.method->outcomes));
-  for (const Metric& metric : curve_metrics()) values.push_back(metric.of_curve(curve).value);
+  return curve_of(items, to_find, confidence_order(method.method->outcomes));
+}
+
+std::vector<std::optional<double>> metric_values(const MethodQueries& method,
+                                                 std::span<const uint32_t> weights,
+                                                 const std::vector<MetricAt>& compared) {
+  const Curve curve = weighted_curve(method, weights);
+  std::vector<std::optional<double>> values;
+  for (const MetricAt& metric : compared)
+    values.push_back(metric.metric->of_curve != nullptr ? metric.metric->of_curve(curve).value
+                                                        : weighted_mean(method, weights, metric));
   return values;
+}
+
+// Reports have the first correct rank of a query, not all.
+std::vector<MetricAt> compared_metrics(bool has_ranks) {
+  std::vector<MetricAt> all;
+  for (const Metric& metric : rank_metrics())
+    for (const size_t k : kRecallAt)
+      if (!metric.needs_all_ranks && (k == 1 || has_ranks)) all.push_back({&metric, k});
+  for (const Metric& metric : curve_metrics()) all.push_back({&metric});
+  return all;
 }
 
 PairedCounts count_pairs(const MethodQueries& first, const MethodQueries& method) {
@@ -113,19 +128,18 @@ PairedCounts count_pairs(const MethodQueries& first, const MethodQueries& method
 using Differences = std::vector<std::vector<std::vector<double>>>;
 
 Differences bootstrap(const std::vector<MethodQueries>& paired, const Comparison& comparison,
-                      const std::vector<size_t>& ks, size_t resamples, uint64_t seed,
+                      const std::vector<MetricAt>& metrics, size_t resamples, uint64_t seed,
                       const Monitor& monitor) {
-  const size_t metrics = ks.size() + curve_metrics().size();
-  Differences differences(paired.size(), std::vector<std::vector<double>>(metrics));
+  Differences differences(paired.size(), std::vector<std::vector<double>>(metrics.size()));
   RandomEngine engine(seed);
   StepCounter counter(monitor, "resampling", resamples);
   for (size_t r = 0; r < resamples; ++r) {
     const auto weights = block_weights(comparison.common, comparison.block, engine);
-    const auto first = metric_values(paired.front(), weights, ks);
+    const auto first = metric_values(paired.front(), weights, metrics);
     for (size_t m = 1; m < paired.size(); ++m) {
       if (!paired[m].method->is_paired) continue;
-      const auto values = metric_values(paired[m], weights, ks);
-      for (size_t i = 0; i < metrics; ++i)
+      const auto values = metric_values(paired[m], weights, metrics);
+      for (size_t i = 0; i < metrics.size(); ++i)
         if (values[i] && first[i]) differences[m][i].push_back(*values[i] - *first[i]);
     }
     counter.add();
@@ -148,24 +162,18 @@ Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block
   for (const QueryOutcome* query : paired.front().queries) comparison.judged += query->has_match;
   const bool has_ranks = std::ranges::any_of(
       methods, [](const NamedOutcomes& method) { return method.outcomes.has_ranks; });
-  std::vector<size_t> ks;
-  for (const size_t k : kRecallAt)
-    if (k == 1 || has_ranks) ks.push_back(k);
-  const Differences differences = bootstrap(paired, comparison, ks, resamples, seed, monitor);
+  const std::vector<MetricAt> metrics = compared_metrics(has_ranks);
+  const Differences differences = bootstrap(paired, comparison, metrics, resamples, seed, monitor);
   std::vector<std::vector<std::optional<double>>> values;
   for (const MethodQueries& method : paired) {
     const std::vector<uint32_t> once(method.queries.size(), 1);
-    values.push_back(metric_values(method, once, ks));
+    values.push_back(metric_values(method, once, metrics));
     comparison.paired.push_back(count_pairs(paired.front(), method));
   }
-  for (size_t i = 0; i < ks.size() + curve_metrics().size(); ++i) {
-    const bool is_recall = i < ks.size();
-    const Metric& metric = is_recall ? find_metric("recall_at") : curve_metrics()[i - ks.size()];
-    const std::string key =
-        is_recall ? fmt::format("{}_{}", metric.key, ks[i]) : std::string(metric.key);
+  for (size_t i = 0; i < metrics.size(); ++i) {
     for (size_t m = 0; m < paired.size(); ++m) {
       ComparedValue& compared =
-          comparison.values.emplace_back(ComparedValue{key, &metric, m, {}, {}, {}});
+          comparison.values.emplace_back(ComparedValue{metrics[i], m, {}, {}, {}});
       compared.value = values[m][i];
       if (m == 0 || !values[m][i] || !values[0][i]) continue;
       compared.difference = *values[m][i] - *values[0][i];

@@ -23,8 +23,7 @@ struct NamedOutcomes {
 
 /// One metric of one method, compared with the first method.
 struct ComparedValue {
-  std::string key;                 ///< recall_at_1, average_precision, ...
-  const Metric* metric = nullptr;  ///< its row of the table
+  MetricAt metric;
   size_t method = 0;
   std::optional<double> value;       ///< over the common queries; unpaired: over its own queries
   std::optional<double> difference;  ///< from the first method
@@ -53,13 +52,13 @@ struct Comparison {
 enum class Disputed { refuse, omit_disputed };
 
 /// Values and differences over the query frames that all paired methods judge (neither unreadable
-/// nor ignored, and reachable by the windows of every method): recall@K, for K > 1 only if any
-/// method has ranks, and every curve metric of best matches, by the confidence of each method
-/// (Outcomes::confidence). Intervals are the central 95 % of the differences of `resamples`
-/// circular block bootstraps (Politis and Romano 1992): blocks of `block` consecutive queries are
-/// drawn with replacement, the same for all paired methods; resamples without a value are skipped.
-/// The same seed yields the same intervals. Throws Error(data) for fewer than two methods, no
-/// common frame, or disputed queries that are refused.
+/// nor ignored, and reachable by the windows of every method): metrics of the first correct rank,
+/// for K > 1 only if any method has ranks, and every curve metric of best matches, by the
+/// confidence of each method (Outcomes::confidence). Intervals are the central 95 % of the
+/// differences of `resamples` circular block bootstraps (Politis and Romano 1992): blocks of
+/// `block` consecutive queries are drawn with replacement, the same for all paired methods;
+/// resamples without a value are skipped. The same seed yields the same intervals. Throws
+/// Error(data) for fewer than two methods, no common frame, or disputed queries that are refused.
 Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
                             uint64_t seed, const Monitor& monitor,
                             Disputed disputed = Disputed::refuse);

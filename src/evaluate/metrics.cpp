@@ -3,21 +3,26 @@
 #include <algorithm>
 #include <cassert>
 
+#include <fmt/format.h>
+
 namespace vpr {
 namespace {
 
-template <class Value>
-std::optional<double> mean_of_judged(const Outcomes& outcomes, size_t k, const Value& value) {
-  if (!outcomes.has_ranks || k > kMaxRank) return std::nullopt;
+double recall_of(const QueryOutcome& query, size_t k) { return is_found_at(query, k) ? 1 : 0; }
+
+double precision_of(const QueryOutcome& query, size_t k) {
+  const auto correct = std::ranges::count_if(query.correct_ranks, [&](auto r) { return r <= k; });
+  return static_cast<double>(correct) / static_cast<double>(k);
+}
+
+// AP@K: the sum of precision@i over the ranks i <= K of correct references, divided by min(K,
+// correct references of the query).
+double average_precision_of(const QueryOutcome& query, size_t k) {
   double sum = 0;
-  size_t judged = 0;
-  for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.has_match || !is_judged(query)) continue;
-    ++judged;
-    sum += value(query);
-  }
-  if (judged == 0) return std::nullopt;
-  return sum / static_cast<double>(judged);
+  size_t correct = 0;
+  for (const uint8_t rank : query.correct_ranks)
+    if (rank <= k) sum += static_cast<double>(++correct) / static_cast<double>(rank);
+  return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.correct_count)));
 }
 
 constexpr Metric of_curve(std::string_view key, std::string_view symbol, std::string_view meaning,
@@ -27,11 +32,6 @@ constexpr Metric of_curve(std::string_view key, std::string_view symbol, std::st
           .meaning = meaning,
           .is_low_good = is_low_good,
           .of_curve = compute};
-}
-
-constexpr Metric of_ranks(std::string_view key, std::string_view symbol, std::string_view meaning,
-                          std::optional<double> (*compute)(const Outcomes&, size_t)) {
-  return {.key = key, .symbol = symbol, .meaning = meaning, .of_ranks = compute};
 }
 
 constexpr Metric of_path(std::string_view key, std::string_view symbol, std::string_view meaning,
@@ -58,11 +58,25 @@ constexpr std::array<Metric, 17> kMetrics = {
     of_curve("risk_coverage_area", "AURC",
              "mean share of mistakes over all numbers of accepted matches; lower is better",
              risk_coverage_area, true),
-    of_ranks("recall_at", "R@", "share of queries with a correct reference among the K best",
-             recall_at),
-    of_ranks("precision_at", "P@", "share of correct references among the K best", precision_at),
-    of_ranks("map_at", "mAP@", "mean precision at the correct references among the K best",
-             mean_average_precision_at),
+    {.key = "recall_at",
+     .symbol = "R@",
+     .meaning = "share of queries with a correct reference among the K best",
+     .title = "Recall@K",
+     .of_query = recall_of},
+    // Manning, Raghavan and Schuetze 2008, chapter 8.
+    {.key = "precision_at",
+     .symbol = "P@",
+     .meaning = "share of correct references among the K best",
+     .title = "Precision@K",
+     .needs_all_ranks = true,
+     .of_query = precision_of},
+    // Weyand et al. 2020.
+    {.key = "map_at",
+     .symbol = "mAP@",
+     .meaning = "mean precision at the correct references among the K best",
+     .title = "mAP@K",
+     .needs_all_ranks = true,
+     .of_query = average_precision_of},
     {.key = "recall_achievement",
      .symbol = "RAR ",
      .meaning = "share of stretches of the path with R@1 of r or more",
@@ -89,6 +103,7 @@ constexpr std::array<Metric, 17> kMetrics = {
             "distance before the first correct recognition, in meters", true, 2,
             [](const Localization& path) { return path.first_recognition_m; })};
 constexpr size_t kCurveMetrics = 6;
+constexpr size_t kRankMetrics = 3;
 constexpr size_t kPathMetrics = 7;
 
 }  // namespace
@@ -215,32 +230,6 @@ std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) 
   return points;
 }
 
-std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {
-  const uint64_t judged = judged_queries(outcomes);
-  if (judged == 0 || (k > 1 && !outcomes.has_ranks)) return std::nullopt;
-  const auto found =
-      std::count_if(outcomes.queries.begin(), outcomes.queries.end(),
-                    [&](const QueryOutcome& query) { return is_found_at(query, k); });
-  return static_cast<double>(found) / static_cast<double>(judged);
-}
-
-std::optional<double> precision_at(const Outcomes& outcomes, size_t k) {
-  return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
-    const auto right = std::ranges::count_if(query.correct_ranks, [&](auto r) { return r <= k; });
-    return static_cast<double>(right) / static_cast<double>(k);
-  });
-}
-
-std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k) {
-  return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
-    double sum = 0;
-    size_t correct = 0;
-    for (const uint8_t rank : query.correct_ranks)
-      if (rank <= k) sum += static_cast<double>(++correct) / static_cast<double>(rank);
-    return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.correct_count)));
-  });
-}
-
 std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames) {
   const size_t frames = outcomes.query_frames;
   const size_t count = std::max<size_t>(1, (frames + stretch_frames / 2) / stretch_frames);
@@ -321,12 +310,45 @@ std::span<const Metric> metrics() { return kMetrics; }
 
 std::span<const Metric> curve_metrics() { return metrics().first(kCurveMetrics); }
 
+std::span<const Metric> rank_metrics() { return metrics().subspan(kCurveMetrics, kRankMetrics); }
+
 std::span<const Metric> path_metrics() { return metrics().last(kPathMetrics); }
 
 const Metric& find_metric(std::string_view key) {
   const auto found = std::ranges::find(kMetrics, key, &Metric::key);
   assert(found != kMetrics.end());
   return *found;
+}
+
+bool Metric::is_known_at(const Outcomes& outcomes, size_t k) const {
+  return needs_all_ranks ? outcomes.has_ranks && k <= kMaxRank : outcomes.has_ranks || k == 1;
+}
+
+MetricAt metric_at(std::string_view key, size_t k) { return {&find_metric(key), k}; }
+
+std::string MetricAt::key() const {
+  return k == 0 ? std::string(metric->key) : fmt::format("{}_{}", metric->key, k);
+}
+
+std::string MetricAt::symbol() const {
+  return k == 0 ? std::string(metric->symbol) : fmt::format("{}{}", metric->symbol, k);
+}
+
+std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes) {
+  if (!metric.metric->is_known_at(outcomes, metric.k)) return std::nullopt;
+  double sum = 0;
+  size_t judged = 0;
+  for (const QueryOutcome& query : outcomes.queries) {
+    if (!query.has_match || !is_judged(query)) continue;
+    ++judged;
+    sum += metric.metric->of_query(query, metric.k);
+  }
+  if (judged == 0) return std::nullopt;
+  return sum / static_cast<double>(judged);
+}
+
+std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {
+  return rank_value(metric_at("recall_at", k), outcomes);
 }
 
 }  // namespace vpr

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -100,22 +101,6 @@ std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve);
 /// K of recall@K.
 inline constexpr std::array<size_t, 4> kRecallAt = {1, 5, 10, 20};
 
-/// The share of judged queries with a match that have a correct reference among their K best, ties
-/// to the first, references labeled ignore skipped. Unset if there is no such query, or if K > 1
-/// and ranks are unknown.
-std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
-
-/// The mean, over judged queries with a match, of the share of correct references among the K >= 1
-/// best, ties to the first, references labeled ignore skipped (Manning, Raghavan and Schuetze 2008,
-/// chapter 8). If fewer than K references have a score, the missing ones are incorrect. Unset if
-/// there is no such query, ranks are unknown, or K > kMaxRank.
-std::optional<double> precision_at(const Outcomes& outcomes, size_t k);
-
-/// The mean, over judged queries with a match, of AP@K: the sum of precision@i over the ranks
-/// i <= K of correct references, divided by min(K, correct references of the query) (Weyand et al.
-/// 2020). Otherwise as precision_at.
-std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k);
-
 /// Targets of recall achievement rates, and the default number of frames per stretch.
 inline constexpr std::array<double, 4> kRecallTargets = {0.5, 0.75, 0.9, 1.0};
 inline constexpr size_t kDefaultStretch = 25;
@@ -161,24 +146,48 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
 
 /// A row of the table of metrics; exactly one of the functions is set.
 struct Metric {
-  std::string_view key;      ///< in JSON; metrics of ranks append _K in comparisons
-  std::string_view symbol;   ///< in tables; K or the target follows
-  std::string_view meaning;  ///< in --help
+  std::string_view key;         ///< in JSON; metrics of ranks append _K in comparisons
+  std::string_view symbol;      ///< in tables; K or the target follows
+  std::string_view meaning;     ///< in --help
+  std::string_view title = {};  ///< of a table, for metrics of ranks
   bool is_low_good = false;
-  int digits = 4;  ///< in tables; 0: an integer
+  int digits = 4;                ///< in tables; 0: an integer
+  bool needs_all_ranks = false;  ///< of correct references, not only the first
   MetricValue (*of_curve)(const Curve& curve) = nullptr;
-  std::optional<double> (*of_ranks)(const Outcomes& outcomes, size_t k) = nullptr;
+  /// A metric of ranks is the mean of this over judged queries with a match.
+  double (*of_query)(const QueryOutcome& query, size_t k) = nullptr;
   std::optional<double> (*of_stretches)(const std::vector<std::optional<double>>& recalls,
                                         double target) = nullptr;
   std::optional<double> (*of_path)(const Localization& path) = nullptr;
+
+  /// Whether a metric of ranks can be computed at K.
+  bool is_known_at(const Outcomes& outcomes, size_t k) const;
 };
 
 /// All metrics, in the order of reports and help.
 std::span<const Metric> metrics();
 std::span<const Metric> curve_metrics();
+std::span<const Metric> rank_metrics();
 std::span<const Metric> path_metrics();
 
 /// `key` must be in the table.
 const Metric& find_metric(std::string_view key);
+
+/// A metric, with K for metrics of ranks.
+struct MetricAt {
+  const Metric* metric = nullptr;
+  size_t k = 0;
+
+  std::string key() const;     ///< "recall_at_5"
+  std::string symbol() const;  ///< "R@5"
+  bool operator==(const MetricAt&) const = default;
+};
+MetricAt metric_at(std::string_view key, size_t k = 0);
+
+/// A metric of ranks: ties to the first, references labeled ignore skipped, missing ranks
+/// incorrect. Unset if there is no judged query with a match, or unless is_known_at.
+std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes);
+/// Recall@K.
+std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
 
 }  // namespace vpr

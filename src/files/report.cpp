@@ -152,16 +152,10 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
     found.curves.all_pairs->same_without_score = judgment.all_pairs->same_without_score;
     found.curves.all_pairs->ignored = judgment.all_pairs->ignored;
   }
-  if (outcomes.has_ranks) {
-    found.precision_at.emplace();
-    found.map_at.emplace();
-  }
-  for (const size_t k : judgment.recall_at) {
-    if (k == 1 || outcomes.has_ranks) found.recall_at[k] = recall_at(outcomes, k);
-    if (!outcomes.has_ranks || k > kMaxRank) continue;
-    found.precision_at->emplace(k, precision_at(outcomes, k));
-    found.map_at->emplace(k, mean_average_precision_at(outcomes, k));
-  }
+  for (size_t m = 0; m < found.ranks.size(); ++m)
+    for (const size_t k : judgment.recall_at)
+      if (rank_metrics()[m].is_known_at(outcomes, k))
+        found.ranks[m][k] = rank_value({&rank_metrics()[m], k}, outcomes);
   const auto recalls = local_recalls(outcomes, judgment.stretch_frames);
   ReportedAchievement& achievement = found.recall_achievement;
   achievement.stretch_frames = judgment.stretch_frames;

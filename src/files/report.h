@@ -71,9 +71,8 @@ struct ReportedAchievement {
 
 struct ReportedMetrics {
   ByAcceptance<CurveNumbers> curves;
-  RankValues recall_at;
-  std::optional<RankValues> precision_at;  ///< if ranks are known
-  std::optional<RankValues> map_at;
+  /// One per entry of rank_metrics(). Those that need all ranks are empty if ranks are unknown.
+  std::vector<RankValues> ranks = std::vector<RankValues>(rank_metrics().size());
   ReportedAchievement recall_achievement;
 };
 

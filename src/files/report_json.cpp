@@ -263,10 +263,12 @@ void visit_fields(Localization& path, Visitor&& visit) {
 template <class Visitor>
 void visit_fields(ReportedMetrics& metrics, Visitor&& visit) {
   visit_fields(metrics.curves, visit);
-  visit("recall_at", metrics.recall_at);
+  for (size_t m = 0; m < metrics.ranks.size(); ++m)
+    if (!rank_metrics()[m].needs_all_ranks) visit(rank_metrics()[m].key, metrics.ranks[m]);
   visit("recall_achievement", metrics.recall_achievement);
-  visit("precision_at", IfSet{metrics.precision_at});
-  visit("map_at", IfSet{metrics.map_at});
+  for (size_t m = 0; m < metrics.ranks.size(); ++m)
+    if (rank_metrics()[m].needs_all_ranks)
+      visit(rank_metrics()[m].key, Unless{metrics.ranks[m], RankValues{}});
 }
 
 template <class Visitor>

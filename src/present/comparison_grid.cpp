@@ -187,11 +187,10 @@ std::string sentence_of(std::span<const GridReport> reports) {
 std::string grid_name(const Report& report) {
   if (report.name) return *report.name;
   std::string name = report.method;
-  const Json settings = title_settings(report);
-  for (const char* key : {"c_l", "c_w", "window"})
-    if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
-  if (settings.contains("score") && settings["score"] != "raw")
-    name += ", " + settings["score"].get<std::string>();
+  if (const auto window = title_window(report))
+    name += fmt::format(", {} {}", window->first, window->second);
+  if (const std::string_view score = title_score(report); !score.empty())
+    name += fmt::format(", {}", score);
   if (report.selection.selected_fps > 0)
     name += fmt::format(", {} frames per second", report.selection.selected_fps);
   if (!report.selection.speed.empty()) name += ", speed " + report.selection.speed;

@@ -30,7 +30,8 @@ constexpr size_t kMostNamed = 3;  // methods in the sentence
 std::string sentence_of(const ComparisonReport& comparison) {
   std::vector<const ComparedValue*> values;
   for (const ComparedValue& value : comparison.found.values)
-    if (value.key == "recall_at_1" && value.value && comparison.is_paired(value.method))
+    if (value.metric == metric_at("recall_at", 1) && value.value &&
+        comparison.is_paired(value.method))
       values.push_back(&value);
   if (values.empty()) return "The queries have nothing to find.";
   std::ranges::stable_sort(values, std::greater(), [](const auto* value) { return *value->value; });
@@ -108,10 +109,9 @@ Table difference_table(const ComparisonReport& comparison) {
     table.rows.push_back({comparison.names[r]});
   }
   for (const ComparedValue& value : found.values) {
-    if (std::ranges::find(kCompared, value.key) == kCompared.end()) continue;
+    if (std::ranges::find(kCompared, value.metric.key()) == kCompared.end()) continue;
     if (value.method == 0) {
-      table.columns.push_back(value.metric->key == "recall_at" ? "R@1"
-                                                               : std::string(value.metric->symbol));
+      table.columns.push_back(value.metric.symbol());
       for (auto& row : table.rows) row.emplace_back("-");
     } else if (value.difference && rows.contains(value.method)) {
       std::string& cell = table.rows[rows[value.method]].back();

@@ -54,30 +54,27 @@ std::string verdict_of(const ComparedValue& value) {
   if (!value.interval) return "";
   const bool is_higher = value.interval->low > 0;
   if (!is_higher && value.interval->high >= 0) return "";
-  return is_higher != value.metric->is_low_good ? "better" : "worse";
+  return is_higher != value.metric.metric->is_low_good ? "better" : "worse";
 }
 
-/// A metric, with K for metrics of ranks.
-struct PaperColumn {
-  std::string_view key;
-  size_t k = 0;
-};
+const std::vector<MetricAt>& paper_columns() {
+  static const std::vector<MetricAt> columns = {metric_at("recall_at", 1),
+                                                metric_at("recall_at", 5),
+                                                metric_at("recall_at", 10),
+                                                metric_at("average_precision"),
+                                                metric_at("recall_at_100_precision"),
+                                                metric_at("max_f1"),
+                                                metric_at(kPathKeys[0]),
+                                                metric_at(kPathKeys[1]),
+                                                metric_at(kPathKeys[2])};
+  return columns;
+}
 
-constexpr std::array<PaperColumn, 9> kPaperColumns = {{{"recall_at", 1},
-                                                       {"recall_at", 5},
-                                                       {"recall_at", 10},
-                                                       {"average_precision"},
-                                                       {"recall_at_100_precision"},
-                                                       {"max_f1"},
-                                                       {kPathKeys[0]},
-                                                       {kPathKeys[1]},
-                                                       {kPathKeys[2]}}};
-
-Value value_of(const ComparisonReport& comparison, size_t report, const Metric& metric, size_t k) {
-  if (metric.of_path != nullptr) return metric.of_path(comparison.reports[report].localization);
-  const std::string key = k > 0 ? fmt::format("{}_{}", metric.key, k) : std::string(metric.key);
+Value value_of(const ComparisonReport& comparison, size_t report, const MetricAt& metric) {
+  if (metric.metric->of_path != nullptr)
+    return metric.metric->of_path(comparison.reports[report].localization);
   for (const ComparedValue& value : comparison.found.values)
-    if (value.key == key && value.method == report) return value.value;
+    if (value.metric == metric && value.method == report) return value.value;
   return {};
 }
 
@@ -102,18 +99,18 @@ std::string common_queries(const Comparison& found) {
 /// A row per report; `title` has a place for the common queries. The best of paired reports is
 /// bold.
 Table method_table(const ComparisonReport& comparison, fmt::format_string<std::string> title,
-                   std::span<const PaperColumn> columns) {
+                   std::span<const MetricAt> columns) {
   const std::vector<Report>& reports = comparison.reports;
   Table table;
   table.title = comparison.query() + ": " + fmt::format(title, common_queries(comparison.found));
   table.columns = {"method"};
   for (const std::string& name : comparison.names) table.rows.push_back({name});
   const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
-  for (const auto& [key, k] : columns) {
-    const Metric& metric = find_metric(key);
+  for (const MetricAt& column : columns) {
+    const Metric& metric = *column.metric;
     std::vector<Value> values;
     for (size_t r = 0; r < reports.size(); ++r) {
-      values.push_back(value_of(comparison, r, metric, k));
+      values.push_back(value_of(comparison, r, column));
       table.rows[r].push_back(metric_cell(metric, values.back()));
       // An easier query, or a threshold from the ground truth, does not make a better method.
       const bool is_of_path = metric.of_path != nullptr;
@@ -123,7 +120,7 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
     if (std::ranges::count_if(values, &Value::has_value) > 1 &&
         metric.key != "incorrect")  // a method without verdicts has none that are wrong
       mark_best(table, table.columns.size(), values, metric.is_low_good);
-    table.columns.push_back(fmt::format("{}{}", metric.symbol, k > 0 ? std::to_string(k) : ""));
+    table.columns.push_back(column.symbol());
   }
   return table;
 }
@@ -196,7 +193,7 @@ Json comparison_json(const ComparisonReport& comparison) {
   json["metrics"] = Json::array();
   for (const ComparedValue& value : found.values) {
     const auto [difference, low, high] = differences(value);
-    json["metrics"].push_back({{"metric", value.key},
+    json["metrics"].push_back({{"metric", value.metric.key()},
                                {"report", comparison.names[value.method]},
                                {"value", or_null(value.value)},
                                {"difference", or_null(difference)},
@@ -239,7 +236,7 @@ Json comparison_json(const ComparisonReport& comparison) {
 Table paper_table(const ComparisonReport& comparison) {
   Table table =
       method_table(comparison, "over {}; share, wrong and longest gap (frames) over the whole path",
-                   kPaperColumns);
+                   paper_columns());
   std::vector<std::string> notes;
   for (size_t r = 0; r < table.rows.size(); ++r) notes.push_back(note_of(comparison, r));
   if (std::ranges::all_of(notes, &std::string::empty)) return table;
@@ -249,12 +246,13 @@ Table paper_table(const ComparisonReport& comparison) {
 }
 
 Table short_table(const ComparisonReport& comparison) {
-  std::vector<PaperColumn> columns = {
-      {"recall_at", 1}, {"average_precision"}, {"recall_at_100_precision"}};
-  if (std::ranges::any_of(comparison.found.values, [](const ComparedValue& value) {
-        return value.key == "recall_at_5" && value.value;
+  std::vector<MetricAt> columns = {metric_at("recall_at", 1), metric_at("average_precision"),
+                                   metric_at("recall_at_100_precision")};
+  const MetricAt recall_at_5 = metric_at("recall_at", 5);
+  if (std::ranges::any_of(comparison.found.values, [&](const ComparedValue& value) {
+        return value.metric == recall_at_5 && value.value;
       }))
-    columns.insert(columns.begin() + 1, {"recall_at", 5});
+    columns.insert(columns.begin() + 1, recall_at_5);
   Table table = method_table(
       comparison, "R@K, AP and R@100P over {}; correct and incorrect: recognized frames", columns);
   table.label = "comparison";
@@ -285,7 +283,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
     if (const std::string note = note_of(comparison, r); !note.empty())
       text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2);
   for (const ComparedValue& value : comparison.found.values)
-    if (value.key == "recall_at_1" && value.interval) {
+    if (value.metric == metric_at("recall_at", 1) && value.interval) {
       const std::string verdict = verdict_of(value);
       text += wrapped_text(fmt::format("{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}",
                                        comparison.names[value.method], comparison.names.front(),
@@ -309,7 +307,8 @@ Table comparison_table(const ComparisonReport& comparison) {
   for (const ComparedValue& value : found.values) {
     if (!value.value) continue;
     std::vector<std::string>& row = table.rows.emplace_back();
-    row = {value.key, comparison.names[value.method], metric_cell(*value.metric, value.value)};
+    row = {value.metric.key(), comparison.names[value.method],
+           metric_cell(*value.metric.metric, value.value)};
     for (const Value& number : differences(value))
       row.push_back(number ? fmt::format("{:+.4f}", *number) : "-");
     row.push_back(verdict_of(value));
@@ -340,17 +339,17 @@ Table comparison_rows(const ComparisonReport& comparison) {
                    "value", "difference", "low",       "high",          "verdict"};
   for (size_t r = 0; r < comparison.reports.size(); ++r) {
     const Report& report = comparison.reports[r];
-    const auto add = [&](const std::string& key, const Metric& metric, Value number,
-                         const std::array<Value, 3>& difference, const std::string& verdict) {
+    const auto add = [&](const MetricAt& at, Value number, const std::array<Value, 3>& difference,
+                         const std::string& verdict) {
+      const Metric& metric = *at.metric;
       table.rows.push_back({comparison.query(), comparison.names[r], report.selection_words(),
-                            truths, key, text(metric, number), text(metric, difference[0]),
+                            truths, at.key(), text(metric, number), text(metric, difference[0]),
                             text(metric, difference[1]), text(metric, difference[2]), verdict});
     };
     for (const ComparedValue& value : comparison.found.values)
-      if (value.method == r)
-        add(value.key, *value.metric, value.value, differences(value), verdict_of(value));
+      if (value.method == r) add(value.metric, value.value, differences(value), verdict_of(value));
     for (const std::string_view key : kPathKeys)
-      add(std::string(key), find_metric(key), path_value(report, key), {}, "");
+      add(metric_at(key), path_value(report, key), {}, "");
   }
   return table;
 }

@@ -45,10 +45,11 @@ std::string best_match_text(const Report& report) {
 }
 
 std::string recall_text(const Report& report) {
-  const Metric& metric = find_metric("recall_at");
   std::vector<std::string> values;
-  for (const auto& [k, value] : report.metrics.recall_at)
-    values.push_back(fmt::format("{}{} {}", metric.symbol, k, metric_cell(metric, value)));
+  for (const auto& [k, value] : report.metrics.ranks.front()) {
+    const MetricAt recall = metric_at("recall_at", k);
+    values.push_back(fmt::format("{} {}", recall.symbol(), metric_cell(*recall.metric, value)));
+  }
   return fmt::format("{}", fmt::join(values, ", "));
 }
 

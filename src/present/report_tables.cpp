@@ -4,6 +4,7 @@
 #include <array>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -17,15 +18,25 @@ namespace {
 
 constexpr size_t kMostPlaces = 20;  // in a printed list
 
-// t_r, t_p, or the setting of another decision.
-std::string_view decided_by(const QuerySettings& settings) {
-  const auto* of_sequence = std::get_if<SequenceQuerySettings>(&settings);
-  return of_sequence != nullptr ? decision_kind(of_sequence->decision).symbol
-                                : score_of(settings).threshold_symbol;
+using NamedSetting = std::pair<std::string_view, std::string>;
+
+// c_l or c_w.
+NamedSetting window_of(const QuerySettings& settings) {
+  const auto* of_places = std::get_if<FabmapQuerySettings>(&settings);
+  return {score_of(settings).window_symbol,
+          std::to_string(of_places != nullptr ? of_places->window : window_length_of(settings))};
 }
 
-std::string text(const Json& json) {
-  return json.is_string() ? json.get<std::string>() : json.dump();
+std::string number_text(std::optional<double> number) { return number ? to_line(*number) : "auto"; }
+
+// t_r, t_p, or the setting of another decision.
+NamedSetting decided_by(const QuerySettings& settings) {
+  if (const auto* of_places = std::get_if<FabmapQuerySettings>(&settings))
+    return {score_of(settings).threshold_symbol, number_text(of_places->place_threshold)};
+  const auto& of_windows = std::get<SequenceQuerySettings>(settings);
+  return {decision_kind(of_windows.decision).symbol,
+          number_text(of_windows.decision == Decision::margin ? of_windows.margin
+                                                              : of_windows.distance_threshold)};
 }
 
 std::string range_text(const std::array<size_t, 2>& range) {
@@ -40,15 +51,8 @@ std::string percent(std::optional<double> rate) {
 
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
-  const Json settings = title_settings(report);
-  return settings.contains("score") && settings["score"] != "raw"
-             ? report.method + ", " + text(settings["score"])
-             : report.method;
-}
-
-std::string setting_text(const Json& settings, std::string_view symbol) {
-  const auto found = settings.find(std::string(symbol));
-  return found == settings.end() ? "" : fmt::format(", {} {}", symbol, text(*found));
+  const std::string_view score = title_score(report);
+  return score.empty() ? report.method : fmt::format("{}, {}", report.method, score);
 }
 
 size_t count_of(const Judgment& judgment, FrameVerdict verdict) {
@@ -85,12 +89,6 @@ std::string best_match_words(const Judgment& judgment) {
   return fmt::format("Best match correct in {} of {} ({:.1f} %)", counts.correct,
                      counted(counts.queries - counts.ignored, unit + more, unit + "s" + more),
                      100 * *counts.rate());
-}
-
-void add_columns(Table& table, std::string_view key, const RankValues& values) {
-  const Metric& metric = find_metric(key);
-  for (const auto& [k, value] : values)
-    add_column(table, fmt::format("{}{}", metric.symbol, k), metric_cell(metric, value));
 }
 
 /// The metrics of a curve.
@@ -139,20 +137,21 @@ Table curve_table(const Report& report) {
   return table;
 }
 
-constexpr const char* kRankTitle =
-    "{} (queries with a match; ties to the first; ignored references skipped)";
-
-Table recall_table(const Report& report) {
-  Table table{fmt::format(kRankTitle, "Recall@K"), {}, {}};
-  add_columns(table, "recall_at", report.metrics.recall_at);
-  return table;
-}
-
-// No columns if ranks are unknown.
-Table ranking_table(const Report& report) {
-  Table table{fmt::format(kRankTitle, "Precision@K and mAP@K"), {}, {}};
-  if (report.metrics.precision_at) add_columns(table, "precision_at", *report.metrics.precision_at);
-  if (report.metrics.map_at) add_columns(table, "map_at", *report.metrics.map_at);
+// The metrics that need all ranks of correct references, or those that do not. No columns if
+// ranks are unknown.
+Table rank_table(const Report& report, bool needs_all_ranks) {
+  std::vector<std::string_view> titles;
+  Table table;
+  for (size_t m = 0; m < rank_metrics().size(); ++m) {
+    const Metric& metric = rank_metrics()[m];
+    if (metric.needs_all_ranks != needs_all_ranks) continue;
+    titles.push_back(metric.title);
+    for (const auto& [k, value] : report.metrics.ranks[m])
+      add_column(table, MetricAt{&metric, k}.symbol(), metric_cell(metric, value));
+  }
+  table.title =
+      fmt::format("{} (queries with a match; ties to the first; ignored references skipped)",
+                  fmt::join(titles, " and "));
   return table;
 }
 
@@ -247,8 +246,8 @@ Table csv_row(const Report& report) {
     for (size_t m = 0; m < curve_metrics().size(); ++m)
       add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
                  curve_cell(*curve.numbers, m));
-  for (const Table& more : {recall_table(report), ranking_table(report), achievement_table(report),
-                            localization_table(report)})
+  for (const Table& more : {rank_table(report, false), rank_table(report, true),
+                            achievement_table(report), localization_table(report)})
     add_columns(table, more);
   return table;
 }
@@ -259,13 +258,19 @@ std::string metric_cell(const Metric& metric, std::optional<double> value) {
   return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
 }
 
-Json title_settings(const Report& report) {
-  Json settings = report.settings_json();
-  if (report.has_paths())
-    for (const std::string_view key :
-         {score_kind(Score::raw).window_symbol, std::string_view("score")})
-      settings.erase(std::string(key));
-  return settings;
+std::string_view title_score(const Report& report) {
+  const QuerySettings* settings = report.query_settings();
+  const auto* windows =
+      settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
+  if (windows == nullptr || report.has_paths() || windows->score == Score::raw) return {};
+  return enum_name(windows->score);
+}
+
+std::optional<NamedSetting> title_window(const Report& report) {
+  if (report.has_paths()) return std::nullopt;
+  if (const QuerySettings* settings = report.query_settings()) return window_of(*settings);
+  return NamedSetting{"window",
+                      std::to_string(std::get<ScoreSettings>(report.settings).window_length)};
 }
 
 std::string evaluation_title(const Report& report) {
@@ -274,14 +279,12 @@ std::string evaluation_title(const Report& report) {
 
 std::string title_with_settings(const Report& report) {
   std::string title = evaluation_title(report);
-  const Json settings = title_settings(report);
-  title += setting_text(settings, score_kind(Score::raw).window_symbol);
-  for (const DecisionKind& decision : decision_kinds())
-    title += setting_text(settings, decision.symbol);
-  for (const std::string_view symbol :
-       {probability_kind().window_symbol, probability_kind().threshold_symbol})
-    title += setting_text(settings, symbol);
-  return title;
+  const QuerySettings* settings = report.query_settings();
+  if (settings == nullptr) return title;
+  if (const auto window = title_window(report))
+    title += fmt::format(", {} {}", window->first, window->second);
+  const auto& [symbol, value] = decided_by(*settings);
+  return title + fmt::format(", {} {}", symbol, value);
 }
 
 std::string reference_word(const Report& report) {
@@ -312,19 +315,18 @@ std::string summary_sentence(const Judgment& judgment, std::optional<double> fra
 
 Table report_table(const Report& report) {
   const QuerySettings* of_query = report.query_settings();
-  const Json settings = report.settings_json();
   const BestMatchCounts& best = report.counts.best_match;
   Table table;
   table.title = fmt::format("{} ({})", evaluation_title(report), report.protocol.ground_truth);
   if (of_query != nullptr) {
     const Counts& counts = report.counts;
-    const ScoreKind& score = score_of(*of_query);
-    for (const std::string_view symbol : {score.window_symbol, decided_by(*of_query)})
-      add_column(table, symbol, text(settings[std::string(symbol)]));
-    if (settings.contains("t_r_scale"))
+    for (const auto& [symbol, value] : {window_of(*of_query), decided_by(*of_query)})
+      add_column(table, symbol, value);
+    if (const auto* windows = std::get_if<SequenceQuerySettings>(of_query);
+        windows != nullptr && windows->decision == Decision::threshold)
       add_column(table, "scale",
-                 settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
-                                             : text(settings["t_r_scale"]));
+                 enum_name(windows->distance_threshold ? scale_of(*windows)
+                                                       : score_of(*of_query).frame_scale));
     add_column(table, "recognitions correct", counts.recognitions.correct);
     add_column(table, "recognitions incorrect", counts.recognitions.incorrect);
     if (counts.clusters) {
@@ -334,8 +336,11 @@ Table report_table(const Report& report) {
     }
     add_column(table, "distinct", counts.distinct);
   } else {
-    add_column(table, "scores", text(settings["scores"]));
-    add_column(table, "window", text(settings["window"]));
+    const auto& of_scores = std::get<ScoreSettings>(report.settings);
+    add_column(
+        table, "scores",
+        enum_name(of_scores.format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance));
+    add_column(table, "window", of_scores.window_length);
   }
   add_column(table, "best correct", best.correct);
   add_column(table, "of", best.queries - best.ignored);
@@ -366,8 +371,10 @@ Table places_table(const Report& report) {
 
 std::vector<Table> metrics_tables(const Report& report) {
   std::vector<Table> tables = {curve_table(report)};
-  if (report.metrics.recall_at.size() > 1) tables.push_back(recall_table(report));
-  if (report.metrics.precision_at) tables.push_back(ranking_table(report));
+  if (Table recalls = rank_table(report, false); recalls.columns.size() > 1)
+    tables.push_back(std::move(recalls));
+  if (Table ranking = rank_table(report, true); !ranking.columns.empty())
+    tables.push_back(std::move(ranking));
   tables.push_back(achievement_table(report));
   tables.push_back(localization_table(report));
   return tables;

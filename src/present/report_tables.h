@@ -4,9 +4,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
-#include "base/json_fwd.h"
 #include "files/report_json.h"
 #include "present/table.h"
 
@@ -15,8 +16,10 @@ namespace vpr {
 /// "-" without a value.
 std::string metric_cell(const Metric& metric, std::optional<double> value);
 
-/// The settings that a title may name; those of windows are omitted for a method that has none.
-Json title_settings(const Report& report);
+/// The name of the score, for titles; empty if it is raw or the method has no windows.
+std::string_view title_score(const Report& report);
+/// The window length by its symbol, for titles; nullopt for a method without windows.
+std::optional<std::pair<std::string_view, std::string>> title_window(const Report& report);
 /// "name on query": the name set by the user, or the method, with the score if it is not raw.
 std::string evaluation_title(const Report& report);
 /// The same with c_l and the threshold.

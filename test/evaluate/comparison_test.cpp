@@ -35,7 +35,7 @@ Comparison compare(const std::vector<NamedOutcomes>& methods, size_t block = 1,
 
 ComparedValue find(const Comparison& comparison, const std::string& metric, size_t method) {
   for (const ComparedValue& value : comparison.values)
-    if (value.key == metric && value.method == method) return value;
+    if (value.metric.key() == metric && value.method == method) return value;
   FAIL("no " << metric);
   return {};
 }
@@ -112,7 +112,7 @@ TEST_CASE("recall@K above 1 needs ranks, and is compared if both methods have th
   CHECK_FALSE(find(mixed, "recall_at_5", 1).value);
   CHECK_FALSE(find(mixed, "recall_at_5", 1).difference);
   for (const ComparedValue& value : compare({method("cw"), method("cw")}).values)
-    CHECK(value.key != "recall_at_5");
+    CHECK(value.metric.key() != "recall_at_5");
 }
 
 TEST_CASE("each method is compared by the confidence of its decision") {

@@ -315,15 +315,18 @@ TEST_CASE("precision@K and mAP@K equal values computed by hand") {
   outcomes.queries[0].correct_count = 3;
   outcomes.queries[1].correct_ranks = {2};
   outcomes.queries[1].correct_count = 8;
-  CHECK(*precision_at(outcomes, 1) == Approx((1 + 0) / 2.0));
-  CHECK(*precision_at(outcomes, 3) == Approx((2 / 3.0 + 1 / 3.0) / 2));
-  CHECK(*precision_at(outcomes, 10) == Approx((3 / 10.0 + 1 / 10.0) / 2));
-  CHECK(*mean_average_precision_at(outcomes, 1) == Approx(0.5));
+  const auto precision_at = [&](size_t k) {
+    return rank_value(metric_at("precision_at", k), outcomes);
+  };
+  const auto map_at = [&](size_t k) { return rank_value(metric_at("map_at", k), outcomes); };
+  CHECK(*precision_at(1) == Approx((1 + 0) / 2.0));
+  CHECK(*precision_at(3) == Approx((2 / 3.0 + 1 / 3.0) / 2));
+  CHECK(*precision_at(10) == Approx((3 / 10.0 + 1 / 10.0) / 2));
+  CHECK(*map_at(1) == Approx(0.5));
   // (1/1 + 2/3) / min(3, 3) and (1/2) / min(3, 8).
-  CHECK(*mean_average_precision_at(outcomes, 3) == Approx((5 / 9.0 + 1 / 6.0) / 2));
-  CHECK(*mean_average_precision_at(outcomes, 5) ==
-        Approx(((1 + 2 / 3.0 + 3 / 4.0) / 3 + 0.5 / 5) / 2));
-  CHECK_FALSE(precision_at(outcomes, kMaxRank + 1));
+  CHECK(*map_at(3) == Approx((5 / 9.0 + 1 / 6.0) / 2));
+  CHECK(*map_at(5) == Approx(((1 + 2 / 3.0 + 3 / 4.0) / 3 + 0.5 / 5) / 2));
+  CHECK_FALSE(precision_at(kMaxRank + 1));
   outcomes.has_ranks = false;
-  CHECK_FALSE(precision_at(outcomes, 1));
+  CHECK_FALSE(precision_at(1));
 }
