@@ -33,7 +33,7 @@ std::string shown(std::string_view text, bool keeps_line_feeds) {
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Removes the leading digits from `text`. No number type is involved, so any length works.
-std::string_view take_digits(std::string_view& text) {
+std::string_view consume_digits(std::string_view& text) {
   const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
   const std::string_view digits(text.data(), static_cast<size_t>(end - text.begin()));
   text.remove_prefix(digits.size());
@@ -232,8 +232,8 @@ bool natural_less(std::string_view a, std::string_view b) {
   bool decided = false;
   while (!a.empty() && !b.empty()) {
     if (is_digit(a.front()) && is_digit(b.front())) {
-      const std::string_view number_a = take_digits(a);
-      const std::string_view number_b = take_digits(b);
+      const std::string_view number_a = consume_digits(a);
+      const std::string_view number_b = consume_digits(b);
       const int order = compare_values(number_a, number_b);
       if (order != 0) return order < 0;
       if (!decided && number_a.size() != number_b.size()) {

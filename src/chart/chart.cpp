@@ -96,7 +96,7 @@ std::string runs_svg(const Drawing& drawing) {
   if (drawing.chart.runs.empty()) return "";
   const double top = drawing.at.area.bottom() + kBarGap;
   std::string svg;
-  for (const ChartRun& run : drawing.chart.runs) {
+  for (const ChartStretch& run : drawing.chart.runs) {
     const double left = drawing.at.x(run.begin);
     svg += svg_rect(std::string(color_of(run.meaning).name), left, top,
                     std::max(0.6, drawing.at.x(run.end) - left), kBarHeight);
@@ -255,7 +255,7 @@ std::string legend_html(const Chart& chart) {
   for (size_t s = 0; s < chart.series.size(); ++s)
     if (!chart.series[s].name.empty()) add(chart.series[s], s);
   std::set<Meaning> runs;
-  for (const ChartRun& run : chart.runs) runs.insert(run.meaning);
+  for (const ChartStretch& run : chart.runs) runs.insert(run.meaning);
   for (const Meaning meaning : runs)
     if (std::ranges::find(chart.series, meaning, &Series::meaning) == chart.series.end())
       add(series_of(meaning, SeriesStyle::boxes), 0);

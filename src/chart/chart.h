@@ -80,10 +80,10 @@ struct ChartImage {
 ChartImage chart_image(const cv::Mat& image, size_t cells);
 
 /// A part of the x axis, drawn in the bar below the plot.
-struct ChartRun {
+struct ChartStretch {
   double begin = 0;
   double end = 0;
-  Meaning meaning = Meaning::right;
+  Meaning meaning = Meaning::correct;
 };
 
 /// Empty parts are not drawn.
@@ -95,7 +95,7 @@ struct Chart {
   std::vector<Series> series = {};
   bool is_plan = false;                  ///< equal scales, no axes
   std::optional<ChartImage> image = {};  ///< needs ranges of both axes; x starts at 0
-  std::vector<ChartRun> runs = {};
+  std::vector<ChartStretch> runs = {};
   bool has_cursor = false;  ///< a line of class `here` in a page, which a script moves
   double right = 0;         ///< least room on the right of the plot, as for names of bands
   double width = 900;       ///< in units of the SVG; automatic for charts with an image

@@ -12,11 +12,12 @@ namespace vpr {
 namespace {
 
 constexpr std::array<PaletteColor, 19> kPalette = {{
-    {Meaning::right, "right", "recognized, correct", 0x1668c7, 0x5aa5f5},
-    {Meaning::wrong, "wrong", "recognized, incorrect", 0xd9480f, 0xff8552},
+    {Meaning::correct, "right", "recognized, correct", 0x1668c7, 0x5aa5f5},
+    {Meaning::incorrect, "wrong", "recognized, incorrect", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognized, not judged", 0xc2268f, 0xffc4ec},
-    {Meaning::weak_right, "weak-right", "best match correct, not recognized", 0x8fbcec, 0x3c6ea8},
-    {Meaning::weak_wrong, "weak-wrong", "best match incorrect, not recognized", 0xefaa86, 0xa3593c},
+    {Meaning::weak_correct, "weak-right", "best match correct, not recognized", 0x8fbcec, 0x3c6ea8},
+    {Meaning::weak_incorrect, "weak-wrong", "best match incorrect, not recognized", 0xefaa86,
+     0xa3593c},
     {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognized", 0xdba3c9, 0x7d4a70},
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
     {Meaning::truth_outline, "truth-outline", "ground truth", 0x12a150, 0x3ddc84},
@@ -70,14 +71,14 @@ cv::Vec3b bgr_of(Meaning meaning) {
 std::span<const std::string_view> series_colors() { return kSeries; }
 
 Meaning meaning_of(FrameVerdict verdict) {
-  return verdict == FrameVerdict::correct     ? Meaning::right
-         : verdict == FrameVerdict::incorrect ? Meaning::wrong
+  return verdict == FrameVerdict::correct     ? Meaning::correct
+         : verdict == FrameVerdict::incorrect ? Meaning::incorrect
                                               : Meaning::unjudged;
 }
 
 Meaning meaning_of(PlaceLabel label) {
-  return label == PlaceLabel::same        ? Meaning::right
-         : label == PlaceLabel::different ? Meaning::wrong
+  return label == PlaceLabel::same        ? Meaning::correct
+         : label == PlaceLabel::different ? Meaning::incorrect
                                           : Meaning::unjudged;
 }
 

@@ -17,11 +17,11 @@ enum class FrameVerdict;
 enum class PlaceLabel;
 
 enum class Meaning {
-  right,  ///< recognized, correct by the ground truth
-  wrong,
-  unjudged,    ///< recognized, but labeled ignore or without ground truth
-  weak_right,  ///< a best match that is not recognized
-  weak_wrong,
+  correct,  ///< recognized, correct by the ground truth
+  incorrect,
+  unjudged,      ///< recognized, but labeled ignore or without ground truth
+  weak_correct,  ///< a best match that is not recognized
+  weak_incorrect,
   weak_unjudged,
   truth,
   truth_outline,    ///< on a matrix
@@ -40,7 +40,7 @@ enum class Meaning {
 
 /// An entry of the palette; colors are 0xrrggbb for light and dark pages.
 struct PaletteColor {
-  Meaning meaning = Meaning::right;
+  Meaning meaning = Meaning::correct;
   std::string_view name;   ///< of the CSS variable and class
   std::string_view words;  ///< in a legend
   uint32_t light = 0;

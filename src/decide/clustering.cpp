@@ -99,12 +99,12 @@ void add_recognition(Cluster& cluster, const Match& recognition) {
 }
 
 /// A run that may continue, and its last recognition.
-struct OpenRun {
+struct OpenStretch {
   size_t run = 0;
   Match last;
 };
 
-void add_recognition(PlaceRun& run, const Match& recognition) {
+void add_recognition(PlaceStretch& run, const Match& recognition) {
   run.last_frame = recognition.query;
   run.first_place = std::min(run.first_place, recognition.train);
   run.last_place = std::max(run.last_place, recognition.train);
@@ -204,14 +204,14 @@ std::optional<double> mean_rate(const Cluster& path) {
          static_cast<double>(path.query_last - path.query_first);
 }
 
-std::vector<PlaceRun> place_runs(std::span<const Match> recognitions, size_t reach,
-                                 size_t reach_places) {
-  std::vector<PlaceRun> runs;
-  std::vector<OpenRun> open;
+std::vector<PlaceStretch> place_runs(std::span<const Match> recognitions, size_t reach,
+                                     size_t reach_places) {
+  std::vector<PlaceStretch> runs;
+  std::vector<OpenStretch> open;
   for (const Match& recognition : recognitions) {
-    std::erase_if(open,
-                  [&](const OpenRun& one) { return one.last.query + reach < recognition.query; });
-    const auto found = std::find_if(open.rbegin(), open.rend(), [&](const OpenRun& one) {
+    std::erase_if(
+        open, [&](const OpenStretch& one) { return one.last.query + reach < recognition.query; });
+    const auto found = std::find_if(open.rbegin(), open.rend(), [&](const OpenStretch& one) {
       const auto [low, high] = std::minmax(one.last.train, recognition.train);
       return high - low <= reach_places;
     });

@@ -65,7 +65,7 @@ Clusters cluster_paths(std::span<const Match> recognitions, std::span<const uint
 std::optional<double> mean_rate(const Cluster& path);
 
 /// Recognitions of nearby places in nearby frames.
-struct PlaceRun {
+struct PlaceStretch {
   size_t first_frame = 0;
   size_t last_frame = 0;
   uint32_t first_place = 0;  ///< the smallest index
@@ -73,14 +73,14 @@ struct PlaceRun {
   size_t recognitions = 0;
   double probability = 0;  ///< the largest
 
-  bool operator==(const PlaceRun&) const = default;
+  bool operator==(const PlaceStretch&) const = default;
 };
 
 /// `recognitions`: sorted by frame, then place. A recognition belongs to the latest run whose last
 /// recognition is at most `reach` (at least 1) frames earlier, with a place index that differs by
 /// at most `reach_places`: 0 for places of many views, more if each training frame is a place. Runs
 /// are in the order of their first recognition.
-std::vector<PlaceRun> place_runs(std::span<const Match> recognitions, size_t reach,
-                                 size_t reach_places);
+std::vector<PlaceStretch> place_runs(std::span<const Match> recognitions, size_t reach,
+                                     size_t reach_places);
 
 }  // namespace vpr

@@ -28,9 +28,9 @@ bool is_closer(const Cell& a, const Cell& b) {
 }
 
 // The sequence and index of the index-th window, counted over all runs.
-std::pair<size_t, size_t> find_window(const std::vector<FrameRun>& runs, size_t window_length,
+std::pair<size_t, size_t> find_window(const std::vector<FrameStretch>& runs, size_t window_length,
                                       uint64_t index) {
-  for (const FrameRun& run : runs) {
+  for (const FrameStretch& run : runs) {
     const size_t windows = run.windows(window_length);
     if (index < windows) return {run.sequence, run.first_in_sequence + index};
     index -= windows;

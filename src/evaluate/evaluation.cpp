@@ -103,7 +103,7 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   std::optional<std::string> warning = tolerance_warning(truth, matches, noun);
   if (!warning && most_are_incorrect) warning = length_warning(evaluation, by);
   if (!warning) return;
-  evaluation.doubts_truth = true;
+  evaluation.warned_of_ground_truth = true;
   warn(monitor, *warning);
 }
 

@@ -48,7 +48,7 @@ struct Evaluation {
   ScoreSettings scores;                   ///< of scores alone
   std::optional<ScoreMatrix> matrix;      ///< the scores, or the matrix saved with the result
   std::string fingerprint;                ///< of the file of the result or of the scores
-  bool doubts_truth = false;              ///< a warning named another tolerance or --train-step
+  bool warned_of_ground_truth = false;    ///< a warning named another tolerance or --train-step
 
   const Sequence& query() const { return judgment.layout.scope.query; }
 };

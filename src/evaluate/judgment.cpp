@@ -69,7 +69,7 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
     judgment.recognized.push_back(
         {recognition.query, column_of(judgment.layout, recognition.sequence, recognition.train)});
   }
-  set_verdicts(judgment, fixes_of(result, truth), truth, traveled_m, decided_frames(result));
+  set_verdicts(judgment, verdicts_of(result, truth), truth, traveled_m, decided_frames(result));
   return judgment;
 }
 
@@ -113,7 +113,7 @@ Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Groun
           {window, column_of(layout, query.best->sequence,
                              query.best->reference + 1 - layout.window_length)});
   }
-  set_verdicts(judgment, fixes_of(judgment.outcomes, accepted), truth, traveled_m);
+  set_verdicts(judgment, verdicts_of(judgment.outcomes, accepted), truth, traveled_m);
   return judgment;
 }
 
@@ -138,7 +138,7 @@ std::vector<const Match*> recognitions_by_frame(const Result& result) {
   return recognitions;
 }
 
-std::vector<FrameVerdict> fixes_of(const Result& result, const GroundTruth& truth) {
+std::vector<FrameVerdict> verdicts_of(const Result& result, const GroundTruth& truth) {
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
   std::vector<FrameVerdict> verdicts(recognitions.size(), FrameVerdict::none);
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
@@ -148,7 +148,7 @@ std::vector<FrameVerdict> fixes_of(const Result& result, const GroundTruth& trut
   return verdicts;
 }
 
-std::vector<FrameVerdict> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
+std::vector<FrameVerdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
   std::vector<FrameVerdict> verdicts(outcomes.query_frames, FrameVerdict::none);
   if (!accepted) return verdicts;
   for (const QueryOutcome& query : outcomes.queries)

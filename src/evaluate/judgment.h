@@ -16,9 +16,9 @@ namespace vpr {
 /// score, ties to the first; null if there is none. They point into the result.
 std::vector<const Match*> recognitions_by_frame(const Result& result);
 /// The verdicts by these recognitions.
-std::vector<FrameVerdict> fixes_of(const Result& result, const GroundTruth& truth);
+std::vector<FrameVerdict> verdicts_of(const Result& result, const GroundTruth& truth);
 /// The verdicts by best matches whose key is at most `accepted`; unset: none.
-std::vector<FrameVerdict> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
+std::vector<FrameVerdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
 
 /// A recognition as a query window and a column of the layout.
 struct RecognizedCell {

@@ -283,10 +283,10 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
   const bool has_meters = !traveled_m.empty();
   double gap_m = 0;
   size_t gap_begin = 0;  // first frame after the last correct recognition
-  double last_fix_m = has_meters ? traveled_m.front() : 0;
+  double last_correct_m = has_meters ? traveled_m.front() : 0;
   const auto end_gap = [&](size_t end, double here_m) {
     found.longest_gap_frames = std::max(found.longest_gap_frames, end - gap_begin);
-    if (has_meters) gap_m = std::max(gap_m, here_m - last_fix_m);
+    if (has_meters) gap_m = std::max(gap_m, here_m - last_correct_m);
   };
   for (size_t frame = 0; frame < verdicts.size(); ++frame) {
     if (verdicts[frame] != FrameVerdict::correct) continue;
@@ -299,7 +299,7 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
     ++found.correct;
     end_gap(frame, here_m);
     gap_begin = frame + 1;
-    last_fix_m = here_m;
+    last_correct_m = here_m;
   }
   end_gap(verdicts.size(), has_meters ? traveled_m.back() : 0);
   if (has_meters) found.longest_gap_m = gap_m;

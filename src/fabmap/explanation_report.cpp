@@ -40,7 +40,7 @@ const cv::Scalar kText(40, 40, 40);
 const cv::Scalar kPaper(245, 245, 245);
 
 cv::Scalar color_of_point(bool speaks_for) {
-  const cv::Vec3b bgr = bgr_of(speaks_for ? Meaning::right : Meaning::wrong);
+  const cv::Vec3b bgr = bgr_of(speaks_for ? Meaning::correct : Meaning::incorrect);
   return {static_cast<double>(bgr[0]), static_cast<double>(bgr[1]), static_cast<double>(bgr[2])};
 }
 

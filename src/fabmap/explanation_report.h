@@ -37,8 +37,8 @@ struct ImagePair {
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
                        const std::string& title);
 
-/// One row per pair, BGR, 8 bits. Words have the color of Meaning::right if they speak for the
-/// place, else of Meaning::wrong. Lines connect words for the place that are in both images.
+/// One row per pair, BGR, 8 bits. Words have the color of Meaning::correct if they speak for the
+/// place, else of Meaning::incorrect. Lines connect words for the place that are in both images.
 cv::Mat draw_word_pairs(const std::vector<ImagePair>& pairs);
 
 }  // namespace vpr

@@ -19,8 +19,8 @@ constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
 constexpr const char* kUnreachableProtocol =
     "a query window with matches only where no training window ends is not among the queries";
 
-std::vector<ReportedPlace> places_of(const EvaluatedResult& judged) {
-  std::vector<ReportedPlace> places;
+std::vector<ReportedCluster> places_of(const EvaluatedResult& judged) {
+  std::vector<ReportedCluster> places;
   const Result& result = judged.result;
   const auto anchor = [&](size_t window) { return anchor_of(window, result.window_length()); };
   for (size_t c = 0; c < judged.clusters.size(); ++c) {
@@ -84,7 +84,7 @@ void define_scores(Definitions& define, size_t window_length) {
   define.emplace_back("unreadable", "a query without any score");
 }
 
-constexpr const char* kViewProtocol =
+constexpr const char* kKeyframeProtocol =
     "consecutive frames that look alike are one keyframe; a pair of keyframes with recognitions, "
     "and a query keyframe with best matches, counts once: correct or incorrect if all of its "
     "windows are, else mixed; rate = mean over query keyframes of the share of correct windows";
@@ -180,7 +180,7 @@ void add_result(Report& report, const EvaluatedResult& judged) {
     define_places(define);
   else
     define_windows(define, result);
-  if (judged.by_keyframe) define.emplace_back("by_keyframe", kViewProtocol);
+  if (judged.by_keyframe) define.emplace_back("by_keyframe", kKeyframeProtocol);
 }
 
 }  // namespace

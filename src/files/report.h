@@ -21,7 +21,7 @@ namespace vpr {
 inline constexpr const char* kUnnamedQuery = "queries";
 
 /// A cluster of recognitions. All frames are anchors.
-struct ReportedPlace {
+struct ReportedCluster {
   std::string sequence;
   size_t query = 0;
   std::array<size_t, 2> query_range = {};  ///< first, last
@@ -105,7 +105,7 @@ struct Report {
   std::variant<QuerySettings, ScoreSettings> settings;  ///< of a result, or of scores
   Counts counts;                                        ///< for scores, best matches only
   std::optional<CountsByKeyframe> by_keyframe;
-  std::optional<std::vector<ReportedPlace>> recognitions;
+  std::optional<std::vector<ReportedCluster>> recognitions;
   ReportedMetrics metrics;
   Localization localization;
   bool is_oracle = false;  ///< the threshold of verdicts is from the ground truth

@@ -199,7 +199,7 @@ void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
 }
 
 template <class Visitor>
-void visit_fields(ReportedPlace& place, Visitor&& visit) {
+void visit_fields(ReportedCluster& place, Visitor&& visit) {
   visit("sequence", place.sequence);
   visit("query", place.query);
   visit("query_range", range_form(place.query_range));

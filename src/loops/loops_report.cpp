@@ -160,7 +160,7 @@ Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2
 
 Series frame_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
                     bool is_found) {
-  Series frames{"frame with a correct loop", {}, SeriesStyle::points, Meaning::right};
+  Series frames{"frame with a correct loop", {}, SeriesStyle::points, Meaning::correct};
   if (!is_found)
     frames = {"frame with a loop, none listed",
               {},

@@ -40,7 +40,7 @@ void append_frames(SequenceDatabase& database, const PrecomputedDistances& matri
 // The variance of the distances of the first readable query frame.
 double first_variance(const MatrixQuery& made) {
   const std::vector<DescribedFrames> train = descriptor_spans(made.database);
-  const std::vector<FrameRun> queries = readable_runs(made.query.span());
+  const std::vector<FrameStretch> queries = readable_runs(made.query.span());
   const FrameDistances distances = frame_distances(train, made.query.span());
   if (queries.empty() || distances.readable_frames == 0) return 0;
   const size_t query = queries.front().first;
@@ -48,7 +48,7 @@ double first_variance(const MatrixQuery& made) {
   std::vector<uint16_t> row;
   compute_row(distances, query, row);
   double squares = 0;
-  for (const FrameRun& run : distances.train_runs)
+  for (const FrameStretch& run : distances.train_runs)
     for (size_t i = run.first; i < run.first + run.count; ++i)
       squares += (row[i] - mean) * (row[i] - mean);
   return squares / static_cast<double>(distances.readable_frames);

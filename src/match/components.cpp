@@ -30,7 +30,7 @@ double rounded(double value) { return std::floor(value + 0.5); }
 std::vector<size_t> choose_landmarks(std::span<const DescribedFrames> train,
                                      double typical_distance) {
   std::vector<size_t> frames;
-  for (const FrameRun& run : readable_runs(train)) {
+  for (const FrameStretch& run : readable_runs(train)) {
     KeyframeQueue views = make_keyframe_queue({}, typical_distance);
     for (size_t i = 0; i < run.count; ++i) {
       const size_t frame = run.first_in_sequence + i;

@@ -149,7 +149,7 @@ TrainStatistics summarize(const std::vector<ColumnSums>& sums, const std::vector
 std::vector<size_t> sampled_frames(std::span<const DescribedFrames> train,
                                    const StatisticsSettings& settings) {
   std::vector<size_t> frames;
-  for (const FrameRun& run : readable_runs(train))
+  for (const FrameStretch& run : readable_runs(train))
     for (size_t i = 0; i < run.count; ++i) frames.push_back(run.first + i);
   if (frames.size() <= settings.samples) return frames;
   RandomEngine engine(settings.seed);

@@ -165,7 +165,7 @@ struct BestRates {
 };
 
 // The cells of a run, for windows of one length and several rates; nullopt if it is too short.
-std::optional<ScoreRow> best_of_rates(std::span<WindowSums> windows, const FrameRun& run,
+std::optional<ScoreRow> best_of_rates(std::span<WindowSums> windows, const FrameStretch& run,
                                       size_t frame, BestRates& best) {
   const size_t length = windows.front().length;
   size_t shortest = std::numeric_limits<size_t>::max();
@@ -254,7 +254,7 @@ WindowStage fastable_stage(const FrameDistances& distances, std::span<const size
         row = whole_row(rows, length, frame.number,
                         {windows.front().sums.at(frame.number, 0, 0), rows.train_frames});
       else
-        for (const FrameRun& run : rows.train_runs)
+        for (const FrameStretch& run : rows.train_runs)
           if (const auto piece = best_of_rates(windows, run, frame.number, *best))
             row.push_back(*piece);
       if (!row.empty()) consume(l, row);

@@ -68,7 +68,7 @@ uint32_t logarithm(const FilterState& state, float mass) {
 void find_likelihoods(FilterState& state, std::span<const uint16_t> scores, size_t first,
                       size_t last) {
   const FilterCells& cells = state.cells;
-  for (const CellRun& run : cells.runs) {
+  for (const CellStretch& run : cells.runs) {
     const size_t end = std::min(last, run.first + run.count);
     for (size_t cell = std::max(first, run.first); cell < end; ++cell)
       state.likelihoods[cell] =
@@ -189,11 +189,11 @@ void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
 
 FilterCells find_cells(const FrameDistances& distances, double least_change) {
   FilterCells cells;
-  for (const FrameRun& run : distances.train_runs) {
+  for (const FrameStretch& run : distances.train_runs) {
     const DescriptorRows& rows = distances.train[run.sequence].rows;
     cells.frames.resize(cells.frames.size() + kLongestStep, 0);
-    CellRun& added =
-        cells.runs.emplace_back(CellRun{cells.size(), 0, run.sequence, run.first + run.count});
+    CellStretch& added =
+        cells.runs.emplace_back(CellStretch{cells.size(), 0, run.sequence, run.first + run.count});
     size_t last = run.first_in_sequence;
     for (size_t k = 0; k < run.count; ++k) {
       const size_t frame = run.first_in_sequence + k;
@@ -207,14 +207,15 @@ FilterCells find_cells(const FrameDistances& distances, double least_change) {
   return cells;
 }
 
-const CellRun& run_of(const FilterCells& cells, size_t cell) {
-  const auto behind = std::upper_bound(cells.runs.begin(), cells.runs.end(), cell,
-                                       [](size_t c, const CellRun& run) { return c < run.first; });
+const CellStretch& run_of(const FilterCells& cells, size_t cell) {
+  const auto behind =
+      std::upper_bound(cells.runs.begin(), cells.runs.end(), cell,
+                       [](size_t c, const CellStretch& run) { return c < run.first; });
   assert(behind != cells.runs.begin());
   return *std::prev(behind);
 }
 
-size_t keyframe_end(const FilterCells& cells, const CellRun& run, size_t cell) {
+size_t keyframe_end(const FilterCells& cells, const CellStretch& run, size_t cell) {
   return cell + 1 < run.first + run.count ? cells.frames[cell + 1] : run.frames_end;
 }
 

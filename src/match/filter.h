@@ -20,7 +20,7 @@ namespace vpr {
 inline constexpr size_t kLongestStep = 3;
 
 /// The cells of a run of readable training frames.
-struct CellRun {
+struct CellStretch {
   size_t first = 0;  ///< cell
   size_t count = 0;
   size_t sequence = 0;
@@ -31,8 +31,8 @@ struct FilterCells {
   /// The first frame of every cell's keyframe, in all training frames. Unspecified for a cell that
   /// is not a place.
   std::vector<uint32_t> frames;
-  std::vector<CellRun> runs;  ///< increasing
-  size_t places = 0;          ///< number of cells that are places
+  std::vector<CellStretch> runs;  ///< increasing
+  size_t places = 0;              ///< number of cells that are places
 
   size_t size() const { return frames.size(); }
 };
@@ -42,10 +42,10 @@ struct FilterCells {
 FilterCells find_cells(const FrameDistances& distances, double least_change);
 
 /// The run that contains a place.
-const CellRun& run_of(const FilterCells& cells, size_t cell);
+const CellStretch& run_of(const FilterCells& cells, size_t cell);
 
 /// One past the last frame of the keyframe of a place in the run.
-size_t keyframe_end(const FilterCells& cells, const CellRun& run, size_t cell);
+size_t keyframe_end(const FilterCells& cells, const CellStretch& run, size_t cell);
 
 /// The prior of a rate, and of each of its steps: kFirstSteps[r] and more keyframes of the training
 /// sequence per keyframe of the query.

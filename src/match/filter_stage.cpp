@@ -39,7 +39,7 @@ void write_keyframes(FilteredQuery& query) {
   const uint32_t* frames = cells.frames.data();
   const uint32_t* values = query.filter.values.data();
   uint32_t* row = query.row.data();
-  for (const CellRun& run : cells.runs) {
+  for (const CellStretch& run : cells.runs) {
     const size_t last = run.first + run.count - 1;
     for (size_t cell = run.first; cell < last; ++cell)
       for (size_t frame = frames[cell]; frame < frames[cell + 1]; ++frame)
@@ -63,7 +63,7 @@ void add_matches(FilteredQuery& query, const FrameDistances& distances,
                  const PathKeyframe& keyframe, size_t first, size_t end, double rate) {
   const FilterCells& cells = query.filter.cells;
   const auto run = static_cast<size_t>(&run_of(cells, keyframe.cell) - cells.runs.data());
-  const FrameRun& frames = distances.train_runs[run];
+  const FrameStretch& frames = distances.train_runs[run];
   for (size_t frame = first; frame < end; ++frame) {
     const size_t position = position_at(cells, keyframe, frame, rate);
     query.matches.push_back(

@@ -32,7 +32,7 @@ uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_
   const size_t near = track.settings.near_keyframes;
   const size_t before = cell - std::min(cell, near);  // the first near cell
   uint32_t least = kNewPathValue;
-  for (const CellRun& run : state.cells.runs) {
+  for (const CellStretch& run : state.cells.runs) {
     const size_t end = run.first + run.count;
     if (run.sequence == sequence) {
       least = std::min({least, least_of(track, state, run.first, std::min(end, before)),

@@ -45,7 +45,7 @@ uint64_t total_of_row(const FrameDistances& distances, size_t query) {
 // The sum over all pairs; below 2^64 for sets of less than 100 million frames of 1386 bits.
 uint64_t total_of_pairs(const FrameDistances& distances) {
   uint64_t sum = 0;
-  for (const FrameRun& run : distances.query_runs)
+  for (const FrameStretch& run : distances.query_runs)
     for (size_t frame = run.first; frame < run.first + run.count; ++frame)
       sum += total_of_row(distances, frame);
   return sum;
@@ -53,12 +53,12 @@ uint64_t total_of_pairs(const FrameDistances& distances) {
 
 }  // namespace
 
-std::vector<FrameRun> readable_runs(const DescribedFrames& sequence) {
+std::vector<FrameStretch> readable_runs(const DescribedFrames& sequence) {
   return readable_runs({&sequence, 1});
 }
 
-std::vector<FrameRun> readable_runs(std::span<const DescribedFrames> sequences) {
-  std::vector<FrameRun> runs;
+std::vector<FrameStretch> readable_runs(std::span<const DescribedFrames> sequences) {
+  std::vector<FrameStretch> runs;
   size_t first = 0;
   for (size_t s = 0; s < sequences.size(); ++s) {
     size_t start = 0;
@@ -79,15 +79,15 @@ size_t count_frames(std::span<const DescribedFrames> sequences) {
   return frames;
 }
 
-size_t count_windows(std::span<const FrameRun> runs, size_t window_length) {
+size_t count_windows(std::span<const FrameStretch> runs, size_t window_length) {
   size_t windows = 0;
-  for (const FrameRun& run : runs) windows += run.windows(window_length);
+  for (const FrameStretch& run : runs) windows += run.windows(window_length);
   return windows;
 }
 
-std::vector<uint8_t> readable_flags(std::span<const FrameRun> runs, size_t frames) {
+std::vector<uint8_t> readable_flags(std::span<const FrameStretch> runs, size_t frames) {
   std::vector<uint8_t> readable(frames, 0);
-  for (const FrameRun& run : runs)
+  for (const FrameStretch& run : runs)
     std::fill_n(readable.begin() + static_cast<ptrdiff_t>(run.first), run.count, uint8_t{1});
   return readable;
 }
@@ -159,7 +159,7 @@ void compute_row(const FrameDistances& distances, size_t query, std::vector<uint
 
 uint64_t row_sum(const FrameDistances& distances, std::span<const uint16_t> row) {
   uint64_t sum = 0;
-  for (const FrameRun& run : readable_runs(distances.train))
+  for (const FrameStretch& run : readable_runs(distances.train))
     for (size_t i = run.first; i < run.first + run.count; ++i) sum += row[i];
   return sum;
 }

@@ -24,7 +24,7 @@ constexpr size_t round_up(size_t value, size_t multiple) {
 
 /// Consecutive readable frames of one sequence. Windows lie within a run and never cross its end:
 /// an unreadable frame and the end of a sequence end a run.
-struct FrameRun {
+struct FrameStretch {
   size_t first = 0;  ///< in all frames of the set
   size_t count = 0;
   size_t sequence = 0;
@@ -36,19 +36,19 @@ struct FrameRun {
 };
 
 /// The runs of one sequence between its unreadable frames.
-std::vector<FrameRun> readable_runs(const DescribedFrames& sequence);
+std::vector<FrameStretch> readable_runs(const DescribedFrames& sequence);
 
 /// The runs of several sequences, one after the other.
-std::vector<FrameRun> readable_runs(std::span<const DescribedFrames> sequences);
+std::vector<FrameStretch> readable_runs(std::span<const DescribedFrames> sequences);
 
 /// The number of frames of all sequences, including unreadable ones.
 size_t count_frames(std::span<const DescribedFrames> sequences);
 
 /// The number of windows in all runs; 0 if every run is shorter than a window.
-size_t count_windows(std::span<const FrameRun> runs, size_t window_length);
+size_t count_windows(std::span<const FrameStretch> runs, size_t window_length);
 
 /// Whether each of `frames` frames is in a run: 1 or 0.
-std::vector<uint8_t> readable_flags(std::span<const FrameRun> runs, size_t frames);
+std::vector<uint8_t> readable_flags(std::span<const FrameStretch> runs, size_t frames);
 
 /// Ranges of training frames begin at multiples of this number of frames, and are written in whole.
 inline constexpr size_t kBlockFrames = 8;
@@ -67,8 +67,8 @@ struct FrameDistances {
   DescribedFrames query;
   size_t train_frames = 0;  ///< of all sequences, one after the other
   size_t query_frames = 0;
-  std::vector<FrameRun> train_runs;  ///< runs in which windows may lie, increasing
-  std::vector<FrameRun> query_runs;
+  std::vector<FrameStretch> train_runs;  ///< runs in which windows may lie, increasing
+  std::vector<FrameStretch> query_runs;
   uint16_t largest = 0;
 
   /// Writes the distances of queries[t] to training frames [first, last) to out[t * stride] and on.

@@ -150,7 +150,7 @@ void fill_tile(const Training& training, const std::vector<uint8_t>& images,
 uint64_t row_total(Training& training, DescriptorRow row) {
   std::call_once(training.has_totals, [&] {
     training.totals.resize(training.length, OfLevel<int64_t>{});
-    for (const FrameRun& run : readable_runs(training.sequences))
+    for (const FrameStretch& run : readable_runs(training.sequences))
       for (size_t i = 0; i < run.count; ++i) {
         const DescriptorRow image =
             training.sequences[run.sequence].rows[run.first_in_sequence + i];

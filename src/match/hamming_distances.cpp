@@ -42,7 +42,7 @@ constexpr size_t kMostInByte = 255;
 BitCounts count_bits(std::span<const DescribedFrames> sequences, size_t row_bytes) {
   BitCounts counts{0, std::vector<uint32_t>(8 * row_bytes, 0), 0};
   std::vector<uint64_t> packed(row_bytes);
-  for (const FrameRun& run : readable_runs(sequences)) {
+  for (const FrameStretch& run : readable_runs(sequences)) {
     const DescriptorRows& rows = sequences[run.sequence].rows;
     for (size_t first = 0; first < run.count; first += kMostInByte) {
       const size_t last = std::min(first + kMostInByte, run.count);

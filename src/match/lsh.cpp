@@ -47,11 +47,11 @@ uint64_t key_bits(const LshSettings& settings, size_t windows) {
 }  // namespace
 
 struct LshIndex::Tables {
-  FrameRun run;
+  FrameStretch run;
   cvflann::LshIndex<WindowHamming> index;
 
   // OpenCV expects non-const data, but does not change it.
-  Tables(const FrameRun& frames, const DescriptorRows& rows, size_t window_length,
+  Tables(const FrameStretch& frames, const DescriptorRows& rows, size_t window_length,
          const LshSettings& settings)
       : run(frames),
         index(cvflann::Matrix<unsigned char>(
@@ -69,7 +69,7 @@ LshIndex::LshIndex(std::span<const DescribedFrames> train, size_t window_length,
   require_range("lsh.tables", static_cast<double>(settings.tables), 1, 256);
   require_range("lsh.key_bits", static_cast<double>(settings.key_bits), 0, kMostKeyBits);
   require_range("lsh.probe_level", static_cast<double>(settings.probe_level), 0, 4);
-  for (const FrameRun& run : readable_runs(train))
+  for (const FrameStretch& run : readable_runs(train))
     if (run.windows(window_length) > 0)
       tables_.push_back(
           std::make_unique<Tables>(run, train[run.sequence].rows, window_length, settings));
@@ -107,7 +107,7 @@ void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
     throw Error(ErrorKind::usage, "lsh needs raw distances of binary descriptors; use fastable");
   const size_t length = settings.window_length;
   std::vector<DescribedFrames> searched(distances.train.size());
-  for (const FrameRun& run : distances.train_runs)
+  for (const FrameStretch& run : distances.train_runs)
     searched[run.sequence] = distances.train[run.sequence];
   const LshIndex index(searched, length, settings.lsh, settings.seed, monitor);
   StepCounter counter(monitor, "match", distances.query_frames);

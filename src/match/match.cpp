@@ -17,9 +17,11 @@ namespace {
 constexpr size_t kChunkFrames = 4096;  // descriptors of a chunk stay in the second-level cache
 
 // The first run that ends after `frame`.
-std::vector<FrameRun>::const_iterator run_from(const std::vector<FrameRun>& runs, size_t frame) {
-  return std::partition_point(runs.begin(), runs.end(),
-                              [&](const FrameRun& run) { return run.first + run.count <= frame; });
+std::vector<FrameStretch>::const_iterator run_from(const std::vector<FrameStretch>& runs,
+                                                   size_t frame) {
+  return std::partition_point(runs.begin(), runs.end(), [&](const FrameStretch& run) {
+    return run.first + run.count <= frame;
+  });
 }
 
 // Sums of the windows that end at train frames first and on, for the query window that ends at row

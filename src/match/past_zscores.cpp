@@ -57,7 +57,7 @@ void add_row(PastState& state, size_t frame) {
   uint64_t count = 0;
   uint64_t sum = 0;
   uint64_t squares = 0;
-  for (const FrameRun& run : state.distances.train_runs) {
+  for (const FrameStretch& run : state.distances.train_runs) {
     const size_t end = std::min<size_t>(run.first + run.count, state.distances.past[frame]);
     for (size_t i = run.first; i < end; ++i) {
       const uint64_t distance = state.row[i];

@@ -165,7 +165,7 @@ PreparedTraining prepare_cosines(std::span<const DescribedFrames> train,
     distances.row_total = [totals, sequences, rows = distances.query.rows](size_t query) {
       std::call_once(totals->has_sums, [&] {
         totals->sums.emplace(rows.shape.length);
-        for (const FrameRun& run : readable_runs(sequences))
+        for (const FrameStretch& run : readable_runs(sequences))
           for (size_t i = 0; i < run.count; ++i)
             totals->sums->add(sequences[run.sequence].rows[run.first_in_sequence + i], {1});
       });

@@ -62,7 +62,7 @@ void learn_query(ZScoreState& state, const Monitor& monitor) {
   const DescriptorRows& rows = state.distances.query.rows;
   const size_t frames = state.distances.train_frames;
   StepCounter counter(monitor, "learn", rows.size());
-  for (const FrameRun& run : state.distances.query_runs) {
+  for (const FrameStretch& run : state.distances.query_runs) {
     for (size_t f = run.first; f < run.first + run.count; ++f) {
       counter.add();
       if (!is_new_keyframe(state.keyframes, rows, f)) continue;

@@ -69,12 +69,12 @@ Chart curves_overlay(const std::string& title, std::span<const Report> reports,
 Chart lanes_chart(const std::string& title, std::span<const Report> reports,
                   const std::vector<std::string>& names) {
   Chart chart{"lanes", title, {"query frame"}};
-  for (const Meaning meaning : {Meaning::unjudged, Meaning::wrong, Meaning::right})
+  for (const Meaning meaning : {Meaning::unjudged, Meaning::incorrect, Meaning::correct})
     chart.series.push_back(series_of(meaning, SeriesStyle::boxes));
   size_t frames = 1;
   for (size_t r = 0; r < reports.size(); ++r) {
     const auto top = static_cast<double>(r);
-    for (const ChartRun& run : fix_runs(reports[r].verdicts)) {
+    for (const ChartStretch& run : verdict_stretches(reports[r].verdicts)) {
       Series& boxes = *std::ranges::find(chart.series, run.meaning, &Series::meaning);
       boxes.points.emplace_back(run.begin, top + kLaneTop);
       boxes.points.emplace_back(run.end, top + 0.95);

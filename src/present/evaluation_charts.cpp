@@ -22,15 +22,18 @@ constexpr size_t kMostTruth = 465;    // query frames with ground truth
 constexpr size_t kMatrixSide = 1000;  // pixels
 
 // In the order of drawing.
-constexpr std::array<Meaning, 6> kMarkOrder = {Meaning::weak_unjudged, Meaning::weak_wrong,
-                                               Meaning::weak_right,    Meaning::unjudged,
-                                               Meaning::wrong,         Meaning::right};
-constexpr std::array<Meaning, 3> kAccepted = {Meaning::right, Meaning::wrong, Meaning::unjudged};
+constexpr std::array<Meaning, 6> kMarkOrder = {Meaning::weak_unjudged, Meaning::weak_incorrect,
+                                               Meaning::weak_correct,  Meaning::unjudged,
+                                               Meaning::incorrect,     Meaning::correct};
+constexpr std::array<Meaning, 3> kAccepted = {Meaning::correct, Meaning::incorrect,
+                                              Meaning::unjudged};
 
 Meaning meaning_of(const Judgment& judgment, const QueryOutcome& query) {
   const bool is_strong = is_recognized(judgment, query);
-  if (query.verdict == Verdict::correct) return is_strong ? Meaning::right : Meaning::weak_right;
-  if (query.verdict == Verdict::incorrect) return is_strong ? Meaning::wrong : Meaning::weak_wrong;
+  if (query.verdict == Verdict::correct)
+    return is_strong ? Meaning::correct : Meaning::weak_correct;
+  if (query.verdict == Verdict::incorrect)
+    return is_strong ? Meaning::incorrect : Meaning::weak_incorrect;
   return is_strong ? Meaning::unjudged : Meaning::weak_unjudged;
 }
 
@@ -71,7 +74,7 @@ Series truth_series(const Judgment& judgment, const GroundTruth& truth,
     for (const FrameBand& band : bands) {
       check_stop(monitor);
       const size_t end = band.first_frame + band.count;
-      for (const LabelRun& run : label_runs(truth, frame, band.sequence, end)) {
+      for (const LabelStretch& run : label_runs(truth, frame, band.sequence, end)) {
         if (run.label != PlaceLabel::same || run.last < band.first_frame) continue;
         const size_t low = band.at + std::max(run.first, band.first_frame) - band.first_frame;
         series.points.emplace_back(frame, low);
@@ -151,8 +154,8 @@ std::vector<std::pair<double, double>> curve_points(const Curve& curve) {
   return points;
 }
 
-std::vector<ChartRun> fix_runs(const std::vector<FrameVerdict>& verdicts) {
-  std::vector<ChartRun> runs;
+std::vector<ChartStretch> verdict_stretches(const std::vector<FrameVerdict>& verdicts) {
+  std::vector<ChartStretch> runs;
   for (size_t begin = 0; begin < verdicts.size();) {
     size_t end = begin;
     while (end < verdicts.size() && verdicts[end] == verdicts[begin]) ++end;
@@ -227,7 +230,7 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
                      return static_cast<double>(position_of(bands, *query.best)) + 0.5;
                    });
   erase_empty_series(chart);
-  chart.runs = fix_runs(judgment.verdicts);
+  chart.runs = verdict_stretches(judgment.verdicts);
   chart.has_cursor = true;
   chart.width = 1000;
   return chart;

@@ -133,7 +133,7 @@ std::string places_text(const Report& report) {
 
 // Empty if something is recognized, and all of it correctly.
 std::string next_step(const Evaluation& evaluation) {
-  if (!evaluation.result || evaluation.doubts_truth) return "";
+  if (!evaluation.result || evaluation.warned_of_ground_truth) return "";
   if (evaluation.judgment.by == JudgedBy::nothing)
     return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result.places
                ? "next: judge each place by its images with --ask-places PAGE.html"

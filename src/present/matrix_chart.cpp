@@ -64,7 +64,7 @@ Series truth_outline(const ScoreLayout& layout, const GroundTruth& truth, const 
     for (const ScoreLayout::Columns& columns : layout.columns) {
       check_stop(monitor);
       const size_t end_anchor = layout.anchor(columns.count);
-      for (const LabelRun& run :
+      for (const LabelStretch& run :
            label_runs(truth, layout.anchor(row), columns.sequence, end_anchor)) {
         if (run.label != PlaceLabel::same || run.last < first_anchor) continue;
         const size_t first = std::max(run.first, first_anchor) - first_anchor;
@@ -90,7 +90,7 @@ std::vector<Series> recognized_boxes(const Judgment& judgment, const GroundTruth
   }
   std::vector<Series> all;
   const auto cells = static_cast<double>(grid.cells);
-  for (const Meaning meaning : {Meaning::right, Meaning::wrong, Meaning::unjudged}) {
+  for (const Meaning meaning : {Meaning::correct, Meaning::incorrect, Meaning::unjudged}) {
     Series& boxes = all.emplace_back(series_of(meaning, SeriesStyle::boxes));
     for (const auto& [pixel, found] : pixels) {
       if (found != meaning) continue;

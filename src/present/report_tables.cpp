@@ -178,7 +178,7 @@ Table localization_table(const Report& report) {
   return table;
 }
 
-Table view_table(const CountsByKeyframe& counts) {
+Table keyframe_table(const CountsByKeyframe& counts) {
   const auto& [query_keyframes, train_keyframes, recognitions, best, rate] = counts;
   Table table;
   table.title = fmt::format(
@@ -197,14 +197,14 @@ Table view_table(const CountsByKeyframe& counts) {
 // The first kMostPlaces places; empty without places.
 std::string recognitions_text(const Report& report) {
   if (!report.recognitions || report.recognitions->empty()) return "";
-  const std::vector<ReportedPlace>& places = *report.recognitions;
+  const std::vector<ReportedCluster>& places = *report.recognitions;
   Table table;
   table.title = fmt::format(
       "Places, judged at their {} (mixed: correct there, but some recognitions are incorrect)",
       report.has_paths() ? "middle frame" : "mean");
   table.columns = {"sequence", "query frames",         "train frames",
                    "place",    "recognitions correct", "recognitions incorrect"};
-  for (const ReportedPlace& place : places) {
+  for (const ReportedCluster& place : places) {
     if (table.rows.size() == kMostPlaces) break;
     const LabelCounts& recognitions = place.judged.recognitions;
     add_row(table, place.sequence, range_text(place.query_range), range_text(place.train_range),
@@ -241,7 +241,7 @@ Table csv_row(const Report& report) {
     add_column(table, "recognitions by place incorrect", by_place->incorrect);
     add_column(table, "recognitions by place ignored", by_place->ignored);
   }
-  if (report.by_keyframe) add_columns(table, view_table(*report.by_keyframe));
+  if (report.by_keyframe) add_columns(table, keyframe_table(*report.by_keyframe));
   for (const NamedNumbers& curve : curves_of(report))
     for (size_t m = 0; m < curve_metrics().size(); ++m)
       add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
@@ -395,7 +395,7 @@ std::string reports_text(std::span<const Report> reports, const std::vector<std:
   for (size_t r = 0; r < reports.size(); ++r) {
     const Report& report = reports[r];
     std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
-    if (report.by_keyframe) tables.push_back(view_table(*report.by_keyframe));
+    if (report.by_keyframe) tables.push_back(keyframe_table(*report.by_keyframe));
     for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
     kinds.resize(std::max(kinds.size(), tables.size()));
     named.resize(kinds.size());

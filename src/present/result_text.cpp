@@ -78,8 +78,8 @@ std::vector<RecognizedRange> place_ranges(const Result& result) {
   const ResultPlaces& places = *result.places;
   const bool is_frame_a_place = places.names.size() == places.views;
   std::vector<RecognizedRange> ranges;
-  for (const PlaceRun& run : is_frame_a_place ? place_runs(result.recognitions, 2, 2)
-                                              : place_runs(result.recognitions, 1, 0)) {
+  for (const PlaceStretch& run : is_frame_a_place ? place_runs(result.recognitions, 2, 2)
+                                                  : place_runs(result.recognitions, 1, 0)) {
     std::string train = places.names[run.first_place];
     if (run.last_place != run.first_place) train += " to " + places.names[run.last_place];
     ranges.push_back({run.first_frame, run.last_frame, std::move(train),

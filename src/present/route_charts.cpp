@@ -42,8 +42,8 @@ constexpr std::array<std::pair<Meaning, SeriesMark>, 7> kPoints = {
      {Meaning::missed, SeriesMark::dot},
      {Meaning::place, SeriesMark::square},
      {Meaning::unjudged, SeriesMark::disc},
-     {Meaning::right, SeriesMark::disc},
-     {Meaning::wrong, SeriesMark::cross}}};
+     {Meaning::correct, SeriesMark::disc},
+     {Meaning::incorrect, SeriesMark::cross}}};
 
 Series frame_points(const RouteMap& map, const MapPanel& panel, const std::string& floor,
                     Meaning meaning, SeriesMark mark) {

@@ -85,7 +85,7 @@ SearchRecall recall_of(const Result& result, const FrameDistances& distances, co
 FrameDistances searched_distances(const QueryPlan& plan) {
   FrameDistances distances = frame_distances(plan.train, plan.query);
   std::erase_if(distances.train_runs,
-                [&](const FrameRun& run) { return !plan.sequences[run.sequence].searched; });
+                [&](const FrameStretch& run) { return !plan.sequences[run.sequence].searched; });
   distances.past = plan.past;
   return distances;
 }

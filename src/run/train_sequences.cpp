@@ -57,7 +57,7 @@ void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monito
   const DistanceKind& distance = distance_of(element);
   size_t near = 0;
   for (const DescribedFrames& sequence : descriptor_spans(database))
-    for (const FrameRun& run : readable_runs(sequence))
+    for (const FrameStretch& run : readable_runs(sequence))
       for (size_t i = run.first + 1; i < run.first + run.count; ++i) {
         const DescriptorRow before = sequence.rows[i - 1];
         const DescriptorRow row = sequence.rows[i];

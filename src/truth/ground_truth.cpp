@@ -22,11 +22,11 @@ namespace {
 constexpr uint64_t kMaxCompared = uint64_t{1} << 26;
 
 // The number of frames in the union of the runs; sorts them.
-uint64_t covered_frames(std::vector<LabelRun>& runs) {
-  std::ranges::sort(runs, {}, &LabelRun::first);
+uint64_t covered_frames(std::vector<LabelStretch>& runs) {
+  std::ranges::sort(runs, {}, &LabelStretch::first);
   uint64_t covered = 0;
   size_t end = 0;
-  for (const LabelRun& run : runs) {
+  for (const LabelStretch& run : runs) {
     if (run.last < end) continue;
     covered += run.last + 1 - std::max(end, run.first);
     end = run.last + 1;
@@ -79,13 +79,13 @@ InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruth
   return result;
 }
 
-Pair pair_of(size_t sequence, const LabelRun& run) {
+Pair pair_of(size_t sequence, const LabelStretch& run) {
   return {static_cast<uint32_t>(sequence), static_cast<uint32_t>(run.first), run.label,
           static_cast<uint32_t>(run.last - run.first)};
 }
 
 // Appends a run, or extends the last one.
-void append(std::vector<LabelRun>& runs, const LabelRun& run) {
+void append(std::vector<LabelStretch>& runs, const LabelStretch& run) {
   if (!runs.empty() && runs.back().label == run.label && run.first <= runs.back().last + 1)
     runs.back().last = std::max(runs.back().last, run.last);
   else
@@ -93,9 +93,9 @@ void append(std::vector<LabelRun>& runs, const LabelRun& run) {
 }
 
 // Runs of one label, extended by `reach` frames at both ends within the sequence.
-std::vector<LabelRun> widened_runs(std::span<const Pair> pairs, size_t frames, PlaceLabel label,
-                                   int64_t reach) {
-  std::vector<LabelRun> runs;
+std::vector<LabelStretch> widened_runs(std::span<const Pair> pairs, size_t frames, PlaceLabel label,
+                                       int64_t reach) {
+  std::vector<LabelStretch> runs;
   for (const Pair& pair : pairs) {
     if (pair.label != label) continue;
     const int64_t first = std::max<int64_t>(0, pair.first - reach);
@@ -108,17 +108,18 @@ std::vector<LabelRun> widened_runs(std::span<const Pair> pairs, size_t frames, P
 
 // The run among the selected frames. If none of them is in the run: the selected frame nearest to a
 // run of the same place, or nullopt.
-std::optional<LabelRun> selected_run(const LabelRun& run, const std::vector<uint32_t>& sources) {
+std::optional<LabelStretch> selected_run(const LabelStretch& run,
+                                         const std::vector<uint32_t>& sources) {
   const auto first =
       static_cast<size_t>(std::ranges::lower_bound(sources, run.first) - sources.begin());
   const auto end =
       static_cast<size_t>(std::ranges::upper_bound(sources, run.last) - sources.begin());
-  if (first < end) return LabelRun{first, end - 1, run.label};
+  if (first < end) return LabelStretch{first, end - 1, run.label};
   if (run.label != PlaceLabel::same) return std::nullopt;
   const bool is_before =
       end == sources.size() || (end > 0 && run.first - sources[end - 1] <= sources[end] - run.last);
   const size_t nearest = is_before ? end - 1 : end;
-  return LabelRun{nearest, nearest, run.label};
+  return LabelStretch{nearest, nearest, run.label};
 }
 
 }  // namespace
@@ -151,7 +152,7 @@ PlaceLabel GroundTruth::label(size_t query, size_t sequence, size_t reference) c
 
 void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const {
   std::ranges::fill(labels, PlaceLabel::different);
-  for (const LabelRun& run : label_runs(*this, query, sequence, labels.size()))
+  for (const LabelStretch& run : label_runs(*this, query, sequence, labels.size()))
     std::ranges::fill(labels.subspan(run.first, run.last - run.first + 1), run.label);
 }
 
@@ -197,14 +198,14 @@ GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tol
   return {"", text, tolerance_frames};
 }
 
-std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
-                                 size_t frames) {
+std::vector<LabelStretch> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
+                                     size_t frames) {
   const auto pairs = truth.pairs_of(query, sequence);
   const auto same = widened_runs(pairs, frames, PlaceLabel::same, truth.tolerance_frames);
-  std::vector<LabelRun> runs;
+  std::vector<LabelStretch> runs;
   auto next = same.begin();
   size_t free = 0;  // after the existing runs, which take precedence
-  for (const LabelRun& ignored : widened_runs(pairs, frames, PlaceLabel::ignore, 0)) {
+  for (const LabelStretch& ignored : widened_runs(pairs, frames, PlaceLabel::ignore, 0)) {
     for (; next != same.end() && next->first <= ignored.last; ++next) {
       const size_t first = std::max(ignored.first, free);
       if (first < next->first) append(runs, {first, next->first - 1, ignored.label});
@@ -227,14 +228,14 @@ void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope) {
       const Sequence& sequence = scope.sequences[s].sequence;
       std::vector<Pair>& row = selected.pairs[query];
       row.clear();
-      for (const LabelRun& run : label_runs(truth, query, s, sequence.recorded_frames()))
+      for (const LabelStretch& run : label_runs(truth, query, s, sequence.recorded_frames()))
         if (sequence.selection.is_all())
           row.push_back(pair_of(s, run));
         else if (const auto found = selected_run(run, sequence.selection.sources))
           row.push_back(pair_of(s, *found));
       std::ranges::sort(row);
       // Without overlaps: a frame with both labels is `same`.
-      for (const LabelRun& run : label_runs(selected, query, s, sequence.frames))
+      for (const LabelStretch& run : label_runs(selected, query, s, sequence.frames))
         clean.push_back(pair_of(s, run));
     }
     selected.pairs[query] = std::move(clean);
@@ -248,14 +249,14 @@ GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Mon
   const auto& sequences = ground_truth.scope.sequences;
   GroundTruthSummary summary;
   summary.query_frames = truth.pairs.size();
-  std::vector<std::vector<LabelRun>> matched(sequences.size());
+  std::vector<std::vector<LabelStretch>> matched(sequences.size());
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
     check_stop(monitor);
     uint64_t matches = 0;
     const auto& row = truth.pairs[query];
     for (auto pair = row.begin(); pair != row.end();) {
       const size_t s = pair->sequence;
-      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
+      for (const LabelStretch& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
         const uint64_t count = run.last - run.first + 1;
         (run.label == PlaceLabel::same ? matches : summary.ignored) += count;
         if (run.label == PlaceLabel::same) matched[s].push_back(run);
@@ -275,7 +276,7 @@ GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Mon
     summary.one_sided = 0;
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
       check_stop(monitor);
-      for (const LabelRun& run : label_runs(truth, query, 0, truth.pairs.size()))
+      for (const LabelStretch& run : label_runs(truth, query, 0, truth.pairs.size()))
         for (size_t reference = run.first; reference <= run.last; ++reference) {
           if (run.label != PlaceLabel::same || truth.label(reference, 0, query) == PlaceLabel::same)
             continue;
@@ -320,7 +321,8 @@ std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruth
       const size_t s = row[i].sequence;
       i += truth.pairs_of(query, s).size();
       if (!scope.sequences[s].searched) continue;
-      for (const LabelRun& run : label_runs(truth, query, s, scope.sequences[s].sequence.frames))
+      for (const LabelStretch& run :
+           label_runs(truth, query, s, scope.sequences[s].sequence.frames))
         add(std::array<uint64_t, 5>{query, place_among_searched[s], run.first, run.last,
                                     static_cast<uint64_t>(run.label)});
     }

@@ -75,7 +75,7 @@ struct GroundTruth {
 };
 
 /// A run of references with one label, with the tolerance applied.
-struct LabelRun {
+struct LabelStretch {
   size_t first = 0;
   size_t last = 0;
   PlaceLabel label = PlaceLabel::same;
@@ -83,8 +83,8 @@ struct LabelRun {
 
 /// The runs of one query that are not `different`, in order, among the first `frames` references of
 /// a sequence. Time linear in the query's pairs with that sequence.
-std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
-                                 size_t frames);
+std::vector<LabelStretch> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
+                                     size_t frames);
 
 /// Converts labels of the recordings' frames to the training frames that `scope` selects; sequences
 /// without a selection do not change. Applies the tolerance, which is 0 afterwards. If no frame of

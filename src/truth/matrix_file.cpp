@@ -245,7 +245,7 @@ void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, Out
   std::vector<uint8_t> codes(frames * queries);  // by training frame
   for (size_t query = 0; query < queries; ++query) {
     check_stop(monitor);
-    for (const LabelRun& run : label_runs(truth, query, sequence, frames))
+    for (const LabelStretch& run : label_runs(truth, query, sequence, frames))
       for (size_t frame = run.first; frame <= run.last; ++frame)
         codes[frame * queries + query] = run.label == PlaceLabel::same ? kSame : kIgnore;
   }
@@ -285,7 +285,7 @@ void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
     check_stop(monitor);
     std::ranges::fill(row, 0);
-    for (const LabelRun& run : label_runs(truth, query, sequence, frames))
+    for (const LabelStretch& run : label_runs(truth, query, sequence, frames))
       if (run.label == PlaceLabel::same)
         std::fill_n(row.begin() + static_cast<ptrdiff_t>(run.first), run.last - run.first + 1, 1);
     file.write(std::as_bytes(std::span<const uint8_t>(row)));

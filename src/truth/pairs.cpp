@@ -280,7 +280,7 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
       check_stop(monitor);
       std::string lines;
-      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
+      for (const LabelStretch& run : label_runs(truth, query, s, sequences[s].sequence.frames)) {
         const std::string_view label = !has_ignored                    ? ""
                                        : run.label == PlaceLabel::same ? ",same"
                                                                        : ",ignore";

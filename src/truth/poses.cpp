@@ -84,7 +84,7 @@ bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
 struct SortedPoses {
   size_t axis = 0;
   std::vector<size_t> known;
-  std::vector<LabelRun> unknown;
+  std::vector<LabelStretch> unknown;
 };
 
 SortedPoses sort_poses(const Poses& poses) {
@@ -285,7 +285,7 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       ++same;
     }
     if (same > kMaxPairs) refuse_pairs(builder, nearness);
-    for (const LabelRun& run : sorted.unknown)
+    for (const LabelStretch& run : sorted.unknown)
       builder.add(frame, sequence, run.first, run.last, run.label);
   }
   const auto pairs = static_cast<double>(known * sorted.known.size());

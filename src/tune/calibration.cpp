@@ -99,7 +99,7 @@ void UnknownPlaceScan::operator()(std::span<const ScoreRow> row) {
     const size_t first = piece.train_window + anchor;  // frames of the piece: [first, end)
     const size_t end = first + piece.scores.size();
     size_t next = first;
-    for (const LabelRun& run :
+    for (const LabelStretch& run :
          label_runs(truth_, piece.query_window + anchor, piece.sequence, end + width)) {
       const size_t begin = run.first - std::min(run.first, width);
       if (begin > next) unknown_place.push_back(part_of_row(piece, next - first, begin - next));

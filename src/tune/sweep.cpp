@@ -199,7 +199,7 @@ Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTrut
                       threshold_scale(result),
                       count_recognitions(result, truth, monitor),
                       cells.untrained_of ? cells.untrained_of(c) : std::nullopt,
-                      localize(fixes_of(result, truth), {})};
+                      localize(verdicts_of(result, truth), {})};
     counter.add();
   });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);

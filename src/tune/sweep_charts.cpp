@@ -118,9 +118,9 @@ std::string heat_map_png(const std::vector<Sweep>& sweeps) {
   std::vector<Chart> charts;
   for (const Sweep& sweep : sweeps) {
     charts.push_back(
-        heat_chart(sweep, "correct recognitions", &LabelCounts::correct, Meaning::right));
+        heat_chart(sweep, "correct recognitions", &LabelCounts::correct, Meaning::correct));
     charts.push_back(
-        heat_chart(sweep, "incorrect recognitions", &LabelCounts::incorrect, Meaning::wrong));
+        heat_chart(sweep, "incorrect recognitions", &LabelCounts::incorrect, Meaning::incorrect));
   }
   return chart_png(charts, 2);
 }

@@ -28,9 +28,9 @@ TEST_CASE("a heat map has a cell for every setting, darker for more recognitions
     sweep.cells.push_back(cell);
   }
   const cv::Mat image = pixels_of(heat_map_png({sweep}));
-  CHECK(count_of(image, Meaning::right) > 1000);
-  CHECK(count_of(image, Meaning::wrong) > 1000);
-  const cv::Vec3b full = bgr_of(Meaning::right);  // a quarter of the recognitions: half the shade
+  CHECK(count_of(image, Meaning::correct) > 1000);
+  CHECK(count_of(image, Meaning::incorrect) > 1000);
+  const cv::Vec3b full = bgr_of(Meaning::correct);  // a quarter of the recognitions: half the shade
   const cv::Scalar half((255 + full[0]) / 2, (255 + full[1]) / 2, (255 + full[2]) / 2);
   cv::Mat found;
   cv::inRange(image, half - cv::Scalar::all(1), half + cv::Scalar::all(1), found);
@@ -193,18 +193,18 @@ TEST_CASE("every style and mark of a series has its color in the image") {
   for (const SeriesStyle style : {SeriesStyle::line, SeriesStyle::wide_line, SeriesStyle::boxes,
                                   SeriesStyle::line_and_points, SeriesStyle::outline}) {
     Chart chart{"c", "t"};
-    chart.series = {series_of(Meaning::wrong, style)};
+    chart.series = {series_of(Meaning::incorrect, style)};
     chart.series[0].points = {{0, 0}, {1, 1}};
-    CHECK(count_of(pixels_of(chart_png({chart})), Meaning::wrong) > 100);
+    CHECK(count_of(pixels_of(chart_png({chart})), Meaning::incorrect) > 100);
   }
   for (const SeriesMark mark : {SeriesMark::disc, SeriesMark::dot, SeriesMark::square,
                                 SeriesMark::cross, SeriesMark::circle, SeriesMark::triangle}) {
     Chart chart{"c", "t"};
-    chart.series = {series_of(Meaning::wrong, SeriesStyle::points, mark)};
+    chart.series = {series_of(Meaning::incorrect, SeriesStyle::points, mark)};
     chart.series[0].name.clear();
     for (int i = 0; i < 50; ++i) chart.series[0].points.emplace_back(i, i);
     chart.series[0].points.push_back(kChartGap);
-    CHECK(count_of(pixels_of(chart_png({chart})), Meaning::wrong) > 50);
+    CHECK(count_of(pixels_of(chart_png({chart})), Meaning::incorrect) > 50);
   }
 }
 

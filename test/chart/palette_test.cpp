@@ -81,18 +81,18 @@ TEST_CASE("the palette has an entry for every meaning, and no color twice") {
     CHECK(colors.insert(palette()[i].light).second);
   }
   CHECK(palette().size() == static_cast<size_t>(Meaning::required_margin) + 1);
-  CHECK(bgr_of(Meaning::right) == cv::Vec3b(0xc7, 0x68, 0x16));
+  CHECK(bgr_of(Meaning::correct) == cv::Vec3b(0xc7, 0x68, 0x16));
 }
 
 TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds") {
   const std::vector<std::vector<Meaning>> pictures = {
-      {Meaning::right, Meaning::wrong, Meaning::weak_right, Meaning::weak_wrong, Meaning::truth,
-       Meaning::unjudged},
+      {Meaning::correct, Meaning::incorrect, Meaning::weak_correct, Meaning::weak_incorrect,
+       Meaning::truth, Meaning::unjudged},
       {Meaning::unjudged, Meaning::weak_unjudged},
-      {Meaning::right, Meaning::wrong, Meaning::missed, Meaning::unmapped, Meaning::train_path,
-       Meaning::place, Meaning::no_valid_window},
+      {Meaning::correct, Meaning::incorrect, Meaning::missed, Meaning::unmapped,
+       Meaning::train_path, Meaning::place, Meaning::no_valid_window},
       {Meaning::best_matches, Meaning::all_pairs, Meaning::by_margin},
-      {Meaning::right, Meaning::wrong, Meaning::unjudged, Meaning::required_margin}};
+      {Meaning::correct, Meaning::incorrect, Meaning::unjudged, Meaning::required_margin}};
   for (const auto& picture : pictures)
     for (size_t i = 0; i < picture.size(); ++i) {
       const PaletteColor& a = color_of(picture[i]);

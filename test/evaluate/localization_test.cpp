@@ -100,7 +100,7 @@ TEST_CASE("the closest recognition of a window is its fix, at the anchor") {
   for (uint32_t frame = 0; frame < 5; ++frame)
     truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
   truth.pairs[5].push_back({0, 5, PlaceLabel::ignore});
-  CHECK(fixes_of(result, truth) == path("..wr.i"));
+  CHECK(verdicts_of(result, truth) == path("..wr.i"));
 }
 
 TEST_CASE("best matches are verdicts up to the threshold, inclusive") {
@@ -115,8 +115,8 @@ TEST_CASE("best matches are verdicts up to the threshold, inclusive") {
                                 10 + frame,
                                 false,
                                 {}});
-  CHECK(fixes_of(outcomes, 12) == path("rwr."));
-  CHECK(fixes_of(outcomes, std::nullopt) == path("...."));
+  CHECK(verdicts_of(outcomes, 12) == path("rwr."));
+  CHECK(verdicts_of(outcomes, std::nullopt) == path("...."));
 }
 
 TEST_CASE("distances traveled are sums of straight lines") {

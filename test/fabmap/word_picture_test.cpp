@@ -46,8 +46,8 @@ TEST_CASE("words for and against a place have the palette's colors") {
     const MarkedImage image{gray, {{{32, 24}, 7, speaks_for}}, "frame"};
     return draw_word_pairs({{image, image}});
   };
-  CHECK(shows(drawn(true), Meaning::right));
-  CHECK_FALSE(shows(drawn(true), Meaning::wrong));
-  CHECK(shows(drawn(false), Meaning::wrong));
-  CHECK_FALSE(shows(drawn(false), Meaning::right));
+  CHECK(shows(drawn(true), Meaning::correct));
+  CHECK_FALSE(shows(drawn(true), Meaning::incorrect));
+  CHECK(shows(drawn(false), Meaning::incorrect));
+  CHECK_FALSE(shows(drawn(false), Meaning::correct));
 }

@@ -42,7 +42,7 @@ struct Places {
   void advance() {
     std::rotate(state.earlier.begin(), state.earlier.end() - 1, state.earlier.end());
     state.earlier.front() = state.values;
-    for (const CellRun& run : state.cells.runs)
+    for (const CellStretch& run : state.cells.runs)
       std::fill_n(state.values.begin() + static_cast<ptrdiff_t>(run.first), run.count,
                   kNewPathValue + 2 * kUnit);
   }
@@ -118,7 +118,7 @@ TEST_CASE("paths equal the reference implementation") {
                   ? uniform_below(engine, 30)
                   : std::min<size_t>(place + uniform_below(engine, 2), 29);
       places.advance();
-      for (const CellRun& run : places.state.cells.runs)
+      for (const CellStretch& run : places.state.cells.runs)
         for (size_t cell = run.first; cell < run.first + run.count; ++cell)
           places.state.values[cell] =
               kNewPathValue + static_cast<uint32_t>(uniform_below(engine, 6)) - 2;

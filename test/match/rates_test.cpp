@@ -43,9 +43,9 @@ RatedCells reference_rates(const std::vector<std::vector<uint16_t>>& pairs,
                            const FrameDistances& frames, size_t length,
                            const std::vector<Rate>& rates) {
   RatedCells cells;
-  for (const FrameRun& query : frames.query_runs)
+  for (const FrameStretch& query : frames.query_runs)
     for (size_t j = query.first + length - 1; j < query.first + query.count; ++j)
-      for (const FrameRun& train : frames.train_runs)
+      for (const FrameStretch& train : frames.train_runs)
         for (size_t i = train.first + length - 1; i < train.first + train.count; ++i)
           for (size_t r = 0; r < rates.size(); ++r) {
             uint32_t sum = 0;

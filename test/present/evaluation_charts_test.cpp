@@ -112,12 +112,12 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   const Judgment judgment = walk("rRwWrRRR");
   const GroundTruth truth = aligned(judgment);
   const Chart chart = timeline_chart(report_of(judgment, truth), judgment, truth);
-  for (const Meaning meaning :
-       {Meaning::right, Meaning::wrong, Meaning::weak_right, Meaning::weak_wrong, Meaning::truth})
+  for (const Meaning meaning : {Meaning::correct, Meaning::incorrect, Meaning::weak_correct,
+                                Meaning::weak_incorrect, Meaning::truth})
     REQUIRE(find(chart, meaning) != nullptr);
   CHECK(find(chart, Meaning::unjudged) == nullptr);
-  CHECK(find(chart, Meaning::right)->points.size() == 4);
-  CHECK(find(chart, Meaning::wrong)->points[0] == std::pair(5.5, 35.5));  // frame 5 of friday
+  CHECK(find(chart, Meaning::correct)->points.size() == 4);
+  CHECK(find(chart, Meaning::incorrect)->points[0] == std::pair(5.5, 35.5));  // frame 5 of friday
   CHECK(find(chart, Meaning::truth)->points.size() == 20);
   CHECK(find(chart, Meaning::truth)->points[3] == std::pair(2.0, 2.0));
   CHECK(chart.y.bands[1].name == "friday");
@@ -125,9 +125,9 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   CHECK(chart.x.range == std::pair(0.0, 10.0));
   // Frame 3 is correct, frame 5 incorrect, and 7 to 9 are correct again.
   std::vector<std::pair<double, double>> runs;
-  for (const ChartRun& run : chart.runs) runs.emplace_back(run.begin, run.end);
+  for (const ChartStretch& run : chart.runs) runs.emplace_back(run.begin, run.end);
   CHECK(runs == std::vector<std::pair<double, double>>{{3, 4}, {5, 6}, {7, 10}});
-  CHECK(chart.runs[1].meaning == Meaning::wrong);
+  CHECK(chart.runs[1].meaning == Meaning::incorrect);
   const std::string svg = svg_of(chart);
   CHECK(has(svg, ">mine on it&#39;s</text>"));
   CHECK(has(svg, ">friday</text>"));
@@ -185,8 +185,8 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
     return drawn.at<cv::Vec3b>(static_cast<int>(layout.y(y + 0.5)),
                                static_cast<int>(layout.x(x + 0.5)));
   };
-  CHECK(at(0, 0) == bgr_of(Meaning::right));
-  CHECK(at(5, 1) == bgr_of(Meaning::wrong));
+  CHECK(at(0, 0) == bgr_of(Meaning::correct));
+  CHECK(at(5, 1) == bgr_of(Meaning::incorrect));
   CHECK(at(3, 3)[0] == at(3, 3)[2]);      // the score is visible inside the outline,
   CHECK(at(3, 3) == at(3, 7));            // as outside it
   CHECK(at(0, 7) == cv::Vec3b(0, 0, 0));  // the smallest distance is black
@@ -282,12 +282,12 @@ TEST_CASE("a map has a scale bar in meters, and places only for FAB-MAP") {
   map.train = {{RoutePoint{0, 0, ""}, RoutePoint{40, 0, ""}}};
   map.query = {RoutePoint{0, 1, ""}, RoutePoint{20, 1, ""}, RoutePoint{40, 1, ""}};
   map.places = {{10, 0, ""}};
-  MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
+  MapPanel panel{"p", {Meaning::correct, Meaning::missed, Meaning::unmapped}};
   const Chart chart = route_charts(map, {panel}).front();
   CHECK(find(chart, Meaning::place) == nullptr);
   CHECK(find(chart, Meaning::train_path)->style == SeriesStyle::wide_line);
   CHECK(find(chart, Meaning::unmapped)->points.size() == 1);
-  CHECK(find(chart, Meaning::right)->points.size() == 1);
+  CHECK(find(chart, Meaning::correct)->points.size() == 1);
   CHECK(has(svg_of(chart), ">10 m</text>"));
   const ChartLayout layout = layout_of(chart, false);  // a meter has the same length on both axes
   CHECK(layout.x(10) - layout.x(0) == Approx(layout.y(0) - layout.y(10)));
@@ -310,7 +310,7 @@ TEST_CASE("frames without possible recognition are not drawn as missed") {
   const size_t first = judgment.outcomes.queries.front().frame;
   for (size_t frame = 0; frame < frames; ++frame) {
     INFO(frame);
-    const Meaning expected = frame == frames - 1                   ? Meaning::right
+    const Meaning expected = frame == frames - 1                   ? Meaning::correct
                              : frame < first || frame == elsewhere ? Meaning::no_valid_window
                                                                    : Meaning::missed;
     CHECK(meanings[frame] == expected);
@@ -323,7 +323,7 @@ TEST_CASE("frames without possible recognition are not drawn as missed") {
 TEST_CASE("a map can be stopped") {
   RouteMap map;
   map.query = {RoutePoint{0, 1, "a"}, RoutePoint{20, 1, "b"}, RoutePoint{40, 1, "a"}};
-  const MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
+  const MapPanel panel{"p", {Meaning::correct, Meaning::missed, Meaning::unmapped}};
   CHECK(route_charts(map, {panel}).size() == 2);  // one chart per floor
   const std::atomic<bool> stop{true};
   Monitor monitor;

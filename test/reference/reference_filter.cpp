@@ -14,7 +14,7 @@ double likelihood(uint16_t score) {
 }
 
 // The mass that steps within the run bring to a cell at a rate, before the observation.
-double stepped(const ReferenceFilter& filter, const CellRun& run, size_t rate, size_t to) {
+double stepped(const ReferenceFilter& filter, const CellStretch& run, size_t rate, size_t to) {
   const FilterRate& steps = filter_rates()[rate];
   double sum = 0;
   for (size_t s = 0; s < kSteps; ++s) {
@@ -42,7 +42,7 @@ uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>&
                           size_t near) {
   const size_t best = best_of(values);
   uint32_t least = kNewPathValue;
-  for (const CellRun& run : cells.runs)
+  for (const CellStretch& run : cells.runs)
     for (size_t cell = run.first; cell < run.first + run.count; ++cell)
       if (!is_near(cells, cell, best, near)) least = std::min(least, values[cell]);
   return least - std::min(least, values[best]);
@@ -58,7 +58,7 @@ ReferenceFilter start_reference_filter(const FilterCells& cells) {
 
 void advance_reference_filter(ReferenceFilter& filter, std::span<const uint16_t> scores) {
   std::vector<std::vector<double>> next(kRates, std::vector<double>(filter.cells.size(), 0));
-  for (const CellRun& run : filter.cells.runs)
+  for (const CellStretch& run : filter.cells.runs)
     for (size_t cell = run.first; cell < run.first + run.count; ++cell)
       for (size_t rate = 0; rate < kRates; ++rate)
         next[rate][cell] = likelihood(scores[filter.cells.frames[cell]]) *

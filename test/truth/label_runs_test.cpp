@@ -125,7 +125,7 @@ TEST_CASE("runs of labels equal the reference implementation") {
     }
     std::string drawn(40, '.');
     size_t end = 0;
-    for (const LabelRun& run : label_runs(truth, 0, 0, 40)) {
+    for (const LabelStretch& run : label_runs(truth, 0, 0, 40)) {
       CHECK(run.first >= end);
       end = run.last + 1;
       REQUIRE(end <= 40);
