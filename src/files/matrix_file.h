@@ -1,4 +1,4 @@
-// Matrices of scores and posteriors, which a query writes row by row beside its result.
+// Matrices of scores and posteriors, which a query writes row by row with its result.
 #pragma once
 
 #include <span>
