@@ -7,7 +7,7 @@
 #include <string>
 
 #include "command.h"
-#include "match/precomputed_distances.h"
+#include "evaluate/score_matrix.h"
 #include "present/table.h"
 #include "run/train_sequences.h"
 #include "settings/query_settings.h"
@@ -91,7 +91,7 @@ struct ScoreFlags {
   std::optional<double> missing;
 
   bool has_order() const { return is_distance || is_similarity; }
-  ScoreOrder order() const { return is_similarity ? ScoreOrder::similarity : ScoreOrder::distance; }
+  ScoreOrder order() const { return order_of(format()); }
   ScoreFormat format() const { return {is_similarity, train_first, missing}; }
 };
 

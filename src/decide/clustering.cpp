@@ -98,7 +98,7 @@ void add_recognition(Cluster& cluster, const Match& recognition) {
   ++cluster.recognitions;
 }
 
-/// A run that may continue, and its last recognition.
+/// A stretch that may continue, and its last recognition.
 struct OpenStretch {
   size_t run = 0;
   Match last;

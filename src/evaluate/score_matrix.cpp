@@ -87,11 +87,15 @@ bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
 
 }  // namespace
 
+ScoreOrder order_of(const ScoreFormat& format) {
+  return format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
+}
+
 ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format) {
   const auto file = std::make_shared<const ScoreFile>(path, format);
   scores_.queries = scores_.block = file->queries();
   scores_.references = file->references();
-  scores_.kind = format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
+  scores_.kind = order_of(format);
   scores_.fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
   scores_.compute = [file](size_t first, size_t count, std::span<double> scores) {
     const size_t references = file->references();

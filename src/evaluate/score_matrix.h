@@ -17,6 +17,8 @@
 
 namespace vpr {
 
+ScoreOrder order_of(const ScoreFormat& format);
+
 /// Scores that are computed on demand.
 struct ComputedScores {
   size_t queries = 0;

@@ -296,16 +296,14 @@ void visit_fields(ReportSources& sources, Visitor&& visit) {
 template <class Visitor>
 void visit_fields(ScoreSettings& settings, Visitor&& visit) {
   visit("method", settings.method);
-  bool& is_similarity = settings.format.is_similarity;
-  visit("scores",
-        Form{[&](Json& json, const std::string& key) {
-               json[key] = enum_name(is_similarity ? ScoreOrder::similarity : ScoreOrder::distance);
-             },
-             [&](const Fields& fields, const std::string& key) {
-               ScoreOrder order{};
-               fields_from_json(fields[key], order, fields, key);
-               is_similarity = order == ScoreOrder::similarity;
-             }});
+  visit("scores", Form{[&](Json& json, const std::string& key) {
+                         json[key] = enum_name(order_of(settings.format));
+                       },
+                       [&](const Fields& fields, const std::string& key) {
+                         ScoreOrder order{};
+                         fields_from_json(fields[key], order, fields, key);
+                         settings.format.is_similarity = order == ScoreOrder::similarity;
+                       }});
   visit("train_first", settings.format.train_first);
   visit("missing", settings.format.missing);
   visit("window", settings.window_length);

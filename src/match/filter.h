@@ -19,7 +19,7 @@ namespace vpr {
 /// mass enters from there.
 inline constexpr size_t kLongestStep = 3;
 
-/// The cells of a run of readable training frames.
+/// The cells of a stretch of readable training frames.
 struct CellStretch {
   size_t first = 0;  ///< cell
   size_t count = 0;

@@ -22,8 +22,8 @@ constexpr size_t round_up(size_t value, size_t multiple) {
   return divide_up(value, multiple) * multiple;
 }
 
-/// Consecutive readable frames of one sequence. Windows lie within a run and never cross its end:
-/// an unreadable frame and the end of a sequence end a run.
+/// Consecutive readable frames of one sequence. Windows lie within a stretch and never cross its
+/// end: an unreadable frame and the end of a sequence end it.
 struct FrameStretch {
   size_t first = 0;  ///< in all frames of the set
   size_t count = 0;

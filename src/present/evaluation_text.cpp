@@ -46,9 +46,12 @@ std::string best_match_text(const Report& report) {
 
 std::string recall_text(const Report& report) {
   std::vector<std::string> values;
-  for (const auto& [k, value] : report.metrics.ranks.front()) {
-    const MetricAt recall = metric_at("recall_at", k);
-    values.push_back(fmt::format("{} {}", recall.symbol(), metric_cell(*recall.metric, value)));
+  for (size_t m = 0; m < rank_metrics().size(); ++m) {
+    const Metric& metric = rank_metrics()[m];
+    if (metric.needs_all_ranks) continue;
+    for (const auto& [k, value] : report.metrics.ranks[m])
+      values.push_back(
+          fmt::format("{} {}", MetricAt{&metric, k}.symbol(), metric_cell(metric, value)));
   }
   return fmt::format("{}", fmt::join(values, ", "));
 }

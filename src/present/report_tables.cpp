@@ -337,9 +337,7 @@ Table report_table(const Report& report) {
     add_column(table, "distinct", counts.distinct);
   } else {
     const auto& of_scores = std::get<ScoreSettings>(report.settings);
-    add_column(
-        table, "scores",
-        enum_name(of_scores.format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance));
+    add_column(table, "scores", enum_name(order_of(of_scores.format)));
     add_column(table, "window", of_scores.window_length);
   }
   add_column(table, "best correct", best.correct);

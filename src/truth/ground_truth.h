@@ -74,7 +74,7 @@ struct GroundTruth {
   bool has_match(size_t query) const;
 };
 
-/// A run of references with one label, with the tolerance applied.
+/// A stretch of references with one label, with the tolerance applied.
 struct LabelStretch {
   size_t first = 0;
   size_t last = 0;
