@@ -293,12 +293,12 @@ Json read_config(const std::string& path) {
       settings["seed"] = provenance["seed"];
     return settings;
   }
-  if (schema == "vpr.sweep/3")
+  if (schema == schema_name("sweep"))
     throw Error(ErrorKind::usage,
                 fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
                             "vpr-tune --save-config FILE and use that file.",
                             path));
-  if (schema == "vpr.tuning/3" || schema == "vpr.calibration/3") {
+  if (schema == schema_name("tuning") || schema == schema_name("calibration")) {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
     throw Error(ErrorKind::usage, fmt::format("{}: chooses no setting.", path));
   }

@@ -47,7 +47,7 @@ std::string metrics_help() {
 void add_file_flags(const Command& command, EvalInputs& inputs) {
   command
       .add_option("--expect", inputs.expected,
-                  "compare with a vpr.expected/3 file (numbers, with \"tolerance\", or \"min\" and "
+                  "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" and "
                   "\"max\") or an earlier report; exit code 5 if they differ")
       .type_name("FILE")
       .group(kFileGroup);

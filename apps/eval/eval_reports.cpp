@@ -32,6 +32,7 @@ struct CompareInputs {
   std::vector<std::string> names;
   uint64_t block = 0;  ///< 0: chosen from the windows
   bool allow_different = false;
+  bool only_common = false;
   std::string html;
   std::string plots;
   TableFormat format = TableFormat::text;
@@ -68,7 +69,7 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
     case GroundTruths::same:
       return;
     case GroundTruths::of_places_and_frames:
-      warn(monitor, fmt::format("places and frames have different ground truths, and queries with "
+      warn(monitor, fmt::format("places and frames have different ground truths, and frames with "
                                 "a match in only one of them are omitted: {}",
                                 words));
       return;
@@ -103,20 +104,16 @@ std::string tables_of(const ComparisonReport& comparison, TableFormat format) {
   return text;
 }
 
-Comparison compare(const Session& session, const CompareInputs& inputs,
-                   const ComparisonReport& comparison) {
-  std::vector<NamedOutcomes> methods;
-  size_t block = kMinBlock;
-  for (size_t r = 0; r < comparison.reports.size(); ++r) {
-    const Outcomes& outcomes = comparison.reports[r].outcomes;
-    methods.push_back({comparison.names[r], outcomes, comparison.is_paired(r)});
-    block = std::max(block, outcomes.window_length);
-  }
-  const bool may_dispute = inputs.allow_different || compare_ground_truths(comparison.reports) ==
-                                                         GroundTruths::of_places_and_frames;
-  return compare_outcomes(methods, inputs.block > 0 ? inputs.block : block, kResamples,
-                          session.options.seed, session.monitor,
-                          may_dispute ? Disputed::omit_disputed : Disputed::refuse);
+ComparisonSettings settings_of(const Session& session, const CompareInputs& inputs,
+                               const std::vector<Report>& reports) {
+  ComparisonSettings settings{inputs.block, kResamples, session.options.seed, inputs.only_common,
+                              inputs.allow_different || compare_ground_truths(reports) ==
+                                                            GroundTruths::of_places_and_frames};
+  if (settings.block > 0) return settings;
+  settings.block = kMinBlock;
+  for (const Report& report : reports)
+    settings.block = std::max(settings.block, report.outcomes.window_length);
+  return settings;
 }
 
 void run_compare(Session& session, const CompareInputs& inputs) {
@@ -128,8 +125,8 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   comparison.names = report_names(comparison.reports, inputs.reports);
   warn_about_queries(session.monitor, inputs.reports, comparison.reports);
   check_ground_truths(session.monitor, inputs, comparison.reports);
-  comparison.found = compare(session, inputs, comparison);
-  comparison.resamples = kResamples;
+  comparison.settings = settings_of(session, inputs, comparison.reports);
+  compare_reports(comparison, session.monitor);
   comparison.made_by = provenance_of(session.run);
   Json json = comparison_json(comparison);
   RunInfo info = session.run;
@@ -339,8 +336,13 @@ void add_compare(Program& program) {
                   "folder for curves and paths of all reports, as SVG and PNG")
       .type_name("FOLDER");
   add_setting(command, "--block", inputs->block,
-              "consecutive queries that are resampled together, since neighbors depend on each "
+              "consecutive frames that are resampled together, since neighbors depend on each "
               "other (default: the longest window, at least 10)")
+      .group(kMoreGroup);
+  command
+      .add_flag("--common", inputs->only_common,
+                "compare only frames for which every report has a best match; all numbers are then "
+                "over these frames")
       .group(kMoreGroup);
   command
       .add_flag("--allow-different", inputs->allow_different,

@@ -168,7 +168,7 @@ ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix
 // Warns if the opposite of --distance or --similarity is correct for more queries.
 void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
   constexpr double kClear = 0.05;  // of the queries: more than chance
-  const uint64_t queries = judged_queries(judgment.outcomes);
+  const uint64_t queries = frames_with_match(judgment.outcomes);
   const auto found = recall_at(judgment.outcomes, 1);
   if (!found || !judgment.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
     return;

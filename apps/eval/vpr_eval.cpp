@@ -129,8 +129,8 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
   const bool is_thinned = evaluation.query().selection.selected_fps > 0;
-  const std::string summary = summary_sentence(
-      evaluation.judgment, is_thinned ? evaluation.query().fps : dataset_fps(inputs));
+  const std::string summary =
+      summary_sentence(evaluation, is_thinned ? evaluation.query().fps : dataset_fps(inputs));
   const Json report =
       report_json(evaluated.report, run_of(evaluated, inputs, session.run), watch.elapsed_s());
   const std::vector<CheckedValue> values = check_expected(session, inputs, expected, report);

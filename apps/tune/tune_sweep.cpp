@@ -134,7 +134,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
     filter.method = "filter";
     filter.only_sequences = settings->only_sequences;
     filter.same_place = settings->same_place;
-    found.filter = try_setting(database, labeled, filter, resources, silent, silent).total();
+    found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(queries, validation, &database, sweep, monitor);

@@ -97,7 +97,7 @@ def sweep(args, one, out, query, truth, fused):
     run(args, "vpr-tune", "fastable", out / "s.vprdb", "--query", query, "--ground-truth", *truth,
         "--c-l", ",".join(map(str, one.lengths)), "--t-r=-1", *extra, "-o", out / "sweep.json")
     cells = json.loads((out / "sweep.json").read_text())["cells"]
-    return [(cell["best_match"]["correct"], cell["best_match"]["queries"]) for cell in cells]
+    return [(cell["best_match"]["correct"], cell["best_match"]["frames"]) for cell in cells]
 
 
 def labels(truth, names, starts):

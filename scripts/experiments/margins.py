@@ -86,7 +86,7 @@ def judge(case, length, score):
                "margin", "-o", result, "--quiet", fails=True) is None:
             return 0, 0, 0, 0.0  # shorter than a window
         report = json.loads(run("vpr-eval", result, *truth, "--json"))
-    counts, outcomes = report["counts"]["recognitions"], report["outcomes"]
+    counts, outcomes = report["counts"]["pairs"], report["outcomes"]
     scale = math.sqrt(length)
     if score == "raw":
         manifest = json.loads((database(trained) / "manifest.json").read_text())

@@ -124,7 +124,7 @@ def trial(job):
     if not recommend(rule, database, first, truths[0], decision, lengths_of(first, second), config):
         return group, decision, rule, "none", 0
     report = count(database, second, truths[1], config, key)
-    wrong = report["counts"]["recognitions"]["incorrect"]
+    wrong = report["counts"]["pairs"]["incorrect"]
     right = right_windows(key, truths[1])
     known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
     share = right / known if known else None
@@ -231,7 +231,7 @@ def hour_table(pool):
     for _, seconds, rate, found, report in pool.map(one, todo):
         low, high = rate["interval"]
         known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
-        right = 100 * report["counts"]["recognitions"]["correct"] / known
+        right = 100 * report["counts"]["pairs"]["correct"] / known
         row.append(f"{rate['expected']:.0f} ({low:.0f}-{high:.0f}): {found:.0f}, {right:.0f} %")
         if len(row) == len(names):
             source = f"its first {seconds // 60} minutes" if seconds else "another sequence"

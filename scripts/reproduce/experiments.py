@@ -38,13 +38,13 @@ def cells_of(rows):
 def measures(counts):
     """Counts of a cell or report, with the names of the paper's columns. The paper judges the
     recognitions of a sequence method by their place (section 3.2). Without labels there are totals."""
-    one_by_one = counts["recognitions"]
+    one_by_one = counts["pairs"]
     found = {"recognitions": sum(one_by_one[key] for key in ("correct", "incorrect", "ignored"))}
     if "places" not in counts:  # FAB-MAP
         return {**found, "correct": one_by_one["correct"], "incorrect": one_by_one["incorrect"],
-                "distinct": one_by_one["distinct"]}
+                "distinct": counts["distinct"]}
     found["places in total"] = sum(counts["places"].values())
-    if by_place := counts.get("recognitions_by_place"):
+    if by_place := counts.get("pairs_by_place"):
         for verdict in ("correct", "incorrect"):
             found[f"{verdict} recognitions"] = by_place[verdict]
             found[f"{verdict} places"] = counts["places"][verdict]

@@ -37,13 +37,13 @@ def table(head, rows):
 
 
 def counts_of(counts):
-    """Recognitions and places; for FAB-MAP, distinct places."""
+    """Accepted pairs and places; for FAB-MAP, distinct places."""
     places = counts.get("places", {})
-    return [counts["recognitions"]["correct"], counts["recognitions"]["incorrect"], places.get("correct"),
-            places.get("incorrect"), counts["recognitions"]["distinct"]]
+    return [counts["pairs"]["correct"], counts["pairs"]["incorrect"], places.get("correct"),
+            places.get("incorrect"), counts["distinct"]]
 
 
-COUNTS = ["recognitions correct", "incorrect", "places correct", "incorrect", "distinct"]
+COUNTS = ["pairs correct", "incorrect", "places correct", "incorrect", "distinct"]
 
 
 def runs_of(runs, folder):
@@ -60,13 +60,13 @@ def runs_of(runs, folder):
 
 def comparison_of(name, path):
     comparison = read(path)
-    queries = comparison["queries"]
+    frames = comparison["frames"]
     rows = [[row["metric"], row["report"], row["value"], row["difference"], row["low"],
              row["high"]] for row in comparison["metrics"]]
     first = comparison["reports"][0]["name"]
     share = 100 * comparison["bootstrap"]["confidence"]
     return (f"<details open><summary>{html.escape(name)}: differences to {html.escape(first)} over "
-            f"{queries['common']} common queries, {share:g} % intervals, ground truths: "
+            f"{frames['with_match']} frames with a match, {share:g} % intervals, ground truths: "
             f"{html.escape(comparison['ground_truths'])}</summary>"
             + table(["metric", "of", "value", "difference", "from", "to"], rows) + "</details>")
 

@@ -1,5 +1,8 @@
 #include "base/json.h"
 
+#include <algorithm>
+#include <array>
+
 #include <fmt/ranges.h>
 
 #include "base/mapped_file.h"
@@ -30,9 +33,16 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   return *std::move(json);
 }
 
+std::string schema_name(std::string_view kind) {
+  constexpr std::array<std::string_view, 7> kOfReports = {
+      "report", "reports", "protocols", "comparison", "expected", "sweep", "tuning"};
+  const bool is_of_reports = std::ranges::find(kOfReports, kind) != kOfReports.end();
+  return fmt::format("vpr.{}/{}", kind, is_of_reports ? 4 : 3);
+}
+
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
                     ErrorKind error_kind) {
-  const std::string wanted = fmt::format("vpr.{}/3", schema_kind);
+  const std::string wanted = schema_name(schema_kind);
   const auto found = json.is_object() ? json.find("schema") : json.end();
   if (!json.is_object() || found == json.end() || !found->is_string())
     throw Error(error_kind,

@@ -31,8 +31,11 @@ std::optional<Json> parse_json(std::string_view text);
 /// Reads a whole file. Throws Error(input) if it cannot be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 
-/// Checks `"schema": "vpr.<kind>/3"`; all schemas have this version. Otherwise throws
-/// Error(error_kind), which says whether the kind or the version differs.
+/// "vpr.<kind>/4" for reports and what is made from them, "vpr.<kind>/3" for other files.
+std::string schema_name(std::string_view kind);
+
+/// Checks `"schema"` against schema_name. Otherwise throws Error(error_kind), which says whether
+/// the kind or the version differs.
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
                     ErrorKind error_kind);
 

@@ -11,7 +11,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<PaletteColor, 19> kPalette = {{
+constexpr std::array<PaletteColor, 18> kPalette = {{
     {Meaning::correct, "right", "recognized, correct", 0x1668c7, 0x5aa5f5},
     {Meaning::incorrect, "wrong", "recognized, incorrect", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognized, not judged", 0xc2268f, 0xffc4ec},
@@ -22,8 +22,6 @@ constexpr std::array<PaletteColor, 19> kPalette = {{
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
     {Meaning::truth_outline, "truth-outline", "ground truth", 0x12a150, 0x3ddc84},
     {Meaning::missed, "missed", "not recognized", 0xd9a400, 0xe0b030},
-    {Meaning::no_valid_window, "no_valid_window", "not recognized: no window ends there", 0xe8cf7a,
-     0x7a6f45},
     {Meaning::unmapped, "unmapped", "nothing to recognize", 0x8b95a3, 0x8b95a3},
     {Meaning::train_path, "train-path", "training path", 0xc9cfd8, 0x454f5c},
     {Meaning::place, "place", "training place", 0x1c2430, 0xe4e8ee},

@@ -24,10 +24,9 @@ enum class Meaning {
   weak_incorrect,
   weak_unjudged,
   truth,
-  truth_outline,    ///< on a matrix
-  missed,           ///< on a map: not recognized, with a match in the ground truth
-  no_valid_window,  ///< on a map: not recognized, with matches only where no window ends
-  unmapped,         ///< on a map: not recognized, without a match in the ground truth
+  truth_outline,  ///< on a matrix
+  missed,         ///< on a map: not recognized, with a match in the ground truth
+  unmapped,       ///< on a map: not recognized, without a match in the ground truth
   train_path,
   place,  ///< of FAB-MAP
   wall,

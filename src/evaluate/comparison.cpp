@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -12,7 +11,7 @@
 namespace vpr {
 namespace {
 
-/// The common queries of a method; all its judged queries if it is not paired.
+/// The compared frames of a method; all of its own if it is not paired.
 struct MethodQueries {
   const NamedOutcomes* method = nullptr;
   std::vector<const QueryOutcome*> queries;  // by frame
@@ -23,41 +22,59 @@ struct MethodQueries {
   }
 };
 
-std::vector<MethodQueries> find_common(std::span<const NamedOutcomes> methods,
-                                       Comparison& comparison, Disputed disputed) {
-  std::vector<MethodQueries> all(methods.size());
-  std::vector<size_t> paired;                                   // indices of methods
-  std::map<size_t, std::vector<const QueryOutcome*>> by_frame;  // of paired methods
-  for (size_t m = 0; m < methods.size(); ++m) {
-    all[m].method = &methods[m];
-    for (const QueryOutcome& query : methods[m].outcomes.queries)
-      if (is_judged(query) && !query.is_unreachable) all[m].queries.push_back(&query);
-    comparison.own.push_back(all[m].queries.size());
-    if (!methods[m].is_paired) continue;
-    paired.push_back(m);
-    for (const QueryOutcome* query : all[m].queries) by_frame[query->frame].push_back(query);
-    all[m].queries.clear();
+bool is_answered(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
+}
+
+// Whether the frame is compared. Throws Error(data) if the ground truths disagree.
+bool is_compared(const std::vector<const NamedOutcomes*>& paired, size_t frame,
+                 const ComparisonSettings& settings, Comparison& comparison) {
+  const auto at = [&](const NamedOutcomes* method) -> const QueryOutcome& {
+    return method->outcomes.queries[frame];
+  };
+  if (settings.only_common &&
+      !std::ranges::all_of(paired, [&](const auto* method) { return is_answered(at(method)); }))
+    return false;
+  const bool has_match = at(paired.front()).has_match;
+  const auto other = std::ranges::find_if(
+      paired, [&](const auto* method) { return at(method).has_match != has_match; });
+  if (other == paired.end()) return true;
+  if (!settings.omit_disputed)
+    throw Error(ErrorKind::data,
+                fmt::format("{} and {} have different ground truths: only one has a match for "
+                            "query frame {}",
+                            paired.front()->name, (*other)->name, frame));
+  ++comparison.disputed;
+  return false;
+}
+
+std::vector<MethodQueries> find_compared(std::span<const NamedOutcomes> methods,
+                                         const ComparisonSettings& settings,
+                                         Comparison& comparison) {
+  std::vector<const NamedOutcomes*> paired;
+  for (const NamedOutcomes& method : methods) {
+    comparison.own.push_back(method.outcomes.queries.size());
+    if (method.is_paired) paired.push_back(&method);
   }
-  for (const auto& [frame, outcomes] : by_frame) {
-    if (outcomes.size() < paired.size()) continue;
-    const auto dispute =
-        std::ranges::find(outcomes, !outcomes.front()->has_match, &QueryOutcome::has_match);
-    if (dispute == outcomes.end()) {
-      for (size_t i = 0; i < paired.size(); ++i) all[paired[i]].queries.push_back(outcomes[i]);
-      continue;
-    }
-    if (disputed == Disputed::refuse)
+  const size_t frames = paired.front()->outcomes.queries.size();
+  for (const NamedOutcomes* method : paired)
+    if (method->outcomes.queries.size() != frames)
       throw Error(ErrorKind::data,
-                  fmt::format("{} and {} have different ground truths: only one has a match for "
-                              "query frame {}",
-                              methods.front().name,
-                              methods[paired[static_cast<size_t>(dispute - outcomes.begin())]].name,
-                              frame));
-    ++comparison.disputed;
-  }
-  for (MethodQueries& method : all) {
-    for (size_t q = 0; q < method.queries.size(); ++q) method.order.push_back(q);
-    std::ranges::stable_sort(method.order, {}, [&](size_t q) { return method.key(q); });
+                  fmt::format("{} has {} query frames, and {} has {}", paired.front()->name, frames,
+                              method->name, method->outcomes.queries.size()));
+  for (size_t frame = 0; frame < frames; ++frame)
+    if (is_compared(paired, frame, settings, comparison)) comparison.frames.push_back(frame);
+  std::vector<MethodQueries> all;
+  for (const NamedOutcomes& method : methods) {
+    MethodQueries& one = all.emplace_back(MethodQueries{&method, {}, {}});
+    const std::vector<QueryOutcome>& queries = method.outcomes.queries;
+    if (method.is_paired)
+      for (const size_t frame : comparison.frames) one.queries.push_back(&queries[frame]);
+    else
+      for (const QueryOutcome& query : queries) one.queries.push_back(&query);
+    for (size_t q = 0; q < one.queries.size(); ++q)
+      if (is_answered(*one.queries[q])) one.order.push_back(q);
+    std::ranges::stable_sort(one.order, {}, [&](size_t q) { return one.key(q); });
   }
   return all;
 }
@@ -79,13 +96,16 @@ std::optional<double> weighted_mean(const MethodQueries& method, std::span<const
 
 Curve weighted_curve(const MethodQueries& method, std::span<const uint32_t> weights) {
   std::vector<ScoredItem> items;
-  uint64_t to_find = 0;
-  for (const size_t q : method.order) {
-    const QueryOutcome& query = *method.queries[q];
-    items.push_back({method.key(q), query.verdict == Verdict::correct, weights[q]});
-    if (query.has_match) to_find += weights[q];
-  }
-  return curve_of(items, to_find, confidence_order(method.method->outcomes));
+  for (const size_t q : method.order)
+    items.push_back({method.key(q), method.queries[q]->verdict == Verdict::correct, weights[q]});
+  uint64_t positives = 0;
+  for (size_t q = 0; q < weights.size(); ++q)
+    if (method.queries[q]->has_match) positives += weights[q];
+  const Outcomes& outcomes = method.method->outcomes;
+  Curve curve = curve_of(items, positives, confidence_order(outcomes));
+  curve.has_scores = outcomes.has_scores;
+  if (!curve.has_scores) curve.points.clear();
+  return curve;
 }
 
 std::vector<std::optional<double>> metric_values(const MethodQueries& method,
@@ -128,13 +148,13 @@ PairedCounts count_pairs(const MethodQueries& first, const MethodQueries& method
 using Differences = std::vector<std::vector<std::vector<double>>>;
 
 Differences bootstrap(const std::vector<MethodQueries>& paired, const Comparison& comparison,
-                      const std::vector<MetricAt>& metrics, size_t resamples, uint64_t seed,
+                      const std::vector<MetricAt>& metrics, const ComparisonSettings& settings,
                       const Monitor& monitor) {
   Differences differences(paired.size(), std::vector<std::vector<double>>(metrics.size()));
-  RandomEngine engine(seed);
-  StepCounter counter(monitor, "resampling", resamples);
-  for (size_t r = 0; r < resamples; ++r) {
-    const auto weights = block_weights(comparison.common, comparison.block, engine);
+  RandomEngine engine(settings.seed);
+  StepCounter counter(monitor, "resampling", settings.resamples);
+  for (size_t r = 0; r < settings.resamples; ++r) {
+    const auto weights = block_weights(comparison.frames.size(), comparison.block, engine);
     const auto first = metric_values(paired.front(), weights, metrics);
     for (size_t m = 1; m < paired.size(); ++m) {
       if (!paired[m].method->is_paired) continue;
@@ -149,21 +169,21 @@ Differences bootstrap(const std::vector<MethodQueries>& paired, const Comparison
 
 }  // namespace
 
-Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
-                            uint64_t seed, const Monitor& monitor, Disputed disputed) {
+Comparison compare_outcomes(std::span<const NamedOutcomes> methods,
+                            const ComparisonSettings& settings, const Monitor& monitor) {
   if (methods.size() < 2) throw Error(ErrorKind::data, "a comparison needs at least two reports");
   assert(methods.front().is_paired);
   Comparison comparison;
-  const std::vector<MethodQueries> paired = find_common(methods, comparison, disputed);
-  comparison.common = paired.front().queries.size();
-  if (comparison.common == 0)
+  const std::vector<MethodQueries> paired = find_compared(methods, settings, comparison);
+  if (comparison.frames.empty())
     throw Error(ErrorKind::data, "the reports have no query frame in common");
-  comparison.block = std::clamp<size_t>(block, 1, comparison.common);
-  for (const QueryOutcome* query : paired.front().queries) comparison.judged += query->has_match;
+  comparison.block = std::clamp<size_t>(settings.block, 1, comparison.frames.size());
+  for (const QueryOutcome* query : paired.front().queries)
+    comparison.with_match += query->has_match;
   const bool has_ranks = std::ranges::any_of(
       methods, [](const NamedOutcomes& method) { return method.outcomes.has_ranks; });
   const std::vector<MetricAt> metrics = compared_metrics(has_ranks);
-  const Differences differences = bootstrap(paired, comparison, metrics, resamples, seed, monitor);
+  const Differences differences = bootstrap(paired, comparison, metrics, settings, monitor);
   std::vector<std::vector<std::optional<double>>> values;
   for (const MethodQueries& method : paired) {
     const std::vector<uint32_t> once(method.queries.size(), 1);

@@ -17,7 +17,7 @@ struct NamedOutcomes {
   std::string name;
   Outcomes outcomes;
   /// False if its query frames differ from those of the first method, as with another selection: it
-  /// is then measured over its own queries. The first method is paired.
+  /// is then measured over its own frames. The first method is paired.
   bool is_paired = true;
 };
 
@@ -25,12 +25,12 @@ struct NamedOutcomes {
 struct ComparedValue {
   MetricAt metric;
   size_t method = 0;
-  std::optional<double> value;       ///< over the common queries; unpaired: over its own queries
+  std::optional<double> value;       ///< over the compared frames; unpaired: over its own
   std::optional<double> difference;  ///< from the first method
   std::optional<Interval> interval;  ///< 95 %, of the difference
 };
 
-/// Best matches of a method and of the first method, over common queries with a match.
+/// Best matches of a method and of the first method, over compared frames with a match.
 struct PairedCounts {
   uint64_t both_correct = 0;
   uint64_t only_this = 0;
@@ -39,28 +39,34 @@ struct PairedCounts {
 };
 
 struct Comparison {
-  size_t common = 0;        ///< query frames that all paired methods judge
-  size_t judged = 0;        ///< of these, with a match
-  size_t disputed = 0;      ///< omitted: the ground truths disagree on whether there is a match
-  std::vector<size_t> own;  ///< judged frames per method
+  std::vector<size_t> frames;  ///< query frames of paired methods that are compared
+  size_t with_match = 0;       ///< of these
+  size_t disputed = 0;         ///< omitted: the ground truths disagree on whether there is a match
+  std::vector<size_t> own;     ///< frames per method
   size_t block = 0;
   std::vector<ComparedValue> values;  ///< by metric, then method
   std::vector<PairedCounts> paired;   ///< per method; zeros for an unpaired one
 };
 
-/// The reaction to methods that disagree on which queries have a match.
-enum class Disputed { refuse, omit_disputed };
+/// Which frames are compared, and by how many resamples.
+struct ComparisonSettings {
+  size_t block = 1;
+  size_t resamples = 1000;
+  uint64_t seed = 0;
+  /// Only frames for which every paired method has a best match that is not ignored.
+  bool only_common = false;
+  /// Omits frames on whose match the ground truths disagree, which otherwise are an error.
+  bool omit_disputed = false;
+};
 
-/// Values and differences over the query frames that all paired methods judge (neither unreadable
-/// nor ignored, and reachable by the windows of every method): metrics of the first correct rank,
-/// for K > 1 only if any method has ranks, and every curve metric of best matches, by the
+/// Values and differences over the query frames of all paired methods: metrics of the first correct
+/// rank, for K > 1 only if any method has ranks, and every curve metric of best matches, by the
 /// confidence of each method (Outcomes::confidence). Intervals are the central 95 % of the
-/// differences of `resamples` circular block bootstraps (Politis and Romano 1992): blocks of
-/// `block` consecutive queries are drawn with replacement, the same for all paired methods;
-/// resamples without a value are skipped. The same seed yields the same intervals. Throws
-/// Error(data) for fewer than two methods, no common frame, or disputed queries that are refused.
-Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
-                            uint64_t seed, const Monitor& monitor,
-                            Disputed disputed = Disputed::refuse);
+/// differences of circular block bootstraps (Politis and Romano 1992): blocks of consecutive frames
+/// are drawn with replacement, the same for all paired methods; resamples without a value are
+/// skipped. The same seed yields the same intervals. Throws Error(data) for fewer than two methods,
+/// different numbers of frames, no frame to compare, or disputed frames.
+Comparison compare_outcomes(std::span<const NamedOutcomes> methods,
+                            const ComparisonSettings& settings, const Monitor& monitor);
 
 }  // namespace vpr

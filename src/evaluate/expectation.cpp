@@ -103,7 +103,7 @@ constexpr std::array<std::string_view, 3> kConditions = {"settings", "protocol",
 
 bool is_report(const Json& expected) {
   return expected.is_object() && expected.contains("schema") &&
-         expected["schema"] == "vpr.report/3";
+         expected["schema"] == schema_name("report");
 }
 
 // Replaces expected values by found ones. A condition may have values of any type.

@@ -10,14 +10,14 @@ namespace vpr {
 
 /// One expected value of a report.
 struct CheckedValue {
-  std::string key;       ///< as in counts.recognitions.correct
+  std::string key;       ///< as in counts.pairs.correct
   std::string expected;  ///< "49 +- 2", "at least 60"
   std::string found;     ///< as JSON; a number with its difference, as in "52 (+3)"
   bool is_met = false;
 };
 
 /// Compares a report with `expected`, which is one of:
-/// - a "vpr.expected/3" file with any part of "counts", "best_match", "metrics" and "localization"
+/// - a "vpr.expected/4" file with any part of "counts", "best_match", "metrics" and "localization"
 ///   (numbers), of "settings" and of "protocol";
 /// - a whole earlier report, whose numbers, settings, tolerance and fingerprint of the ground truth
 ///   (without one, its description) are expected, but not the name of a score matrix.

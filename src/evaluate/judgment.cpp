@@ -15,13 +15,20 @@ std::span<const std::optional<uint32_t>> decided_frames(const Result& result) {
   return result.path->decided;
 }
 
-void set_verdicts(Judgment& judgment, std::vector<FrameVerdict> verdicts, const GroundTruth& truth,
+void count_matches(Judgment& judgment) {
+  Localization& path = judgment.localization;
+  for (const QueryOutcome& query : judgment.outcomes.queries) {
+    path.frames_with_match += query.has_match;
+    path.off_map += !query.has_match && judgment.verdicts[query.frame] == FrameVerdict::incorrect;
+  }
+}
+
+void set_verdicts(Judgment& judgment, std::vector<FrameVerdict> verdicts,
                   std::span<const double> traveled_m,
                   std::span<const std::optional<uint32_t>> decided = {}) {
   judgment.localization = localize(verdicts, traveled_m, decided);
   judgment.verdicts = std::move(verdicts);
-  for (size_t frame = 0; frame < truth.pairs.size(); ++frame)
-    judgment.localization.frames_with_match += truth.has_match(frame);
+  count_matches(judgment);
 }
 
 size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
@@ -39,7 +46,7 @@ FrameVerdict frame_verdict_of(Verdict verdict) {
 }  // namespace
 
 bool is_recognized(const Judgment& judgment, const QueryOutcome& query) {
-  return query.verdict != Verdict::unreadable &&
+  return query.verdict != Verdict::none &&
          judgment.verdicts[query.frame] == frame_verdict_of(query.verdict);
 }
 
@@ -69,7 +76,7 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
     judgment.recognized.push_back(
         {recognition.query, column_of(judgment.layout, recognition.sequence, recognition.train)});
   }
-  set_verdicts(judgment, verdicts_of(result, truth), truth, traveled_m, decided_frames(result));
+  set_verdicts(judgment, verdicts_of(result, truth), traveled_m, decided_frames(result));
   return judgment;
 }
 
@@ -85,13 +92,15 @@ void judge_by_places(Judgment& judgment, const Result& result, std::span<const P
     if (recognitions[frame] != nullptr)
       judgment.verdicts[frame] = frame_verdict_of(verdict_at(frame));
   for (size_t window = 0; window < result.best.size(); ++window) {
-    QueryOutcome& query = judgment.outcomes.queries[window];
+    QueryOutcome& query = judgment.outcomes.at_window(window);
     const Match* recognition = recognitions[query.frame];
     if (recognition == nullptr || result.best[window] != *recognition) continue;
     query.verdict = verdict_at(query.frame);
     query.has_match = true;
   }
   judgment.localization = localize(judgment.verdicts, traveled_m, decided_frames(result));
+  // Whether a frame without an answer has a match is unknown.
+  judgment.localization.frames_with_match = judgment.localization.frames;
 }
 
 Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
@@ -101,19 +110,18 @@ Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Groun
   judgment.layout = layout;
   set_pairs(judgment, scan_matrix(matrix, truth, judgment.layout, monitor));
   set_confidence(judgment, Confidence::score);
-  judgment.is_oracle = !threshold;
+  judgment.is_oracle = !threshold && matrix.has_scores();
   judgment.threshold =
       threshold ? threshold : recall_at_full_precision(judgment.single_best).threshold;
   std::optional<uint64_t> accepted;
   if (judgment.threshold) accepted = score_key(*judgment.threshold, matrix.kind());
-  for (size_t window = 0; window < judgment.outcomes.queries.size(); ++window) {
-    const QueryOutcome& query = judgment.outcomes.queries[window];
+  if (!matrix.has_scores()) accepted = kNoScore - 1;  // the first of each list
+  for (const QueryOutcome& query : judgment.outcomes.queries)
     if (accepted && query.best && query.key <= *accepted)
-      judgment.recognized.push_back(
-          {window, column_of(layout, query.best->sequence,
-                             query.best->reference + 1 - layout.window_length)});
-  }
-  set_verdicts(judgment, verdicts_of(judgment.outcomes, accepted), truth, traveled_m);
+      judgment.recognized.push_back({query.frame + 1 - layout.window_length,
+                                     column_of(layout, query.best->sequence,
+                                               query.best->reference + 1 - layout.window_length)});
+  set_verdicts(judgment, verdicts_of(judgment.outcomes, accepted), traveled_m);
   return judgment;
 }
 
@@ -149,7 +157,7 @@ std::vector<FrameVerdict> verdicts_of(const Result& result, const GroundTruth& t
 }
 
 std::vector<FrameVerdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
-  std::vector<FrameVerdict> verdicts(outcomes.query_frames, FrameVerdict::none);
+  std::vector<FrameVerdict> verdicts(outcomes.queries.size(), FrameVerdict::none);
   if (!accepted) return verdicts;
   for (const QueryOutcome& query : outcomes.queries)
     if (query.best && query.key <= *accepted)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
@@ -18,7 +19,8 @@ struct ScoredColumn {
 struct ScanPart {
   std::vector<PlaceLabel> labels;  ///< of the current row
   std::vector<ScoredColumn> heap;
-  PairJudgment pairs;               ///< without the curve
+  PairJudgment pairs;  ///< without the curve
+  size_t known_ranks = std::numeric_limits<size_t>::max();
   std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
 };
 
@@ -29,8 +31,8 @@ bool is_ahead(const ScoredColumn& a, const ScoredColumn& b) {
 
 // Finds the correct ones among the kMaxRank best references. The front of the heap is the worst
 // of them.
-void rank_right_ones(QueryOutcome& query, std::vector<ScoredColumn>& heap,
-                     std::span<const uint64_t> keys, const std::vector<PlaceLabel>& labels) {
+void rank_correct_ones(QueryOutcome& query, std::vector<ScoredColumn>& heap,
+                       std::span<const uint64_t> keys, const std::vector<PlaceLabel>& labels) {
   heap.clear();
   for (size_t c = 0; c < keys.size(); ++c) {
     query.correct_count += labels[c] == PlaceLabel::same ? 1 : 0;
@@ -52,24 +54,23 @@ void rank_right_ones(QueryOutcome& query, std::vector<ScoredColumn>& heap,
 void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> keys,
                const ScoreLayout& layout) {
   const auto& labels = part.labels;
-  if (std::ranges::all_of(keys, [](uint64_t key) { return key == kNoScore; })) {
-    query.verdict = Verdict::unreadable;
-    return;
-  }
+  if (std::ranges::all_of(keys, [](uint64_t key) { return key == kNoScore; })) return;
   ScoredColumn best;
   ScoredColumn correct;
   std::optional<size_t> worst;
+  size_t ranked = 0;
   for (size_t c = 0; c < keys.size(); ++c) {
     if (labels[c] == PlaceLabel::ignore) {
       ++part.pairs.ignored;
       continue;
     }
     const bool has_score = keys[c] != kNoScore;
+    ranked += has_score ? 1 : 0;
     if (has_score && (!worst || keys[c] > keys[*worst])) worst = c;
     query.is_tied = (query.is_tied && keys[c] >= best.key) || (keys[c] == best.key && has_score);
     if (keys[c] < best.key) best = {keys[c], c};
     if (labels[c] != PlaceLabel::same) continue;
-    ++part.pairs.curve.to_find;
+    ++part.pairs.curve.positives;
     if (!has_score)
       ++part.pairs.same_without_score;
     else
@@ -82,11 +83,13 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
       *query.rank += is_ahead({keys[c], c}, correct) && labels[c] != PlaceLabel::ignore ? 1 : 0;
   }
   query.key = best.key;
-  rank_right_ones(query, part.heap, keys, labels);
+  rank_correct_ones(query, part.heap, keys, labels);
   if (best.key == kNoScore) return;
+  if (std::ranges::find(keys, kNoScore) != keys.end())
+    part.known_ranks = std::min(part.known_ranks, ranked);
   part.pairs.worst_correct += labels[*worst] == PlaceLabel::same ? 1 : 0;
   query.best = match_of_column(layout, best.column);
-  if (labels[best.column] == PlaceLabel::same) query.verdict = Verdict::correct;
+  query.verdict = verdict_of(labels[best.column]);
 }
 
 constexpr size_t kBucketBits = 20;
@@ -193,12 +196,12 @@ Counters count_incorrect(const ScoreMatrix& matrix, const GroundTruth& truth,
   return std::move(counters.front());
 }
 
-// `same_keys` are sorted; `to_find` pairs are of the same place.
+// `same_keys` are sorted; `positives` pairs are of the same place.
 Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const ScoreLayout& layout,
-                 std::vector<uint64_t> same_keys, uint64_t to_find, const Monitor& monitor) {
+                 std::vector<uint64_t> same_keys, uint64_t positives, const Monitor& monitor) {
   const KeyIndex index(std::move(same_keys));
   const Counters counters = count_incorrect(matrix, truth, layout, index, monitor);
-  Curve curve{matrix.kind(), to_find, {}};
+  Curve curve{matrix.kind(), positives, {}};
   const bool has_incorrect = counters.best.count > 0;
   if (has_incorrect && (index.size() == 0 || counters.best.key < index.key(0)))
     curve.points.push_back({counters.best.key, 0, 0, counters.best.count});
@@ -223,32 +226,33 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor) {
   MatrixScan scan;
   auto& [outcomes, pairs] = scan;
-  outcomes = {matrix.kind(), layout.scope.query.frames, layout.window_length, true, {}};
-  outcomes.queries.resize(matrix.queries());
+  outcomes = unanswered(truth, layout.scope.query.frames, layout.window_length, matrix.kind());
+  outcomes.has_scores = matrix.has_scores();
+  outcomes.has_ranks = true;
   std::vector<ScanPart> parts(thread_count());
   matrix.for_each_row(parts.size(), monitor, "reading scores",
                       [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
-                        QueryOutcome& query = scan.outcomes.queries[row];
-                        query.frame = layout.anchor(row);
-                        look_up_match(query, truth, layout);
                         label_row(truth, layout, row, parts[worker].labels);
-                        judge_row(query, parts[worker], keys, layout);
+                        judge_row(scan.outcomes.at_window(row), parts[worker], keys, layout);
                       });
   size_t count = 0;
   for (const ScanPart& part : parts) count += part.same_keys.size();
   std::vector<uint64_t> same_keys;
   same_keys.reserve(count);
   for (ScanPart& part : parts) {
-    pairs.curve.to_find += part.pairs.curve.to_find;
+    pairs.curve.positives += part.pairs.curve.positives;
     pairs.ignored += part.pairs.ignored;
     pairs.same_without_score += part.pairs.same_without_score;
     pairs.worst_correct += part.pairs.worst_correct;
+    outcomes.known_ranks = std::min(outcomes.known_ranks, part.known_ranks);
     same_keys.insert(same_keys.end(), part.same_keys.begin(), part.same_keys.end());
     part.same_keys = {};
   }
   std::ranges::sort(same_keys);
   pairs.curve =
-      pair_curve(matrix, truth, layout, std::move(same_keys), pairs.curve.to_find, monitor);
+      pair_curve(matrix, truth, layout, std::move(same_keys), pairs.curve.positives, monitor);
+  pairs.curve.has_scores = matrix.has_scores();
+  if (!matrix.has_scores()) pairs.curve.points.clear();
   return scan;
 }
 

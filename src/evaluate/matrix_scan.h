@@ -12,7 +12,7 @@ namespace vpr {
 struct PairJudgment {
   Curve curve;                      ///< recall is over all pairs of the same place
   uint64_t ignored = 0;             ///< pairs labeled ignore
-  uint64_t same_without_score = 0;  ///< included in curve.to_find, but never found
+  uint64_t same_without_score = 0;  ///< included in curve.positives, but never found
   uint64_t worst_correct = 0;       ///< queries whose worst score, ties to the first, is correct
 };
 
@@ -21,10 +21,10 @@ struct MatrixScan {
   PairJudgment pairs;
 };
 
-/// Best matches and ranks skip references labeled ignore; ties go to the first column. A query
-/// without any score is unreadable. Reads the matrix twice: memory is 8 bytes per pair of the same
-/// place, and about 60 per distinct score among them, since all other pairs are only counted
-/// between these. Throws as ScoreMatrix::for_each_row does.
+/// Best matches and ranks skip references labeled ignore; ties go to the first column. Reads the
+/// matrix twice: memory is 8 bytes per pair of the same place, and about 60 per distinct score
+/// among them, since all other pairs are only counted between these. Throws as
+/// ScoreMatrix::for_each_row does.
 MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor);
 

@@ -85,8 +85,8 @@ constexpr std::array<Metric, 17> kMetrics = {
             [](const Localization& path) { return std::optional<double>(path.correct); }),
     of_path("incorrect", "incorrect", "frames of the path with an incorrect recognition", true, 0,
             [](const Localization& path) { return std::optional<double>(path.incorrect); }),
-    of_path("share", "share", "share of the path with a correct recognition", false, 4,
-            [](const Localization& path) { return path.share(); }),
+    of_path("share", "share", "share of the frames with a match that are recognized correctly",
+            false, 4, [](const Localization& path) { return path.share(); }),
     of_path(
         "longest_gap_frames", "longest gap",
         "most consecutive frames without a correct recognition", true, 0,
@@ -110,8 +110,8 @@ constexpr size_t kPathMetrics = 7;
 
 void sort_items(std::vector<ScoredItem>& items) { std::ranges::sort(items, {}, &ScoredItem::key); }
 
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind) {
-  Curve curve{kind, to_find, {}};
+Curve curve_of(std::span<const ScoredItem> items, uint64_t positives, ScoreOrder kind) {
+  Curve curve{kind, positives, {}};
   CurvePoint last;
   bool is_kept = true;
   for (size_t i = 0; i < items.size() && items[i].key != kNoScore;) {
@@ -130,26 +130,29 @@ Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder k
 Curve single_best_curve(const Outcomes& outcomes) {
   std::vector<ScoredItem> items;
   for (const QueryOutcome& query : outcomes.queries)
-    if (is_judged(query))
+    if (query.verdict == Verdict::correct || query.verdict == Verdict::incorrect)
       items.push_back(
           {confidence_key(query, outcomes.confidence), query.verdict == Verdict::correct});
   sort_items(items);
-  return curve_of(items, judged_queries(outcomes), confidence_order(outcomes));
+  Curve curve = curve_of(items, frames_with_match(outcomes), confidence_order(outcomes));
+  curve.has_scores = outcomes.has_scores;
+  if (!curve.has_scores) curve.points.clear();
+  return curve;
 }
 
 MetricValue average_precision(const Curve& curve) {
-  if (curve.to_find == 0) return {};
+  if (!curve.is_measurable()) return {};
   double sum = 0;
   uint64_t before = 0;
   for (const CurvePoint& point : curve.points) {
     sum += static_cast<double>(point.correct - before) * Curve::precision(point);
     before = point.correct;
   }
-  return {sum / static_cast<double>(curve.to_find), {}};
+  return {sum / static_cast<double>(curve.positives), {}};
 }
 
 MetricValue recall_at_full_precision(const Curve& curve) {
-  if (curve.to_find == 0) return {};
+  if (!curve.is_measurable()) return {};
   MetricValue best{0, {}};
   for (const CurvePoint& point : curve.points) {
     if (point.incorrect > 0) break;
@@ -159,19 +162,19 @@ MetricValue recall_at_full_precision(const Curve& curve) {
 }
 
 MetricValue extended_precision(const Curve& curve) {
-  if (curve.to_find == 0) return {};
+  if (!curve.is_measurable()) return {};
   if (curve.points.empty()) return {0, {}};
   const double at_least_recall = Curve::precision(curve.points.front());
   return {(at_least_recall + *recall_at_full_precision(curve).value) / 2, {}};
 }
 
 MetricValue max_f1(const Curve& curve) {
-  if (curve.to_find == 0) return {};
+  if (!curve.is_measurable()) return {};
   MetricValue best{0, {}};
   for (const CurvePoint& point : curve.points) {
     const uint64_t accepted = point.correct + point.incorrect;
     const double f1 =
-        2 * static_cast<double>(point.correct) / static_cast<double>(accepted + curve.to_find);
+        2 * static_cast<double>(point.correct) / static_cast<double>(accepted + curve.positives);
     if (f1 > *best.value) best = {f1, curve.threshold(point)};
   }
   return best;
@@ -195,7 +198,7 @@ MetricValue roc_auc(const Curve& curve) {
 }
 
 MetricValue risk_coverage_area(const Curve& curve) {
-  if (curve.to_find == 0) return {};
+  if (!curve.is_measurable()) return {};
   double sum = 0;
   uint64_t accepted = 0;
   uint64_t mistakes = 0;
@@ -231,12 +234,12 @@ std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) 
 }
 
 std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames) {
-  const size_t frames = outcomes.query_frames;
+  const size_t frames = outcomes.queries.size();
   const size_t count = std::max<size_t>(1, (frames + stretch_frames / 2) / stretch_frames);
   std::vector<size_t> found(count);
   std::vector<size_t> judged(count);
   for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.has_match || !is_judged(query)) continue;
+    if (!query.has_match) continue;
     // The stretch s holds frames from floor(s * frames / count) on.
     const size_t stretch = ((query.frame + 1) * count - 1) / frames;
     ++judged[stretch];
@@ -262,8 +265,8 @@ std::optional<double> recall_achievement(const std::vector<std::optional<double>
 }
 
 std::optional<double> Localization::share() const {
-  if (frames == 0) return std::nullopt;
-  return static_cast<double>(correct) / static_cast<double>(frames);
+  if (frames_with_match == 0) return std::nullopt;
+  return static_cast<double>(correct) / static_cast<double>(frames_with_match);
 }
 
 std::optional<double> Localization::recognized_share() const {
@@ -321,6 +324,7 @@ const Metric& find_metric(std::string_view key) {
 }
 
 bool Metric::is_known_at(const Outcomes& outcomes, size_t k) const {
+  if (k > outcomes.known_ranks) return false;
   return needs_all_ranks ? outcomes.has_ranks && k <= kMaxRank : outcomes.has_ranks || k == 1;
 }
 
@@ -337,14 +341,14 @@ std::string MetricAt::symbol() const {
 std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes) {
   if (!metric.metric->is_known_at(outcomes, metric.k)) return std::nullopt;
   double sum = 0;
-  size_t judged = 0;
+  size_t frames = 0;
   for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.has_match || !is_judged(query)) continue;
-    ++judged;
+    if (!query.has_match) continue;
+    ++frames;
     sum += metric.metric->of_query(query, metric.k);
   }
-  if (judged == 0) return std::nullopt;
-  return sum / static_cast<double>(judged);
+  if (frames == 0) return std::nullopt;
+  return sum / static_cast<double>(frames);
 }
 
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {

@@ -27,13 +27,15 @@ struct CurvePoint {
 /// worst score. Only incorrect items lie between two points, so no information is lost.
 struct Curve {
   ScoreOrder kind = ScoreOrder::distance;
-  uint64_t to_find = 0;  ///< the denominator of recall; correct items without a score count
+  uint64_t positives = 0;  ///< the denominator of recall; correct items without a score count
   std::vector<CurvePoint> points;
+  bool has_scores = true;  ///< false: the order of items is unknown, and so is every metric
 
   double threshold(const CurvePoint& point) const { return score_of_key(point.key, kind); }
   double recall(const CurvePoint& point) const {
-    return to_find == 0 ? 0 : static_cast<double>(point.correct) / static_cast<double>(to_find);
+    return positives == 0 ? 0 : static_cast<double>(point.correct) / static_cast<double>(positives);
   }
+  bool is_measurable() const { return has_scores && positives > 0; }
   /// Every point has accepted an item.
   static double precision(const CurvePoint& point) {
     return static_cast<double>(point.correct) /
@@ -53,10 +55,10 @@ struct ScoredItem {
 void sort_items(std::vector<ScoredItem>& items);
 
 /// `items` are sorted; those without a score (kNoScore) are skipped. No items yield no points.
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind);
+Curve curve_of(std::span<const ScoredItem> items, uint64_t positives, ScoreOrder kind);
 
-/// Judged best matches by confidence. Those of queries without a match are incorrect. Recall is
-/// over judged_queries.
+/// Best matches by confidence, except ignored ones. Those of frames without a match are incorrect.
+/// Recall is over frames_with_match.
 Curve single_best_curve(const Outcomes& outcomes);
 
 struct MetricValue {
@@ -66,22 +68,22 @@ struct MetricValue {
 
 /// AP = sum over thresholds k of (R_k - R_(k-1)) P_k, R_0 = 0; equal scores share a threshold; no
 /// interpolation (Manning, Raghavan and Schuetze 2008, chapter 8). Items without a score add
-/// nothing. Unset if to_find is 0.
+/// nothing. Unset if positives is 0.
 MetricValue average_precision(const Curve& curve);
 
 /// The largest recall of a threshold that accepts nothing incorrect; 0, without a threshold, if an
-/// incorrect item has or shares the best score. Unset if to_find is 0.
+/// incorrect item has or shares the best score. Unset if positives is 0.
 MetricValue recall_at_full_precision(const Curve& curve);
 
 /// EP = (P_R0 + R_P100) / 2: the mean of the precision of the best score and the recall at 100 %
 /// precision (Ferrarini et al., "Exploring Performance Bounds of Visual Place Recognition Using
 /// Extended Precision", 2020). P_R0 is 0 if the best score is incorrect. EP is 0 without scores and
-/// unset if to_find is 0.
+/// unset if positives is 0.
 MetricValue extended_precision(const Curve& curve);
 
-/// The largest F1 = 2 P R / (P + R) = 2 correct / (accepted + to_find) of a threshold (van
+/// The largest F1 = 2 P R / (P + R) = 2 correct / (accepted + positives) of a threshold (van
 /// Rijsbergen 1979), ties to the strictest. 0, without a threshold, if no correct item has a score;
-/// unset if to_find is 0.
+/// unset if positives is 0.
 MetricValue max_f1(const Curve& curve);
 
 /// The probability that a correct item scores better than an incorrect one, ties counting half
@@ -92,7 +94,7 @@ MetricValue roc_auc(const Curve& curve);
 /// The area under the risk-coverage curve (Geifman and El-Yaniv 2017): items with a score are
 /// accepted one by one, the most confident first; the risk is the share of incorrect ones among
 /// those accepted, and the area is its mean over these steps. 0 is best. For equal scores, the risk
-/// is the expected value over all orders. Unset without scores or if to_find is 0.
+/// is the expected value over all orders. Unset without scores or if positives is 0.
 MetricValue risk_coverage_area(const Curve& curve);
 
 /// Points (coverage, risk) at the thresholds; coverage is the share of the items with a score.
@@ -105,7 +107,7 @@ inline constexpr std::array<size_t, 4> kRecallAt = {1, 5, 10, 20};
 inline constexpr std::array<double, 4> kRecallTargets = {0.5, 0.75, 0.9, 1.0};
 inline constexpr size_t kDefaultStretch = 25;
 
-/// Recall@1 per stretch of the path; unset for a stretch without a judged query that has a match.
+/// Recall@1 per stretch of the path; unset for a stretch without a frame that has a match.
 /// All frames of the query are divided into round(frames / stretch_frames) stretches, at least one,
 /// whose lengths differ by at most one frame. stretch_frames is at least 1.
 std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames);
@@ -126,6 +128,7 @@ struct Localization {
   size_t frames_with_match = 0;  ///< in the ground truth; set by judge
   size_t correct = 0;
   size_t incorrect = 0;
+  size_t off_map = 0;                   ///< of the incorrect ones, without a match; set by judge
   size_t longest_gap_frames = 0;        ///< consecutive frames without a correct recognition
   std::optional<double> longest_gap_m;  ///< traveled between two correct recognitions; the ends of
                                         ///< the path count as verdicts here
@@ -133,7 +136,7 @@ struct Localization {
                                                    ///< correct recognition; unset: none
   std::optional<double> first_recognition_m;       ///< traveled before it
 
-  /// correct / frames; unset for an empty path.
+  /// correct / frames_with_match; unset without a frame that has a match.
   std::optional<double> share() const;
   /// recognized / frames; unset for an empty path.
   std::optional<double> recognized_share() const;
@@ -154,7 +157,7 @@ struct Metric {
   int digits = 4;                ///< in tables; 0: an integer
   bool needs_all_ranks = false;  ///< of correct references, not only the first
   MetricValue (*of_curve)(const Curve& curve) = nullptr;
-  /// A metric of ranks is the mean of this over judged queries with a match.
+  /// A metric of ranks is the mean of this over query frames with a match.
   double (*of_query)(const QueryOutcome& query, size_t k) = nullptr;
   std::optional<double> (*of_stretches)(const std::vector<std::optional<double>>& recalls,
                                         double target) = nullptr;
@@ -185,7 +188,7 @@ struct MetricAt {
 MetricAt metric_at(std::string_view key, size_t k = 0);
 
 /// A metric of ranks: ties to the first, references labeled ignore skipped, missing ranks
-/// incorrect. Unset if there is no judged query with a match, or unless is_known_at.
+/// incorrect. Unset if no query frame has a match, or unless is_known_at.
 std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes);
 /// Recall@K.
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k);

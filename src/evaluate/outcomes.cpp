@@ -33,36 +33,27 @@ Verdict verdict_of(PlaceLabel label) {
                                           : Verdict::ignored;
 }
 
-void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout) {
-  const auto first = static_cast<int64_t>(layout.window_length - 1);  // the first anchor
-  query.has_match =
-      std::ranges::any_of(truth.pairs[query.frame], [&](const GroundTruth::Pair& pair) {
-        if (pair.label != PlaceLabel::same) return false;
-        const ScoreLayout::Columns* columns = layout.columns_of(pair.sequence);
-        return columns != nullptr &&
-               pair.first - truth.tolerance_frames < first + static_cast<int64_t>(columns->count) &&
-               pair.last() + truth.tolerance_frames >= first;
-      });
-  query.is_unreachable = !query.has_match && truth.has_match(query.frame);
+Outcomes unanswered(const GroundTruth& truth, size_t query_frames, size_t window_length,
+                    ScoreOrder kind) {
+  Outcomes outcomes{.kind = kind, .window_length = window_length, .queries = {}};
+  outcomes.queries.resize(query_frames);
+  for (size_t frame = 0; frame < query_frames; ++frame) {
+    outcomes.queries[frame].frame = frame;
+    outcomes.queries[frame].has_match = truth.has_match(frame);
+  }
+  return outcomes;
 }
 
 Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
-  const ScoreLayout layout = layout_of(result);
   const size_t length = result.window_length();
-  const auto& unreadable = result.query.unreadable;
-  Outcomes outcomes{result.score().order, result.query.frames, length, false, {}};
+  Outcomes outcomes = unanswered(truth, result.query.frames, length, result.score().order);
   for (size_t window = 0; window < result.best.size(); ++window) {
-    QueryOutcome& query = outcomes.queries.emplace_back();
-    query.frame = anchor_of(window, length);
-    look_up_match(query, truth, layout);
-    if (const auto& best = result.best[window]) {
-      query.best = FrameMatch{best->sequence, anchor_of(best->train, length)};
-      query.key = score_key(best->score, outcomes.kind);
-      query.verdict = verdict_of(label_of(truth, *best, length));
-    } else {
-      const auto frame = std::ranges::lower_bound(unreadable, window);
-      if (frame != unreadable.end() && *frame <= query.frame) query.verdict = Verdict::unreadable;
-    }
+    const auto& best = result.best[window];
+    if (!best) continue;
+    QueryOutcome& query = outcomes.at_window(window);
+    query.best = FrameMatch{best->sequence, anchor_of(best->train, length)};
+    query.key = score_key(best->score, outcomes.kind);
+    query.verdict = verdict_of(label_of(truth, *best, length));
   }
   add_margins(outcomes, result);
   return outcomes;
@@ -74,7 +65,7 @@ void add_margins(Outcomes& outcomes, const Result& result) {
   if (outcomes.has_margins && settings != nullptr && settings->decision == Decision::margin)
     outcomes.confidence = Confidence::margin;
   for (size_t window = 0; window < result.margins.size(); ++window) {
-    QueryOutcome& query = outcomes.queries[window];
+    QueryOutcome& query = outcomes.at_window(window);
     const auto& best = result.best[window];
     if (!best ||
         query.best != FrameMatch{best->sequence, anchor_of(best->train, result.window_length())})
@@ -84,13 +75,9 @@ void add_margins(Outcomes& outcomes, const Result& result) {
   }
 }
 
-bool is_judged(const QueryOutcome& query) {
-  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
-}
-
-uint64_t judged_queries(const Outcomes& outcomes) {
-  return static_cast<uint64_t>(std::ranges::count_if(
-      outcomes.queries, [](const QueryOutcome& q) { return q.has_match && is_judged(q); }));
+uint64_t frames_with_match(const Outcomes& outcomes) {
+  return static_cast<uint64_t>(
+      std::ranges::count(outcomes.queries, true, &QueryOutcome::has_match));
 }
 
 uint64_t tied_queries(const Outcomes& outcomes) {
@@ -108,29 +95,26 @@ ScoreOrder confidence_order(const Outcomes& outcomes) {
 
 bool is_found_at(const QueryOutcome& query, size_t k) {
   if (!query.has_match) return false;
-  return query.verdict == Verdict::correct ||
-         (query.verdict == Verdict::incorrect && query.rank && *query.rank <= k);
+  return query.verdict == Verdict::correct || (query.rank && *query.rank <= k);
 }
 
 std::optional<double> BestMatchCounts::rate() const {
-  if (queries == ignored) return std::nullopt;
-  return static_cast<double>(correct) / static_cast<double>(queries - ignored);
+  if (frames == 0) return std::nullopt;
+  return static_cast<double>(correct) / static_cast<double>(frames);
 }
 
 BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   BestMatchCounts counts;
   for (const QueryOutcome& query : outcomes.queries) {
-    if (query.verdict == Verdict::unreadable) {
-      ++counts.unreadable;
-    } else if (query.is_unreachable) {
-      ++counts.no_valid_window;
-    } else if (!query.has_match) {
-      ++counts.no_ground_truth;
-    } else {
-      ++counts.queries;
-      if (query.verdict == Verdict::correct) ++counts.correct;
-      if (query.verdict == Verdict::ignored) ++counts.ignored;
+    if (!query.has_match) {
+      ++counts.without_match;
+      continue;
     }
+    ++counts.frames;
+    ++(query.verdict == Verdict::correct     ? counts.correct
+       : query.verdict == Verdict::incorrect ? counts.incorrect
+       : query.verdict == Verdict::ignored   ? counts.ignored
+                                             : counts.no_answer);
   }
   return counts;
 }
@@ -229,10 +213,9 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
   for (const auto& [pair, labels] : pairs) count(counts.recognitions, labels);
   std::map<size_t, LabelCounts> queries;
   for (const QueryOutcome& query : outcomes_of(result, truth).queries) {
-    if (!query.has_match || query.verdict == Verdict::unreadable) continue;
+    if (!query.has_match) continue;
     LabelCounts& labels = queries[keyframe_of(query_keyframes, query.frame)];
-    if (query.verdict == Verdict::correct) ++labels.correct;
-    if (query.verdict == Verdict::incorrect) ++labels.incorrect;
+    ++(query.verdict == Verdict::correct ? labels.correct : labels.incorrect);
   }
   double sum = 0;
   for (const auto& [query, labels] : queries) {

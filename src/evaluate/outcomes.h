@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -12,12 +13,12 @@
 
 namespace vpr {
 
-/// How the ground truth judges the best match of a query.
+/// How the ground truth judges the best match of a query frame.
 enum class Verdict {
-  correct,    ///< it shows the query's place
-  incorrect,  ///< it shows another place, or there is no best match
+  correct,    ///< it shows the frame's place
+  incorrect,  ///< it shows another place
   ignored,    ///< its pair is labeled ignore
-  unreadable  ///< the query has no scores and is not judged
+  none  ///< there is no best match: no readable window ends at the frame, or nothing was found
 };
 
 Verdict verdict_of(PlaceLabel label);
@@ -30,12 +31,11 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<Confidence> = {"scor
 /// Number of best references of a query whose correctness is stored.
 inline constexpr size_t kMaxRank = 100;
 
-/// One query window (FAB-MAP: frame) and its best match.
+/// A query frame and its best match: of the window that ends there.
 struct QueryOutcome {
-  size_t frame = 0;  ///< query frame: the anchor of the window
-  Verdict verdict = Verdict::incorrect;
-  bool has_match = false;          ///< in the ground truth, at a frame where a training window ends
-  bool is_unreachable = false;     ///< matches exist only at frames where no training window ends
+  size_t frame = 0;
+  Verdict verdict = Verdict::none;
+  bool has_match = false;          ///< in the ground truth
   std::optional<FrameMatch> best;  ///< ties to the first
   uint64_t key = kNoScore;         ///< score_key of the best match
   bool is_tied = false;            ///< another reference has the same score; from a matrix only
@@ -49,33 +49,35 @@ struct QueryOutcome {
   std::optional<double> required_margin = {};  ///< minimum of a recognition, if decided by margin
 };
 
-/// The best matches of all query windows, from which curves and metrics are computed.
+/// The best matches of all query frames, from which curves and metrics are computed.
 struct Outcomes {
   ScoreOrder kind = ScoreOrder::distance;
-  size_t query_frames = 0;  ///< of the whole query
   size_t window_length = 1;
+  std::vector<QueryOutcome> queries;  ///< one per query frame
+  bool has_scores = true;             ///< false: best matches are known, but not how good they are
   bool has_ranks = false;             ///< from a matrix
-  std::vector<QueryOutcome> queries;  ///< by frame
-  bool has_margins = false;           ///< from a result with margins
+  /// The largest K for which the K best references of every frame with a best match are known.
+  size_t known_ranks = std::numeric_limits<size_t>::max();
+  bool has_margins = false;  ///< from a result with margins
   /// Initially the value by which the recognitions of the result were decided.
   Confidence confidence = Confidence::score;
+
+  /// The entry of a query window.
+  QueryOutcome& at_window(size_t window) { return queries[window + window_length - 1]; }
 };
 
-/// Sets has_match and is_unreachable of a query whose frame is set.
-void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout);
+/// The frames of a query, without best matches.
+Outcomes unanswered(const GroundTruth& truth, size_t query_frames, size_t window_length,
+                    ScoreOrder kind);
 
 /// Copies the margins of a result to equal best matches, and sets the confidence of its decision.
 void add_margins(Outcomes& outcomes, const Result& result);
 
-/// The best matches of a result, judged at anchors. A readable window without a best match is
-/// incorrect.
+/// The best matches of a result, judged at anchors.
 Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 
-/// Whether the verdict is correct or incorrect.
-bool is_judged(const QueryOutcome& query);
-
-/// Number of judged queries with a match.
-uint64_t judged_queries(const Outcomes& outcomes);
+/// Number of query frames with a match: the denominator of recall.
+uint64_t frames_with_match(const Outcomes& outcomes);
 /// Number of queries whose best score is shared by two references.
 uint64_t tied_queries(const Outcomes& outcomes);
 
@@ -83,20 +85,19 @@ uint64_t tied_queries(const Outcomes& outcomes);
 uint64_t confidence_key(const QueryOutcome& query, Confidence by);
 ScoreOrder confidence_order(const Outcomes& outcomes);
 
-/// Whether a judged query has a correct reference among its K best.
+/// Whether a frame with a match has a correct reference among its K best.
 bool is_found_at(const QueryOutcome& query, size_t k);
 
-/// Query windows by the verdict on their best match.
+/// Query frames by the verdict on their best match.
 struct BestMatchCounts {
-  uint64_t queries = 0;  ///< windows with a match in the ground truth, ignored ones included
-  uint64_t correct = 0;
-  uint64_t ignored = 0;          ///< included in `queries`
-  uint64_t no_ground_truth = 0;  ///< the anchor has no match; not in `queries`
-  uint64_t no_valid_window = 0;  ///< the anchor has matches only in the first c_l - 1 training
-                                 ///< frames, where no window ends; not in `queries`
-  uint64_t unreadable = 0;       ///< windows with an unreadable frame; not in `queries`
+  uint64_t frames = 0;   ///< with a match in the ground truth
+  uint64_t correct = 0;  ///< these four add up to `frames`
+  uint64_t incorrect = 0;
+  uint64_t ignored = 0;
+  uint64_t no_answer = 0;
+  uint64_t without_match = 0;  ///< other frames; their best matches are incorrect
 
-  /// correct / (queries - ignored); unset if the denominator is 0.
+  /// correct / frames; unset without frames.
   std::optional<double> rate() const;
 };
 
@@ -145,7 +146,7 @@ Clusters clusters_of(const Result& result);
 std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& clusters,
                                           const GroundTruth& truth, const Monitor& monitor = {});
 
-/// Windows are judged at their anchors. A frame without words is an incorrect query.
+/// Windows are judged at their anchors.
 Counts count_recognitions(const Result& result, const GroundTruth& truth,
                           const Monitor& monitor = {});
 

@@ -187,6 +187,7 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
   scores.queries = scores.block = lists->queries.size();
   scores.references = lists->references;
   scores.kind = kind.value_or(ScoreOrder::distance);
+  scores.are_ranks = !has_scores;
   scores.compute = [lists, kind = scores.kind](size_t first, size_t count, std::span<double> out) {
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
     for (size_t q = 0; q < count; ++q)

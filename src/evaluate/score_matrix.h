@@ -25,6 +25,7 @@ struct ComputedScores {
   size_t references = 0;
   size_t block = 1;  ///< maximum number of queries that are computed together
   ScoreOrder kind = ScoreOrder::distance;
+  bool are_ranks = false;  ///< 1, 2, ... by query: comparable within a query only
   /// Writes the scores of queries [first, first + count) to all references, row by row; NaN for a
   /// missing score. Thread-safe.
   std::function<void(size_t first, size_t count, std::span<double> scores)> compute;
@@ -42,6 +43,8 @@ class ScoreMatrix {
   size_t queries() const { return scores_.queries; }
   size_t references() const { return scores_.references; }
   ScoreOrder kind() const { return scores_.kind; }
+  /// Whether scores of different queries are comparable.
+  bool has_scores() const { return !scores_.are_ranks; }
 
   /// Receives the keys (score_key) of one query to all references, valid during the call.
   using RowBody = std::function<void(size_t worker, size_t query, std::span<const uint64_t> keys)>;

@@ -15,7 +15,7 @@ namespace {
 
 // By Verdict and FrameVerdict.
 constexpr std::array<std::string_view, 4> kVerdictWords = {"correct", "incorrect", "ignored",
-                                                           "unreadable"};
+                                                           "none"};
 constexpr std::array<std::string_view, 4> kFrameVerdictWords = {"none", "correct", "incorrect",
                                                                 "ignored"};
 
@@ -81,15 +81,15 @@ std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                   csv_field(judgment.layout.scope.sequences[query.best->sequence].sequence.name),
                   query.best->reference, score_of_key(query.key, outcomes.kind))
             : ",,";
-    text +=
-        fmt::format("{}{},{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length,
-                    query.frame, best, kVerdictWords[static_cast<size_t>(query.verdict)],
-                    query.has_match        ? "yes"
-                    : query.is_unreachable ? "no_valid_window"
-                                           : "no",
-                    kFrameVerdictWords[static_cast<size_t>(judgment.verdicts[query.frame])],
-                    query.rank ? std::to_string(*query.rank) : "",
-                    query.margin ? fmt::format("{}", *query.margin) : "");
+    text += fmt::format("{}{},{},{},{},{},{},{},{}\n", start,
+                        query.frame + 1 < outcomes.window_length
+                            ? ""
+                            : std::to_string(query.frame + 1 - outcomes.window_length),
+                        query.frame, best, kVerdictWords[static_cast<size_t>(query.verdict)],
+                        query.has_match ? "yes" : "no",
+                        kFrameVerdictWords[static_cast<size_t>(judgment.verdicts[query.frame])],
+                        query.rank ? std::to_string(*query.rank) : "",
+                        query.margin ? fmt::format("{}", *query.margin) : "");
   }
   return text;
 }

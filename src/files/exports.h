@@ -20,8 +20,8 @@ struct Judgment;
 std::string outcomes_csv_header();
 std::string recognitions_csv_header();
 
-/// A row per query window: its last frame, best match and outcome, with `name` and `query` in the
-/// first columns. Unknown fields are empty.
+/// A row per query frame: the window that ends there, best match and outcome, with `name` and
+/// `query` in the first columns. Unknown fields are empty.
 std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                          const std::string& query);
 

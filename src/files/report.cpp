@@ -13,11 +13,11 @@ namespace {
 constexpr size_t kMostPoints = 100;  // of a curve in a report
 
 /// Definitions that need no ground truth.
-constexpr std::array<std::string_view, 3> kTruthless = {"anchor", "recognitions", "localization"};
+constexpr std::array<std::string_view, 3> kTruthless = {"anchor", "pairs", "localization"};
 
 constexpr const char* kAnchorProtocol = "a window is judged at its last frame";
-constexpr const char* kUnreachableProtocol =
-    "a query window with matches only where no training window ends is not among the queries";
+constexpr const char* kFramesProtocol =
+    "all query frames with a match in the ground truth; those without an answer are not recognized";
 
 std::vector<ReportedCluster> places_of(const EvaluatedResult& judged) {
   std::vector<ReportedCluster> places;
@@ -44,62 +44,54 @@ void define_windows(Definitions& define, const Result& result) {
   define.insert(
       define.end(),
       {{"anchor", kAnchorProtocol},
-       {"recognitions",
-        fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
+       {"pairs", fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
        {"places", result.path ? "paths, judged at their middle frame"
                               : "clusters of recognitions, judged at their mean"},
-       {"recognitions_by_place", "recognitions, each with the verdict on its place"},
+       {"pairs_by_place", "recognitions, each with the verdict on its place"},
        {"mixed_places", "correct places with incorrect recognitions"},
        {"distinct", "correct places"},
-       {"best_match", fmt::format("the window with the lowest {}, ties to the first; rate = "
-                                  "correct / (queries - ignored)",
-                                  measure)},
-       {"no_ground_truth",
-        "a query window whose anchor has no match in the ground truth is not among the queries"},
-       {"no_valid_window", kUnreachableProtocol}});
+       {"best_match",
+        fmt::format("the window with the lowest {}, ties to the first; rate = correct / frames",
+                    measure)},
+       {"frames", kFramesProtocol}});
 }
 
 void define_places(Definitions& define) {
   define.insert(
       define.end(),
-      {{"recognitions", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
+      {{"pairs", "pairs of a frame and a place of which a view is above t_p for c_w frames"},
        {"distinct", "places recognized correctly at least once"},
        {"best_match",
-        "the place of the likeliest view, the new place omitted, ties to the first; a frame "
-        "without words is incorrect; rate = correct / (queries - ignored)"},
-       {"no_ground_truth",
-        "a frame without a match in the ground truth is not among the queries"}});
+        "the place of the likeliest view, the new place omitted, ties to the first; rate = correct "
+        "/ frames"},
+       {"frames", kFramesProtocol}});
 }
 
 void define_scores(Definitions& define, size_t window_length) {
-  const bool has_windows = window_length > 1;
-  if (has_windows) define.emplace_back("anchor", kAnchorProtocol);
+  if (window_length > 1) define.emplace_back("anchor", kAnchorProtocol);
   define.emplace_back(
       "best_match",
-      "the reference with the best score, ties to the first; rate = correct / (queries - ignored)");
-  define.emplace_back(
-      "no_ground_truth",
-      "a query without a match in the ground truth is not among the queries of rate and recall");
-  if (has_windows) define.emplace_back("no_valid_window", kUnreachableProtocol);
-  define.emplace_back("unreadable", "a query without any score");
+      "the reference with the best score, ties to the first; rate = correct / frames");
+  define.emplace_back("frames", kFramesProtocol);
 }
 
 constexpr const char* kKeyframeProtocol =
     "consecutive frames that look alike are one keyframe; a pair of keyframes with recognitions, "
-    "and a query keyframe with best matches, counts once: correct or incorrect if all of its "
-    "windows are, else mixed; rate = mean over query keyframes of the share of correct windows";
+    "and a query keyframe with a match, counts once: correct or incorrect if all of its frames "
+    "are, else mixed; a frame without an answer is not correct; rate = mean over query keyframes "
+    "of the share of correct frames";
 
 void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
   const bool has_ranks = judgment.outcomes.has_ranks;
   define.emplace_back(
       "single_best",
-      fmt::format("a {}; recall is over queries with a match; the best match of a query without "
-                  "one is incorrect; {}",
+      fmt::format("a {}; recall is over frames with a match; the best match of a frame without one "
+                  "is incorrect; {}",
                   judgment.outcomes.confidence == Confidence::margin
                       ? "margin accepts best matches that have at least this margin"
                       : "threshold accepts best matches that score at least as well",
                   has_ranks ? "references labeled ignore are skipped"
-                            : "a query whose best match is labeled ignore is omitted"));
+                            : "a best match labeled ignore is not accepted"));
   if (judgment.outcomes.has_margins)
     define.emplace_back(
         "margin",
@@ -154,7 +146,7 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
   }
   for (size_t m = 0; m < found.ranks.size(); ++m)
     for (const size_t k : judgment.recall_at)
-      if (rank_metrics()[m].is_known_at(outcomes, k))
+      if (outcomes.has_ranks || rank_metrics()[m].is_known_at(outcomes, k))
         found.ranks[m][k] = rank_value({&rank_metrics()[m], k}, outcomes);
   const auto recalls = local_recalls(outcomes, judgment.stretch_frames);
   ReportedAchievement& achievement = found.recall_achievement;
@@ -251,9 +243,21 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   return report;
 }
 
+std::optional<double> value_of(const Report& report, const MetricAt& metric) {
+  if (metric.metric->of_path != nullptr) return metric.metric->of_path(report.localization);
+  const auto index = [&](std::span<const Metric> all) {
+    return static_cast<size_t>(metric.metric - all.data());
+  };
+  if (metric.metric->of_curve != nullptr)
+    return report.metrics.curves.single_best.values[index(curve_metrics())].value;
+  const RankValues& ranks = report.metrics.ranks[index(rank_metrics())];
+  const auto found = ranks.find(metric.k);
+  return found == ranks.end() ? std::nullopt : found->second;
+}
+
 CurveNumbers numbers_of(const Curve& curve) {
   CurveNumbers numbers;
-  numbers.to_find = curve.to_find;
+  numbers.positives = curve.positives;
   for (size_t m = 0; m < numbers.values.size(); ++m)
     numbers.values[m] = curve_metrics()[m].of_curve(curve);
   return numbers;

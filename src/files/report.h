@@ -31,7 +31,7 @@ struct ReportedCluster {
 };
 
 struct CurveNumbers {
-  uint64_t to_find = 0;
+  uint64_t positives = 0;
   /// One per entry of curve_metrics().
   std::vector<MetricValue> values = std::vector<MetricValue>(curve_metrics().size());
   std::optional<uint64_t> tied_queries;        ///< best matches of a matrix only
@@ -128,6 +128,10 @@ struct Report {
 };
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
+
+/// A metric of best matches, by their confidence, or of the path: over all query frames that have a
+/// match, which is the same for all methods on a query.
+std::optional<double> value_of(const Report& report, const MetricAt& metric);
 
 CurveNumbers numbers_of(const Curve& curve);
 ReportedCurve reported_curve(const Curve& curve);

@@ -1,5 +1,6 @@
 #include "files/report_json.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -39,30 +40,19 @@ void visit_fields(Part<Visit>& part, Visitor&& visitor) {
   part.visit(visitor);
 }
 
-char letter_of(const QueryOutcome& query) {
-  switch (query.verdict) {
-    case Verdict::correct:
-      return 'c';
-    case Verdict::incorrect:
-      return query.has_match ? 'w' : query.is_unreachable ? 'b' : 'n';
-    case Verdict::ignored:
-      return 'i';
-    case Verdict::unreadable:
-      return 'u';
-  }
-  return 'u';
-}
-
-void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
-  constexpr std::string_view kLetters = "cwnbiu";
-  if (kLetters.find(letter) == std::string_view::npos) fields.fail("an outcome is invalid");
-  query.has_match = letter == 'c' || letter == 'w';
-  query.is_unreachable = letter == 'b';
-  query.verdict = letter == 'c'   ? Verdict::correct
-                  : letter == 'i' ? Verdict::ignored
-                  : letter == 'u' ? Verdict::unreadable
-                                  : Verdict::incorrect;
-}
+/// A letter for each outcome: capital letters for frames without a match in the ground truth.
+struct OutcomeLetter {
+  char letter = 'u';
+  Verdict verdict = Verdict::none;
+  bool has_match = false;
+};
+constexpr std::array<OutcomeLetter, 7> kOutcomeLetters = {{{'c', Verdict::correct, true},
+                                                           {'w', Verdict::incorrect, true},
+                                                           {'i', Verdict::ignored, true},
+                                                           {'u', Verdict::none, true},
+                                                           {'W', Verdict::incorrect, false},
+                                                           {'I', Verdict::ignored, false},
+                                                           {'U', Verdict::none, false}}};
 
 /// A number or "-" per query.
 template <class Number>
@@ -99,16 +89,16 @@ struct OutcomesForm {
 
   void write(Json& json, const std::string& key) const {
     Json& part = json[key];
-    part = {{"first_frame", outcomes.window_length - 1},
-            {"score_order", enum_name(outcomes.kind)},
-            {"best", outcome_letters(outcomes)}};
-    part["scores"] = number_words(outcomes, [&](const QueryOutcome& query) {
-      return query.key == kNoScore ? std::nullopt
-                                   : std::optional(score_of_key(query.key, outcomes.kind));
-    });
+    part = {{"score_order", enum_name(outcomes.kind)}, {"best", outcome_letters(outcomes)}};
+    if (outcomes.has_scores)
+      part["scores"] = number_words(outcomes, [&](const QueryOutcome& query) {
+        return query.key == kNoScore ? std::nullopt
+                                     : std::optional(score_of_key(query.key, outcomes.kind));
+      });
     if (outcomes.has_margins)
       part["margins"] =
           number_words(outcomes, [](const QueryOutcome& query) { return query.margin; });
+    if (outcomes.known_ranks < kMostFrames) part["known_ranks"] = outcomes.known_ranks;
     if (outcomes.has_ranks)
       part["ranks"] = number_words(outcomes, [](const QueryOutcome& query) { return query.rank; });
     std::string letters;
@@ -119,18 +109,21 @@ struct OutcomesForm {
 
   void read(const Fields& fields, const std::string& key) {
     const Fields part = fields.object(key);
-    const uint64_t first_frame = part.count("first_frame", kMostFrames);
-    outcomes.window_length = first_frame + 1;
     fields_from_json(part["score_order"], outcomes.kind, part, "score_order");
     for (const char letter : part.text("best")) {
+      const auto found = std::ranges::find(kOutcomeLetters, letter, &OutcomeLetter::letter);
+      if (found == kOutcomeLetters.end()) part.fail("an outcome is invalid");
       QueryOutcome& query = outcomes.queries.emplace_back();
-      query.frame = first_frame + outcomes.queries.size() - 1;
-      set_verdict(query, letter, part);
+      query.frame = outcomes.queries.size() - 1;
+      query.verdict = found->verdict;
+      query.has_match = found->has_match;
     }
-    outcomes.query_frames = first_frame + outcomes.queries.size();
-    read_number_words<double>(part, "scores", outcomes, [&](QueryOutcome& query, double score) {
-      query.key = score_key(score, outcomes.kind);
-    });
+    outcomes.has_scores = part.has("scores");
+    if (outcomes.has_scores)
+      read_number_words<double>(part, "scores", outcomes, [&](QueryOutcome& query, double score) {
+        query.key = score_key(score, outcomes.kind);
+      });
+    if (part.has("known_ranks")) outcomes.known_ranks = part.count("known_ranks", kMostFrames);
     outcomes.has_margins = part.has("margins");
     if (outcomes.has_margins)
       read_number_words<double>(part, "margins", outcomes,
@@ -144,7 +137,8 @@ struct OutcomesForm {
       if (verdict == std::string_view::npos) part.fail("its verdicts do not fit its outcomes");
       verdicts.push_back(static_cast<FrameVerdict>(verdict));
     }
-    if (verdicts.size() != outcomes.query_frames) part.fail("its verdicts do not fit its outcomes");
+    if (verdicts.size() != outcomes.queries.size())
+      part.fail("its verdicts do not fit its outcomes");
   }
 };
 
@@ -165,23 +159,21 @@ VPR_FIELDS(LabelCounts, correct, incorrect, ignored)
 
 template <class Visitor>
 void visit_fields(Counts& counts, Visitor&& visit) {
-  visit("recognitions", Part{[&](auto& inner) {
-          visit_fields(counts.recognitions, inner);
-          inner("distinct", counts.distinct);
-        }});
-  visit("recognitions_by_place", IfSet{counts.recognitions_by_place});
+  visit("pairs", counts.recognitions);
+  visit("distinct", counts.distinct);
+  visit("pairs_by_place", IfSet{counts.recognitions_by_place});
   visit("places", IfSet{counts.clusters});
   if (counts.clusters) visit("mixed_places", counts.mixed_clusters);
 }
 
 template <class Visitor>
 void visit_fields(BestMatchCounts& counts, Visitor&& visit) {
-  visit("queries", counts.queries);
+  visit("frames", counts.frames);
   visit("correct", counts.correct);
+  visit("incorrect", counts.incorrect);
   visit("ignored", counts.ignored);
-  visit("no_ground_truth", counts.no_ground_truth);
-  visit("no_valid_window", counts.no_valid_window);
-  visit("unreadable", counts.unreadable);
+  visit("no_answer", counts.no_answer);
+  visit("without_match", counts.without_match);
   visit("rate", Derived{counts.rate()});
 }
 
@@ -211,7 +203,7 @@ void visit_fields(ReportedCluster& place, Visitor&& visit) {
 
 template <class Visitor>
 void visit_fields(CurveNumbers& numbers, Visitor&& visit) {
-  visit("to_find", numbers.to_find);
+  visit("positives", numbers.positives);
   for (size_t m = 0; m < numbers.values.size(); ++m)
     visit(curve_metrics()[m].key, numbers.values[m].value);
   visit("thresholds", Part{[&](auto& inner) {
@@ -253,6 +245,7 @@ void visit_fields(Localization& path, Visitor&& visit) {
   visit("frames_with_match", path.frames_with_match);
   visit("correct", path.correct);
   visit("incorrect", path.incorrect);
+  visit("off_map", path.off_map);
   visit("share", Derived{path.share()});
   visit("longest_gap_frames", path.longest_gap_frames);
   visit("longest_gap_m", path.longest_gap_m);
@@ -324,7 +317,7 @@ void read_settings(const Fields& fields, const std::string& key, Report& report)
 
 template <class Visitor>
 void visit_fields(Report& report, Visitor&& visit) {
-  visit("schema", Derived{std::string("vpr.report/3")});
+  visit("schema", Derived{schema_name("report")});
   visit("method", report.method);
   visit("query", report.query);
   visit("", Form{[&](Json& json, const std::string&) { add_selection(json, report.selection); },
@@ -368,11 +361,12 @@ Json report_json(const Report& report) {
   };
   for (const char* key :
        {"/best_match", "/metrics", "/curves", "/confidence", "/protocol/tolerance_frames",
-        "/provenance/ground_truth", "/counts/mixed_places", "/localization/frames_with_match"})
+        "/provenance/ground_truth", "/counts/mixed_places", "/localization/frames_with_match",
+        "/localization/off_map"})
     omit(key);
   if (report.judged == JudgedBy::places) return json;
-  omit("/counts/recognitions_by_place");
-  omit("/counts/recognitions/distinct");
+  omit("/counts/pairs_by_place");
+  omit("/counts/distinct");
   for (const Metric& metric : path_metrics()) omit(fmt::format("/localization/{}", metric.key));
   return json;
 }
@@ -405,7 +399,11 @@ Report parse_report(const Json& json, const std::string& where) {
   const Fields fields(json, where);
   Report report;
   fields_from_json(json, report, fields, "report");
-  const Outcomes& outcomes = report.outcomes;
+  Outcomes& outcomes = report.outcomes;
+  const QuerySettings* of_query = report.query_settings();
+  outcomes.window_length = of_query != nullptr
+                               ? window_length_of(*of_query)
+                               : std::get<ScoreSettings>(report.settings).window_length;
   if (outcomes.confidence == Confidence::margin && !outcomes.has_margins)
     fields.fail("its outcomes do not fit each other");
   if (!report.provenance.result && !report.provenance.scores) fields.fail("\"scores\" is missing");
@@ -414,7 +412,11 @@ Report parse_report(const Json& json, const std::string& where) {
 
 std::string outcome_letters(const Outcomes& outcomes) {
   std::string letters;
-  for (const QueryOutcome& query : outcomes.queries) letters += letter_of(query);
+  for (const QueryOutcome& query : outcomes.queries)
+    letters += std::ranges::find_if(kOutcomeLetters, [&](const OutcomeLetter& one) {
+                 return one.verdict == query.verdict &&
+                        (one.has_match == query.has_match || one.verdict == Verdict::correct);
+               })->letter;
   return letters;
 }
 
@@ -426,7 +428,7 @@ Json counts_json(const Counts& counts) { return fields_to_json(counts); }
 
 Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
                   const RunInfo& run, double seconds) {
-  Json json = {{"schema", "vpr.reports/3"}, {"reports", Json::array()}};
+  Json json = {{"schema", schema_name("reports")}, {"reports", Json::array()}};
   for (size_t i = 0; i < reports.size(); ++i)
     json["reports"].push_back({{"name", names[i]}, {"report", report_json(reports[i])}});
   add_run(json, run, {{"evaluate", seconds}});
@@ -435,7 +437,7 @@ Json reports_json(std::span<const Report> reports, const std::vector<std::string
 
 Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run,
                     double seconds) {
-  Json json = {{"schema", "vpr.protocols/3"}, {"protocols", Json::array()}};
+  Json json = {{"schema", schema_name("protocols")}, {"protocols", Json::array()}};
   for (const auto& [preset, report] : reports)
     json["protocols"].push_back(
         {{"name", preset->name}, {"source", preset->source}, {"report", report_json(report)}});

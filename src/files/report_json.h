@@ -1,5 +1,5 @@
-// Reports as JSON: of one result (vpr.report/3), of several results (vpr.reports/3), and of one
-// result under several protocols (vpr.protocols/3).
+// Reports as JSON: of one result (vpr.report/4), of several results (vpr.reports/4), and of one
+// result under several protocols (vpr.protocols/4).
 #pragma once
 
 #include <filesystem>
@@ -24,7 +24,8 @@ Report read_report(const std::filesystem::path& path);
 /// `where`: the name of the file in messages.
 Report parse_report(const Json& json, const std::string& where);
 
-/// A letter per query: c(orrect), w(rong), n(o match), b(eyond reach), i(gnored), u(nreadable).
+/// A letter per query frame: c(orrect), w(rong), i(gnored), u(nanswered); W, I and U for frames
+/// without a match in the ground truth.
 std::string outcome_letters(const Outcomes& outcomes);
 
 Json curve_numbers_json(const Curve& curve);

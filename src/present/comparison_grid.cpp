@@ -18,35 +18,34 @@ namespace {
 
 using Value = std::optional<double>;
 
-/// A share of frames with the same denominator for all methods on a query.
+/// A share of the frames with a match, which are the same for all methods on a query.
 struct GridMetric {
   std::string_view key;
+  size_t k = 0;
   std::string_view name;
   std::string_view title;
-  uint64_t (*count)(const Report& report) = nullptr;  ///< of frames; null: over_frames
-  bool is_of_path = false;  ///< of all frames, not only of frames with a match
+  uint64_t (*count)(const Report& report) = nullptr;  ///< of frames, if it is a share of them
+  bool is_of_path = false;                            ///< by recognitions, not by best matches
   bool has_best = true;
 };
 
 constexpr std::array<GridMetric, 5> kMetrics = {
-    {{"recall_at_1", "R@1", "R@1: frames with a right best match",
+    {{"recall_at", 1, "R@1", "R@1: frames with a correct best match",
       [](const Report& report) { return report.counts.best_match.correct; }},
-     {"average_precision", "AP", "AP of best matches"},
-     {"recall_at_100_precision", "R@100P", "R@100P of best matches"},
-     {"share", "recognized correctly", "Share of the path with a correct recognition",
+     {"average_precision", 0, "AP", "AP of best matches"},
+     {"recall_at_100_precision", 0, "R@100P", "R@100P of best matches"},
+     {"share", 0, "recognized correctly", "Share of frames that are recognized correctly",
       [](const Report& report) { return uint64_t{report.localization.correct}; }, true},
-     {"incorrect", "incorrectly", "Share of the path with an incorrect recognition",
+     {"incorrect", 0, "incorrectly",
+      "Frames that are recognized incorrectly, per frame with a match",
       [](const Report& report) { return uint64_t{report.localization.incorrect}; }, true, false}}};
 
-/// The denominator.
-double frames_of(const Report& report, const GridMetric& metric) {
-  return metric.is_of_path ? double(report.localization.frames) : frames_to_find(report);
-}
+uint64_t frames_of(const Report& report) { return report.counts.best_match.frames; }
 
 Value value_of(const Report& report, const GridMetric& metric) {
-  if (metric.count == nullptr) return over_frames(report, metric.key);
-  const double frames = frames_of(report, metric);
-  return frames > 0 ? Value(double(metric.count(report)) / frames) : std::nullopt;
+  if (metric.count == nullptr) return value_of(report, metric_at(metric.key, metric.k));
+  const auto frames = static_cast<double>(frames_of(report));
+  return frames > 0 ? Value(static_cast<double>(metric.count(report)) / frames) : std::nullopt;
 }
 
 /// "0.9950 (199 of 200)".
@@ -55,7 +54,7 @@ std::string cell_text(const Report& report, const GridMetric& metric) {
   if (!value) return "-";
   std::string text = fmt::format("{:.4f}", *value);
   if (metric.count != nullptr)
-    text += fmt::format(" ({} of {:.0f}{})", metric.count(report), frames_of(report, metric),
+    text += fmt::format(" ({} of {}{})", metric.count(report), frames_of(report),
                         metric.is_of_path && report.is_oracle ? ", oracle" : "");
   return text;
 }
@@ -102,8 +101,7 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
   const bool all_oracle = std::ranges::all_of(reports, oracle);
   const bool any_oracle = std::ranges::any_of(reports, oracle);
   table.title = fmt::format(
-      "{} (over all frames of the query{}{})", metric.title,
-      metric.is_of_path ? "" : " that have a match",
+      "{} (over all frames with a match{})", metric.title,
       metric.is_of_path && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
   const std::vector<std::string> queries = queries_of(reports);
   table.columns = {"method"};
@@ -136,7 +134,7 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
 
 /// One row per method on this query, and one column per metric.
 Table query_table(std::span<const GridReport> reports, const std::string& query) {
-  Table table{"Over all frames of the query", {"method"}, {}};
+  Table table{"Over all frames with a match", {"method"}, {}};
   for (const std::string& method : methods_of(reports))
     if (report_of(reports, method, query) != nullptr) table.rows.push_back({method});
   for (const GridMetric& metric : kMetrics) {
@@ -208,8 +206,9 @@ Table grid_rows(std::span<const GridReport> reports) {
   for (const auto& [method, report] : reports)
     for (const GridMetric& metric : kMetrics) {
       const Value value = value_of(report, metric);
-      add_row(table, method, report.query, metric.key, value ? fmt::format("{}", *value) : "",
-              frames_of(report, metric), metric.is_of_path && report.is_oracle ? "yes" : "no");
+      add_row(table, method, report.query, metric_at(metric.key, metric.k).key(),
+              value ? fmt::format("{}", *value) : "", frames_of(report),
+              metric.is_of_path && report.is_oracle ? "yes" : "no");
     }
   return table;
 }

@@ -25,26 +25,27 @@ std::string title_of(const ComparisonReport& comparison) {
 
 constexpr size_t kMostNamed = 3;  // methods in the sentence
 
-// "Best matches of the 51 common queries are correct in 80.4 % by mine, 61.8 % by theirs.": the
-// best methods first.
+// "Best matches of 111 frames are correct in 80.4 % by mine, 61.8 % by theirs.": the best methods
+// first.
 std::string sentence_of(const ComparisonReport& comparison) {
   std::vector<const ComparedValue*> values;
   for (const ComparedValue& value : comparison.found.values)
     if (value.metric == metric_at("recall_at", 1) && value.value &&
         comparison.is_paired(value.method))
       values.push_back(&value);
-  if (values.empty()) return "The queries have nothing to find.";
+  if (values.empty()) return "No frame has a match.";
   std::ranges::stable_sort(values, std::greater(), [](const auto* value) { return *value->value; });
   std::string text =
-      fmt::format("Best matches of the {} are correct in ",
-                  counted(comparison.found.judged, "common query", "common queries"));
+      fmt::format("Best matches of {} are correct in ",
+                  counted(comparison.found.with_match,
+                          comparison.settings.only_common ? "common frame" : "frame"));
   for (size_t i = 0; i < std::min(values.size(), kMostNamed); ++i)
     text += fmt::format("{}{:.1f} % by {}", i == 0 ? "" : ", ", 100 * *values[i]->value,
                         comparison.names[values[i]->method]);
   return text + (values.size() > kMostNamed ? ", less by others." : ".");
 }
 
-/// One curve per report, over its own queries; empty if no query has a match.
+/// One curve per report, over its frames with a match; empty without frames or scores.
 Chart curves_overlay(const std::string& title, std::span<const Report> reports,
                      const std::vector<std::string>& names) {
   Chart chart = precision_recall_chart(title);
@@ -52,13 +53,12 @@ Chart curves_overlay(const std::string& title, std::span<const Report> reports,
     const Curve curve = single_best_curve(reports[r].outcomes);
     const auto area = find_metric("average_precision").of_curve(curve).value;
     Series series{
-        fmt::format("{}: {}{}{}", names[r],
-                    counted(judged_queries(reports[r].outcomes), "query", "queries"),
+        fmt::format("{}: {}{}{}", names[r], counted(curve.positives, "frame"),
                     area ? fmt::format(", AP {:.4f}", *area) : "",
                     reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : ""),
         {},
         SeriesStyle::line};
-    if (curve.to_find > 0) series.points = curve_points(curve);
+    if (curve.is_measurable()) series.points = curve_points(curve);
     chart.series.push_back(series);
   }
   return chart;
@@ -98,9 +98,9 @@ constexpr std::array<std::string_view, 4> kCompared = {"recall_at_1", "average_p
 Table difference_table(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
   Table table;
-  table.title = fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
-                            comparison.names.front(),
-                            counted(found.common, "common query", "common queries"), found.block);
+  table.title =
+      fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
+                  comparison.names.front(), counted(found.frames.size(), "frame"), found.block);
   table.columns = {"method"};
   std::map<size_t, size_t> rows;  // by method
   for (size_t r = 1; r < comparison.reports.size(); ++r) {
@@ -143,7 +143,7 @@ std::string comparison_page(const ComparisonReport& comparison) {
 }
 
 std::string methods_html(std::span<const Report> reports, const std::vector<std::string>& names) {
-  Chart curves = curves_overlay("Precision and recall of best matches, each over its own queries",
+  Chart curves = curves_overlay("Precision and recall of best matches, over frames with a match",
                                 reports, names);
   curves.width = 650;
   curves.height = 450;

@@ -43,6 +43,12 @@ Json number_json(const Metric& metric, Value value) {
   return or_null(value);
 }
 
+// "filter" of filter.report.json.
+std::string method_name(const fs::path& path) {
+  fs::path stem = path.stem();
+  return (stem.extension() == ".report" ? stem.stem() : stem).string();
+}
+
 // The difference to the first report, and the ends of its interval.
 std::array<Value, 3> differences(const ComparedValue& value) {
   if (!value.interval) return {value.difference, {}, {}};
@@ -84,16 +90,33 @@ std::string note_of(const ComparisonReport& comparison, size_t r) {
   if (!report.selection_words().empty()) notes.push_back(report.selection_words());
   if (!comparison.is_paired(r))
     notes.push_back(fmt::format("not paired, over {} of its own",
-                                counted(comparison.found.own[r], "query", "queries")));
+                                counted(report.counts.best_match.frames, "frame")));
   if (report.is_oracle) notes.emplace_back("threshold from the ground truth");
   if (compare_ground_truths(comparison.reports) != GroundTruths::same)
     notes.push_back(report.protocol.ground_truth);
   return fmt::format("{}", fmt::join(notes, "; "));
 }
 
-std::string common_queries(const Comparison& found) {
-  return fmt::format("{} ({} with a match)",
-                     counted(found.common, "common query", "common queries"), found.judged);
+std::string compared_frames(const ComparisonReport& comparison) {
+  const Comparison& found = comparison.found;
+  return counted(found.with_match, comparison.settings.only_common ? "common frame" : "frame") +
+         " with a match";
+}
+
+// The report over these frames of the query alone.
+void restrict_to(Report& report, const std::vector<size_t>& frames) {
+  std::vector<QueryOutcome>& queries = report.outcomes.queries;
+  for (size_t frame = 0; frame < queries.size(); ++frame) {
+    if (std::ranges::binary_search(frames, frame)) continue;
+    queries[frame] = QueryOutcome{};
+    queries[frame].frame = frame;
+    report.verdicts[frame] = FrameVerdict::none;
+  }
+  report.counts.best_match = best_match_counts(report.outcomes);
+  report.localization = localize(report.verdicts, {});
+  report.localization.frames = frames.size();
+  report.localization.frames_with_match = report.counts.best_match.frames;
+  report.metrics.curves.single_best = numbers_of(single_best_curve(report.outcomes));
 }
 
 /// A row per report; `title` has a place for the common queries. The best of paired reports is
@@ -102,7 +125,7 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
                    std::span<const MetricAt> columns) {
   const std::vector<Report>& reports = comparison.reports;
   Table table;
-  table.title = comparison.query() + ": " + fmt::format(title, common_queries(comparison.found));
+  table.title = comparison.query() + ": " + fmt::format(title, compared_frames(comparison));
   table.columns = {"method"};
   for (const std::string& name : comparison.names) table.rows.push_back({name});
   const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
@@ -130,7 +153,7 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
   Json json = {{"name", comparison.names[r]},
                {"method", report.method},
                {"ground_truth", report.protocol.ground_truth},
-               {"queries", comparison.found.own[r]},
+               {"frames", report.counts.best_match.frames},
                {"paired", comparison.is_paired(r)},
                {"localization", Json::object()},
                {"oracle", report.is_oracle},
@@ -166,10 +189,10 @@ std::vector<std::string> report_names(std::span<const Report> reports,
                                       const std::vector<std::string>& paths) {
   std::vector<std::string> names;
   for (size_t r = 0; r < reports.size(); ++r)
-    names.push_back(reports[r].name.value_or(fs::path(paths[r]).stem().string()));
-  const std::vector<std::string> given = names;
+    names.push_back(reports[r].name.value_or(method_name(paths[r])));
+  const std::vector<std::string> all = names;
   for (size_t r = 0; r < names.size(); ++r)
-    if (std::ranges::count(given, given[r]) > 1) names[r] = fmt::format("{} ({})", given[r], r + 1);
+    if (std::ranges::count(all, all[r]) > 1) names[r] = fmt::format("{} ({})", all[r], r + 1);
   return names;
 }
 
@@ -179,17 +202,31 @@ std::string ComparisonReport::query() const {
   return named == reports.end() ? kUnnamedQuery : named->query;
 }
 
+void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
+  std::vector<NamedOutcomes> methods;
+  for (size_t r = 0; r < comparison.reports.size(); ++r)
+    methods.push_back(
+        {comparison.names[r], comparison.reports[r].outcomes, comparison.is_paired(r)});
+  comparison.found = compare_outcomes(methods, comparison.settings, monitor);
+  if (!comparison.settings.only_common) return;
+  for (size_t r = 0; r < comparison.reports.size(); ++r)
+    if (comparison.is_paired(r)) restrict_to(comparison.reports[r], comparison.found.frames);
+}
+
 Json comparison_json(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
-  Json json = {
-      {"schema", "vpr.comparison/3"}, {"query", comparison.query()}, {"reports", Json::array()}};
+  Json json = {{"schema", schema_name("comparison")},
+               {"query", comparison.query()},
+               {"reports", Json::array()}};
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     json["reports"].push_back(named_report_json(comparison, r));
   json["ground_truths"] = enum_name(compare_ground_truths(comparison.reports));
-  json["queries"] = {
-      {"common", found.common}, {"with_match", found.judged}, {"disputed", found.disputed}};
+  json["frames"] = {{"compared", found.frames.size()},
+                    {"with_match", found.with_match},
+                    {"disputed", found.disputed},
+                    {"only_common", comparison.settings.only_common}};
   json["bootstrap"] = {
-      {"block", found.block}, {"resamples", comparison.resamples}, {"confidence", 0.95}};
+      {"block", found.block}, {"resamples", comparison.settings.resamples}, {"confidence", 0.95}};
   json["metrics"] = Json::array();
   for (const ComparedValue& value : found.values) {
     const auto [difference, low, high] = differences(value);
@@ -211,32 +248,30 @@ Json comparison_json(const ComparisonReport& comparison) {
                               {"neither", counts.neither}});
   }
   json["protocol"] = {
-      {"queries",
-       "query frames that all reports judge: readable, not ignored, and within reach of the "
-       "windows "
-       "of every report; a report of another selection is not paired, and is measured over its "
-       "own"},
+      {"frames",
+       comparison.settings.only_common
+           ? "query frames for which every paired report has a best match that is not ignored"
+           : "all query frames; a frame without an answer is not recognized; a report of another "
+             "selection is not paired, and is measured over its own"},
       {"localization",
-       "share of all frames of the path with a correct recognition, frames with an incorrect "
-       "recognition, and most consecutive frames without a correct recognition, by the reports"},
+       "share of the frames with a match that are recognized correctly, frames recognized "
+       "incorrectly, and most consecutive frames without a correct recognition"},
       {"oracle",
        "recognitions of a report with an oracle threshold are best matches up to a threshold that "
        "was chosen from the ground truth"},
       {"confidence", "the value by which AP, R@100P, max F1 and curves accept best matches"},
-      {"disputed", "omitted query frames, which have a match in only some of the ground truths"},
+      {"disputed", "omitted frames, which have a match in only some of the ground truths"},
       {"metrics",
-       "of best matches; an accepted best match of a query without a match is incorrect"},
+       "of best matches; an accepted best match of a frame without a match is incorrect"},
       {"interval",
        "central 95 % of the difference to the first report under the circular block bootstrap, "
-       "the same blocks of neighboring queries for all reports"}};
+       "the same blocks of neighboring frames for all reports"}};
   json["provenance"] = fields_to_json(comparison.made_by);
   return json;
 }
 
 Table paper_table(const ComparisonReport& comparison) {
-  Table table =
-      method_table(comparison, "over {}; share, wrong and longest gap (frames) over the whole path",
-                   paper_columns());
+  Table table = method_table(comparison, "over {}; longest gap in frames", paper_columns());
   std::vector<std::string> notes;
   for (size_t r = 0; r < table.rows.size(); ++r) notes.push_back(note_of(comparison, r));
   if (std::ranges::all_of(notes, &std::string::empty)) return table;
@@ -253,8 +288,8 @@ Table short_table(const ComparisonReport& comparison) {
         return value.metric == recall_at_5 && value.value;
       }))
     columns.insert(columns.begin() + 1, recall_at_5);
-  Table table = method_table(
-      comparison, "R@K, AP and R@100P over {}; correct and incorrect: recognized frames", columns);
+  Table table =
+      method_table(comparison, "over {}; correct and incorrect: recognized frames", columns);
   table.label = "comparison";
   for (const auto& [column, count] : {std::pair("correct", &Localization::correct),
                                       std::pair("incorrect", &Localization::incorrect)}) {
@@ -275,7 +310,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
     if (column == 1) best.push_back(comparison.names[row]);
   std::string text;
   if (!best.empty())
-    text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", common_queries(comparison.found),
+    text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", compared_frames(comparison),
                                     fmt::join(best, ", "))) +
            "\n";
   text += short_text(table);
@@ -299,7 +334,7 @@ Table comparison_table(const ComparisonReport& comparison) {
   Table table;
   table.title =
       fmt::format("{}: differences to {} over {}, 95 % by blocks of {}", comparison.query(),
-                  comparison.names.front(), common_queries(found), found.block);
+                  comparison.names.front(), compared_frames(comparison), found.block);
   const GroundTruths truths = compare_ground_truths(comparison.reports);
   if (truths != GroundTruths::same)
     table.title += fmt::format("; ground truths: {}", enum_name(truths));

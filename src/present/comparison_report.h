@@ -1,4 +1,4 @@
-// Comparisons of reports: on one query (vpr.comparison/3), and as a grid of methods and queries.
+// Comparisons of reports: on one query (vpr.comparison/4), and as a grid of methods and queries.
 #pragma once
 
 #include <array>
@@ -35,8 +35,8 @@ std::vector<std::string> report_names(std::span<const Report> reports,
 struct ComparisonReport {
   std::vector<Report> reports;
   std::vector<std::string> names;  ///< one per report
+  ComparisonSettings settings;
   Comparison found;
-  size_t resamples = 0;
   Provenance made_by;
 
   std::string query() const;
@@ -46,6 +46,10 @@ struct ComparisonReport {
   }
 };
 
+/// Compares the reports, which have names. With only_common, paired reports are first restricted to
+/// the common frames, so that all of their numbers are over them. Throws as compare_outcomes does.
+void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
+
 /// The file without "machine" and "timing".
 Json comparison_json(const ComparisonReport& comparison);
 
@@ -53,9 +57,9 @@ Json comparison_json(const ComparisonReport& comparison);
 /// bold, unknown values "-". Notes state a different selection or ground truth.
 Table paper_table(const ComparisonReport& comparison);
 
-/// A row per report with the columns that a paper prints: R@1, R@5 if it is known, AP and R@100P
-/// over the common queries, and frames recognized correctly and incorrectly over the whole path
-/// ("-" at a threshold from the ground truth). The best metrics of paired reports are bold.
+/// A row per report with the columns that a paper prints: R@1, R@5 if it is known, AP, R@100P, and
+/// frames recognized correctly and incorrectly ("-" at a threshold from the ground truth), all over
+/// the same frames. The best metrics of paired reports are bold.
 Table short_table(const ComparisonReport& comparison);
 
 /// The method with the best R@1, short_table, and the differences in R@1 to the first report.

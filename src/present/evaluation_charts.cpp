@@ -94,7 +94,9 @@ Chart recall_chart(const Report& report, const Judgment& judgment) {
   Series& series = chart.series.emplace_back(Series{
       "recall@K", {}, SeriesStyle::line_and_points, Meaning::best_matches, SeriesMark::disc});
   for (const size_t k : judgment.recall_at) {
-    series.points.emplace_back(k, *recall_at(judgment.outcomes, k));
+    const std::optional<double> recall = recall_at(judgment.outcomes, k);
+    if (!recall) continue;  // beyond the shortest list
+    series.points.emplace_back(k, *recall);
     chart.x.ticks.push_back({static_cast<double>(k), std::to_string(k)});
   }
   return chart;
@@ -192,7 +194,7 @@ Chart risk_chart(const Report& report, const Judgment& judgment) {
   chart.y.label = "risk: share of mistakes among them";
   chart.x.range = chart.y.range = {0, 1};
   for (const auto& [meaning, curve] : best_match_curves(judgment)) {
-    if (curve->to_find == 0) continue;
+    if (!curve->is_measurable()) continue;
     chart.series.push_back(series_of(meaning, SeriesStyle::line));
     chart.series.back().points = risk_coverage_points(*curve);
   }
@@ -295,7 +297,7 @@ void draw_evaluation(const Evaluation& evaluation, const Report& report,
                      const std::filesystem::path& folder, const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
   std::vector<Chart> charts = {curve_chart(report, judgment), risk_chart(report, judgment)};
-  if (judgment.outcomes.has_ranks && judged_queries(judgment.outcomes) > 0)
+  if (judgment.outcomes.has_ranks && judgment.single_best.positives > 0)
     charts.push_back(recall_chart(report, judgment));
   charts.push_back(timeline_chart(report, judgment, evaluation.truth, monitor));
   charts.push_back(margin_chart(report, judgment));

@@ -86,8 +86,7 @@ struct RouteMap {
 };
 
 /// The meaning of each query frame: its verdict or, without one, `unmapped` (no match in a known
-/// ground truth), `no_valid_window` (no query window ends at the frame, no training window ends at
-/// its matches, or its window is unreadable) or `missed`.
+/// ground truth) or `missed`.
 std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth);
 
 /// A chart with equal scales and a bar for a round number of meters, about a quarter as long as the

@@ -142,7 +142,6 @@ Json page_data(const Report& report, const Judgment& judgment) {
   Json data;
   const ScoreUnit unit = score_unit(report);
   data["best"] = outcome_letters(report.outcomes);
-  data["first_frame"] = report.outcomes.window_length - 1;
   data["unit"] = {{"words", unit.words}, {"divisor", unit.divisor}};
   data["judged"] = judgment.by != JudgedBy::nothing;
   data["sequences"] = Json::array();
@@ -152,7 +151,7 @@ Json page_data(const Report& report, const Judgment& judgment) {
   add_sources(data, judgment.layout.scope);
   data["columns"] = bands_json(column_bands(judgment.layout));
   data["rows"] = bands_json(row_bands(judgment.layout));
-  data["to_find"] = judgment.single_best.to_find;
+  data["positives"] = judgment.single_best.positives;
   data["steps"] = Json::array();
   for (const ThresholdStep& step : threshold_steps(report, judgment, kMostPoints))
     data["steps"].push_back({step.threshold, step.accepted[0], step.accepted[1], step.accepted[2]});

@@ -36,12 +36,20 @@ std::string curve_text(const CurveNumbers& numbers) {
 
 std::string best_match_text(const Report& report) {
   const BestMatchCounts& best = report.counts.best_match;
-  const uint64_t queries = best.queries - best.ignored;
-  if (queries == 0) return "";
-  const bool has_windows = report.outcomes.window_length > 1;
-  return fmt::format("correct in {} of {}, R@1 {}", best.correct,
-                     counted(queries, has_windows ? "window" : "frame"),
+  if (best.frames == 0) return "";
+  return fmt::format("correct in {} of {}{}, R@1 {}", best.correct, counted(best.frames, "frame"),
+                     best.without_match > 0 ? " with a match" : "",
                      metric_cell(find_metric("recall_at"), best.rate()));
+}
+
+// Names the metrics that the data do not determine.
+std::string unknown_text(const Outcomes& outcomes) {
+  std::string text;
+  if (!outcomes.has_scores) text = "AP and R@100P need scores";
+  if (outcomes.known_ranks < kMaxRank)
+    text += fmt::format("{}R@K is known up to K = {}, the shortest list", text.empty() ? "" : "; ",
+                        outcomes.known_ranks);
+  return text;
 }
 
 std::string recall_text(const Report& report) {
@@ -64,7 +72,7 @@ struct JudgedRange {
   bool is_incorrect = false;  ///< no recognition of the range is correct
 
   std::string verdict() const {
-    if (is_incorrect) return frames > 0 ? ": incorrect" : ": incorrect, not the closest";
+    if (is_incorrect) return frames > 0 ? ": incorrect" : ": incorrect, not the best";
     return incorrect == 0
                ? ""
                : fmt::format(": {} of {} incorrect", incorrect, counted(frames, "frame"));
@@ -149,8 +157,18 @@ std::string next_step(const Evaluation& evaluation) {
   return "next: vpr-tune DB --query QUERY --ground-truth G compares methods";
 }
 
-constexpr std::array<std::string_view, 3> kOverviewMetrics = {"recall_at", "average_precision",
-                                                              "recall_at_100_precision"};
+// Incorrect pairs that are accepted next to the best match of their frame.
+bool has_incorrect_pairs(const Report& report) {
+  return report.query_settings() != nullptr && !report.has_paths() &&
+         report.counts.recognitions.incorrect > 0;
+}
+
+// "412 of 639".
+std::string pairs_cell(const Report& report) {
+  if (report.query_settings() == nullptr || report.has_paths()) return "-";
+  const auto& [correct, incorrect, ignored] = report.counts.recognitions;
+  return fmt::format("{} of {}", incorrect, correct + incorrect + ignored);
+}
 
 }  // namespace
 
@@ -170,8 +188,12 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
     if (report.outcomes.has_ranks) text += line("recall", recall_text(report));
     const auto& curves = report.metrics.curves;
     const bool by_margin = report.outcomes.confidence == Confidence::margin;
-    text += line("curve", curve_text(curves.single_best) + (by_margin ? ", by margin" : ""));
-    if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
+    if (report.outcomes.has_scores) {
+      text += line("curve", curve_text(curves.single_best) + (by_margin ? ", by margin" : ""));
+      if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
+    }
+    if (const std::string unknown = unknown_text(report.outcomes); !unknown.empty())
+      text += line("not known", unknown);
   }
   if (result != nullptr && report.judged != JudgedBy::ground_truth && report.counts.clusters)
     text += line("places", places_text(report));
@@ -191,49 +213,46 @@ std::string short_text(Table table) {
   return render_table(table, TableFormat::text);
 }
 
-double frames_to_find(const Report& report) {
-  return double(report.localization.frames_with_match) - double(report.counts.best_match.ignored);
-}
-
-std::optional<double> over_frames(const Report& report, std::string_view key) {
-  const double frames = frames_to_find(report);
-  if (frames <= 0) return std::nullopt;
-  if (key == kOverviewMetrics[0]) return double(report.counts.best_match.correct) / frames;
-  const CurveNumbers& best = report.metrics.curves.single_best;
-  const auto value = value_of(best, key).value;
-  return value ? std::optional(*value * double(best.to_find) / frames) : std::nullopt;
-}
-
 Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
                      const std::string& key) {
   const Report& first = reports.front();
   const bool is_one_query = std::ranges::all_of(reports, [&](const Report& report) {
     return report.provenance.ground_truth == first.provenance.ground_truth;
   });
+  const bool has_pairs = std::ranges::any_of(
+      reports, [](const Report& report) { return has_incorrect_pairs(report); });
   Table table;
-  table.title = is_one_query ? fmt::format("{}: R@1, AP and R@100P over {:.0f} frames with a match",
-                                           first.query, frames_to_find(first))
-                             : "R@1, AP and R@100P over all frames with a match";
+  table.title = is_one_query ? fmt::format("{}: over {} with a match", first.query,
+                                           counted(first.counts.best_match.frames, "frame"))
+                             : "Over all frames with a match";
   table.label = "results";
-  table.columns = {key, "R@1", "AP", "R@100P", "correct", "incorrect", "first"};
-  if (!is_one_query) table.columns.insert(table.columns.begin() + 1, "n");
-  std::array<std::vector<std::optional<double>>, 3> values;
+  table.columns = {key};
+  if (!is_one_query) table.columns.emplace_back("n");
+  const std::vector<MetricAt> metrics = {metric_at("recall_at", 1), metric_at("average_precision"),
+                                         metric_at("recall_at_100_precision")};
+  const size_t first_metric = table.columns.size();
+  for (const MetricAt& metric : metrics) table.columns.push_back(metric.symbol());
+  for (const char* column : {"correct", "incorrect", "first"}) table.columns.emplace_back(column);
+  if (has_pairs) table.columns.emplace_back("pairs incorrect");
+  std::vector<std::vector<std::optional<double>>> values(metrics.size());
   for (size_t r = 0; r < reports.size(); ++r) {
     const Report& report = reports[r];
     std::vector<std::string> cells = {names[r]};
-    if (!is_one_query) cells.push_back(fmt::format("{:.0f}", frames_to_find(report)));
-    for (size_t m = 0; m < values.size(); ++m) {
-      values[m].push_back(over_frames(report, kOverviewMetrics[m]));
-      cells.push_back(metric_cell(find_metric(kOverviewMetrics[m]), values[m].back()));
+    if (!is_one_query) cells.push_back(std::to_string(report.counts.best_match.frames));
+    for (size_t m = 0; m < metrics.size(); ++m) {
+      values[m].push_back(value_of(report, metrics[m]));
+      cells.push_back(metric_cell(*metrics[m].metric, values[m].back()));
     }
     const Localization& path = report.localization;
     for (const auto& count : {std::optional(path.correct), std::optional(path.incorrect),
                               path.first_recognition_frames})
       cells.push_back(count && !report.is_oracle ? fmt::format("{}", *count) : "-");
+    if (has_pairs) cells.push_back(pairs_cell(report));
     table.rows.push_back(std::move(cells));
   }
   if (is_one_query && reports.size() > 1)
-    for (size_t m = 0; m < values.size(); ++m) mark_best(table, m + 1, values[m], false);
+    for (size_t m = 0; m < metrics.size(); ++m)
+      mark_best(table, first_metric + m, values[m], false);
   return table;
 }
 

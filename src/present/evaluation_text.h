@@ -19,17 +19,10 @@ std::string wrapped_text(const std::string& text, size_t indent = 0);
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
                             const std::string& summary, size_t most_ranges);
 
-/// The number of frames with a match, except frames whose best match is labeled ignore.
-double frames_to_find(const Report& report);
-
-/// recall_at (R@1) or a metric of the curve of best matches, over these frames: frames without a
-/// window count as misses.
-std::optional<double> over_frames(const Report& report, std::string_view key);
-
 /// One row per report, `names` in the column `key`: R@1, AP and R@100P over all frames with a
-/// match, so that frames without a window count as misses; frames recognized correctly and
-/// incorrectly, and the first correct one. "-" for recognitions at a threshold from the ground
-/// truth. Reports with different ground truths have a column with their frames, and no best value.
+/// match; frames recognized correctly and incorrectly, and the first correct one, "-" at a
+/// threshold from the ground truth; and incorrect pairs, if a report has any. Reports with
+/// different ground truths have a column with their frames, and no best value.
 Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
                      const std::string& key);
 

@@ -55,40 +55,73 @@ std::string method_title(const Report& report) {
   return score.empty() ? report.method : fmt::format("{}, {}", report.method, score);
 }
 
-size_t count_of(const Judgment& judgment, FrameVerdict verdict) {
-  return static_cast<size_t>(
-      std::count(judgment.verdicts.begin(), judgment.verdicts.end(), verdict));
-}
-
-std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
-  const std::optional<size_t> frame = judgment.localization.first_recognition_frames;
-  if (!frame) return "";
-  return fmt::format("; the first correct one at frame {}{}", *frame,
-                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(*frame) /
+// " The first is confirmed at frame 49 (2.4 s)."
+std::string first_of(const Localization& path, std::optional<double> frames_per_second) {
+  if (!path.first_recognition_frames) return "";
+  const size_t frame = *path.first_recognition_frames;
+  return fmt::format(" The first is confirmed at frame {}{}.", frame,
+                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(frame) /
                                                                         *frames_per_second)
                                        : "");
 }
 
-// "; 12 before the first mistake, ..."; empty without a mistake, and if all best matches have the
-// same score.
+// "; 12 can be accepted before the first mistake (...)"; empty without a mistake, and if all best
+// matches have the same score.
 std::string oracle_words(const Judgment& judgment) {
   const auto& points = judgment.single_best.points;
   if (points.size() < 2 || points.back().incorrect == 0) return "";
-  const size_t correct = count_of(judgment, FrameVerdict::correct);
-  return fmt::format("; {} before the first mistake, at a threshold chosen from the ground truth",
-                     correct == 0 ? "none" : std::to_string(correct));
+  return fmt::format(
+      "; {} can be accepted before the first mistake (at a threshold chosen with the "
+      "ground truth)",
+      judgment.localization.correct);
+}
+
+std::string frames_words(const BestMatchCounts& counts) {
+  return counted(counts.frames, "frame") + (counts.without_match > 0 ? " with a match" : "");
 }
 
 // "Best match correct in 106 of 200 frames (53.0 %)".
 std::string best_match_words(const Judgment& judgment) {
   const BestMatchCounts counts = best_match_counts(judgment.outcomes);
-  const std::string unit = judgment.layout.window_length > 1 ? "window" : "frame";
-  if (!counts.rate()) return fmt::format("No {} has a match in the ground truth", unit);
-  const bool all_match = counts.no_ground_truth + counts.no_valid_window == 0;
-  const std::string more = all_match ? "" : " with a match";
+  if (!counts.rate()) return "No frame has a match in the ground truth";
   return fmt::format("Best match correct in {} of {} ({:.1f} %)", counts.correct,
-                     counted(counts.queries - counts.ignored, unit + more, unit + "s" + more),
-                     100 * *counts.rate());
+                     frames_words(counts), 100 * *counts.rate());
+}
+
+// "; 412 of the 639 accepted window pairs are incorrect"; empty if none is.
+std::string pair_words(const Evaluation& evaluation) {
+  if (!evaluation.result) return "";
+  const LabelCounts& pairs = evaluation.result->counts.recognitions;
+  if (pairs.incorrect == 0 || evaluation.result->result.path) return "";
+  return fmt::format(
+      "; {} of the {} accepted {} {} incorrect", pairs.incorrect,
+      pairs.correct + pairs.incorrect + pairs.ignored,
+      evaluation.result->result.places ? "pairs of a frame and a place" : "window pairs",
+      pairs.incorrect == 1 ? "is" : "are");
+}
+
+// "17 of 111 frames recognized, 3 of them incorrectly".
+std::string recognized_words(const Evaluation& evaluation) {
+  const Judgment& judgment = evaluation.judgment;
+  const Localization& path = judgment.localization;
+  const size_t unjudged = path.recognized - path.correct - path.incorrect;
+  const size_t on_map = path.recognized - path.off_map;
+  const size_t incorrect = path.incorrect - path.off_map;
+  const std::string pairs = pair_words(evaluation);
+  std::string text =
+      fmt::format("{} of {} recognized", on_map == 0 ? "None" : std::to_string(on_map),
+                  frames_words(best_match_counts(judgment.outcomes)));
+  if (on_map > 0 && incorrect > 0)
+    text += fmt::format(", {} of them incorrectly", incorrect);
+  else if (path.correct > 0)
+    text += pairs.empty() ? ", all correctly" : ", their best matches all correct";
+  if (unjudged > 0)
+    text += fmt::format(", {} {}", unjudged,
+                        judgment.by == JudgedBy::places ? "without an answer" : "to be ignored");
+  if (path.off_map > 0)
+    text += fmt::format("; {} of {} without a match recognized, which is incorrect", path.off_map,
+                        counted(path.frames - path.frames_with_match, "frame"));
+  return text + pairs;
 }
 
 /// The metrics of a curve.
@@ -118,19 +151,17 @@ Table curve_table(const Report& report) {
   const auto& tied = report.metrics.curves.single_best.tied_queries;
   Table table;
   table.title = fmt::format(
-      "Metrics ({} with a match; {} without one, incorrect if accepted{}; {} ignored, {} "
-      "unreadable, omitted{})",
-      counted(best.queries, "query", "queries"), best.no_ground_truth,
-      best.no_valid_window == 0
-          ? ""
-          : fmt::format("; {} whose place lies where no training window ends, likewise",
-                        best.no_valid_window),
-      best.ignored, best.unreadable, tied ? fmt::format("; {} tied, to the first", *tied) : "");
+      "Metrics over {} with a match ({} without an answer, {} ignored: not recognized; {} without "
+      "a "
+      "match: incorrect if accepted{})",
+      counted(best.frames, "frame"), best.no_answer, best.ignored,
+      counted(best.without_match, "frame"),
+      tied ? fmt::format("; {} tied, to the first", *tied) : "");
   table.columns = {"of", "to find"};
   for (const Metric& metric : curve_metrics()) table.columns.emplace_back(metric.symbol);
   for (const NamedNumbers& curve : curves_of(report)) {
     auto& row = table.rows.emplace_back();
-    row = {curve.name, std::to_string(curve.numbers->to_find)};
+    row = {curve.name, std::to_string(curve.numbers->positives)};
     for (size_t m = 0; m < curve_metrics().size(); ++m)
       row.push_back(curve_cell(*curve.numbers, m));
   }
@@ -150,7 +181,7 @@ Table rank_table(const Report& report, bool needs_all_ranks) {
       add_column(table, MetricAt{&metric, k}.symbol(), metric_cell(metric, value));
   }
   table.title =
-      fmt::format("{} (queries with a match; ties to the first; ignored references skipped)",
+      fmt::format("{} (over frames with a match; ties to the first; ignored references skipped)",
                   fmt::join(titles, " and "));
   return table;
 }
@@ -171,7 +202,7 @@ Table achievement_table(const Report& report) {
 Table localization_table(const Report& report) {
   Table table;
   table.title = fmt::format("Along the path ({})", report.protocol.definition("localization"));
-  add_column(table, "frames", report.localization.frames);
+  add_column(table, "frames with a match", report.localization.frames_with_match);
   for (const Metric& metric : path_metrics())
     if (!metric.key.ends_with("_m") || report.localization.longest_gap_m)  // positions are known
       add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localization)));
@@ -202,8 +233,8 @@ std::string recognitions_text(const Report& report) {
   table.title = fmt::format(
       "Places, judged at their {} (mixed: correct there, but some recognitions are incorrect)",
       report.has_paths() ? "middle frame" : "mean");
-  table.columns = {"sequence", "query frames",         "train frames",
-                   "place",    "recognitions correct", "recognitions incorrect"};
+  table.columns = {"sequence", "query frames",  "train frames",
+                   "place",    "pairs correct", "pairs incorrect"};
   for (const ReportedCluster& place : places) {
     if (table.rows.size() == kMostPlaces) break;
     const LabelCounts& recognitions = place.judged.recognitions;
@@ -216,30 +247,17 @@ std::string recognitions_text(const Report& report) {
               : "");
 }
 
-// The first table with the share of best matches that are correct over all frames with a match.
-// Frames without a window count as incorrect, so that different window lengths are comparable.
-Table comparable_table(const Report& report) {
-  Table table = report_table(report);
-  const BestMatchCounts& best = report.counts.best_match;
-  const uint64_t frames = report.localization.frames_with_match - best.ignored;
-  add_column(table, "of frames", frames);
-  add_column(
-      table, "% of frames",
-      frames == 0 ? "-" : fmt::format("{:.1f}", 100 * double(best.correct) / double(frames)));
-  return table;
-}
-
 Table csv_row(const Report& report) {
   Table table;
   add_column(table, "method", report.method);
   add_column(table, "query", report.query);
-  const Table counts = comparable_table(report);
+  const Table counts = report_table(report);
   table.title = counts.title;
   add_columns(table, counts);
   if (const auto& by_place = report.counts.recognitions_by_place) {
-    add_column(table, "recognitions by place correct", by_place->correct);
-    add_column(table, "recognitions by place incorrect", by_place->incorrect);
-    add_column(table, "recognitions by place ignored", by_place->ignored);
+    add_column(table, "pairs by place correct", by_place->correct);
+    add_column(table, "pairs by place incorrect", by_place->incorrect);
+    add_column(table, "pairs by place ignored", by_place->ignored);
   }
   if (report.by_keyframe) add_columns(table, keyframe_table(*report.by_keyframe));
   for (const NamedNumbers& curve : curves_of(report))
@@ -291,26 +309,18 @@ std::string reference_word(const Report& report) {
   return report.has_places() ? "training place" : "training frame";
 }
 
-std::string summary_sentence(const Judgment& judgment, std::optional<double> frames_per_second) {
-  if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
-  const size_t correct = count_of(judgment, FrameVerdict::correct);
-  const size_t incorrect = count_of(judgment, FrameVerdict::incorrect);
-  const size_t unjudged = count_of(judgment, FrameVerdict::unjudged);
-  const size_t all = correct + incorrect + unjudged;
-  const auto some = [](size_t count) { return count == 0 ? "none" : std::to_string(count); };
-  std::string text = judgment.threshold ? best_match_words(judgment) + ". " : "";
-  text +=
-      fmt::format("Recognized in {} of {}", some(all), counted(judgment.verdicts.size(), "frame"));
+std::string summary_sentence(const Evaluation& evaluation,
+                             std::optional<double> frames_per_second) {
+  const Judgment& judgment = evaluation.judgment;
+  const Localization& path = judgment.localization;
   if (judgment.by == JudgedBy::nothing)
-    return text + fmt::format(" ({} %). Nothing is judged without a ground truth.",
-                              percent(judgment.localization.recognized_share()));
-  if (all > 0) {
-    text += fmt::format(", {} of them incorrect", some(incorrect));
-    if (unjudged > 0)
-      text += fmt::format(", {} {}", unjudged,
-                          judgment.by == JudgedBy::places ? "without an answer" : "to be ignored");
-  }
-  return text + first_of(judgment, frames_per_second) + ".";
+    return fmt::format("{} of {} recognized ({} %). Nothing is judged without a ground truth.",
+                       path.recognized == 0 ? "None" : std::to_string(path.recognized),
+                       counted(path.frames, "frame"), percent(path.recognized_share()));
+  if (!evaluation.result && !judgment.threshold) return best_match_words(judgment) + ".";
+  if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
+  return (judgment.threshold ? best_match_words(judgment) + ". " : "") +
+         recognized_words(evaluation) + "." + first_of(path, frames_per_second);
 }
 
 Table report_table(const Report& report) {
@@ -327,8 +337,8 @@ Table report_table(const Report& report) {
       add_column(table, "scale",
                  enum_name(windows->distance_threshold ? scale_of(*windows)
                                                        : score_of(*of_query).frame_scale));
-    add_column(table, "recognitions correct", counts.recognitions.correct);
-    add_column(table, "recognitions incorrect", counts.recognitions.incorrect);
+    add_column(table, "pairs correct", counts.recognitions.correct);
+    add_column(table, "pairs incorrect", counts.recognitions.incorrect);
     if (counts.clusters) {
       add_column(table, "places correct", counts.clusters->correct);
       add_column(table, "of these mixed", counts.mixed_clusters);
@@ -340,8 +350,8 @@ Table report_table(const Report& report) {
     add_column(table, "scores", enum_name(order_of(of_scores.format)));
     add_column(table, "window", of_scores.window_length);
   }
-  add_column(table, "best correct", best.correct);
-  add_column(table, "of", best.queries - best.ignored);
+  add_column(table, "best matches correct", best.correct);
+  add_column(table, "of frames", best.frames);
   add_column(table, "%", percent(best.rate()));
   return table;
 }
@@ -359,7 +369,7 @@ Table places_table(const Report& report) {
     add_column(table, noun + " correct", labels.correct);
     add_column(table, noun + " incorrect", labels.incorrect);
   };
-  add("recognitions", counts.recognitions_by_place.value_or(counts.recognitions));
+  add("pairs", counts.recognitions_by_place.value_or(counts.recognitions));
   if (counts.clusters) add("places", *counts.clusters);
   add("frames", {path.correct, path.incorrect, path.recognized - path.correct - path.incorrect});
   add_column(table, "of", path.frames);
@@ -392,7 +402,7 @@ std::string reports_text(std::span<const Report> reports, const std::vector<std:
   std::vector<std::vector<std::string>> named;
   for (size_t r = 0; r < reports.size(); ++r) {
     const Report& report = reports[r];
-    std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
+    std::vector<Table> tables = {report_table(report)};
     if (report.by_keyframe) tables.push_back(keyframe_table(*report.by_keyframe));
     for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
     kinds.resize(std::max(kinds.size(), tables.size()));

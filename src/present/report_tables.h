@@ -28,12 +28,13 @@ std::string title_with_settings(const Report& report);
 /// "training frame", or "training place" for FAB-MAP.
 std::string reference_word(const Report& report);
 
-/// For a result: "Recognized in 17 of 111 frames, 3 of them incorrect; the first correct one at
-/// frame 21 (2.1 s)." The time since the first frame needs frames_per_second, which is above 0.
-/// If nothing is judged, with their share. For scores: "Best match correct in 53 of 111
-/// frames (47.7 %)", with recognitions only at a threshold of the user; a threshold from the ground
-/// truth is marked.
-std::string summary_sentence(const Judgment& judgment, std::optional<double> frames_per_second);
+/// For a result: "17 of 111 frames recognized, 3 of them incorrectly. The first is confirmed at
+/// frame 21 (2.1 s)." Frames are those with a match in the ground truth, and each is judged by its
+/// best accepted match; other accepted pairs that are incorrect are counted in the same sentence.
+/// The time since the first frame needs frames_per_second, which is above 0. If nothing is judged,
+/// with their share of all frames. For scores: "Best match correct in 53 of 111 frames (47.7 %)",
+/// with recognized frames only at a threshold of the user; one from the ground truth is marked.
+std::string summary_sentence(const Evaluation& evaluation, std::optional<double> frames_per_second);
 
 /// One row: settings and counts.
 Table report_table(const Report& report);

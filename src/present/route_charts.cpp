@@ -36,9 +36,8 @@ Series train_lines(const RouteMap& map, const std::string& floor) {
 }
 
 // Query frames and training places, in the order of drawing.
-constexpr std::array<std::pair<Meaning, SeriesMark>, 7> kPoints = {
+constexpr std::array<std::pair<Meaning, SeriesMark>, 6> kPoints = {
     {{Meaning::unmapped, SeriesMark::circle},
-     {Meaning::no_valid_window, SeriesMark::dot},
      {Meaning::missed, SeriesMark::dot},
      {Meaning::place, SeriesMark::square},
      {Meaning::unjudged, SeriesMark::disc},
@@ -107,15 +106,13 @@ Chart plan_chart(const std::string& file, const std::string& title, std::vector<
 
 std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth) {
   std::vector<Meaning> meanings;
-  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
-    meanings.push_back(truth.has_match(frame) || !truth.is_known ? Meaning::no_valid_window
-                                                                 : Meaning::unmapped);
-  for (const QueryOutcome& query : judgment.outcomes.queries)
-    if ((query.has_match || !truth.is_known) && query.verdict != Verdict::unreadable)
-      meanings[query.frame] = Meaning::missed;
-  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame)
-    if (judgment.verdicts[frame] != FrameVerdict::none)
-      meanings[frame] = meaning_of(judgment.verdicts[frame]);
+  for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame) {
+    const FrameVerdict verdict = judgment.verdicts[frame];
+    const bool has_place = truth.has_match(frame) || !truth.is_known;
+    meanings.push_back(verdict != FrameVerdict::none ? meaning_of(verdict)
+                       : has_place                   ? Meaning::missed
+                                                     : Meaning::unmapped);
+  }
   return meanings;
 }
 

@@ -33,18 +33,18 @@ std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order) {
   return order == ScoreOrder::distance ? *cell.threshold : -*cell.threshold;
 }
 
-size_t best_path(std::span<const Localization> paths, uint64_t max_incorrect) {
-  const auto is_better = [&](const Localization& a, const Localization& b) {
-    const bool is_allowed = a.incorrect <= max_incorrect;
-    if (is_allowed != (b.incorrect <= max_incorrect)) return is_allowed;
-    const auto rank = [&](const Localization& path) {
-      const auto loss = -static_cast<int64_t>(path.correct);
-      const auto incorrect = static_cast<int64_t>(path.incorrect);
+size_t best_counts(std::span<const FrameCounts> counts, uint64_t max_incorrect) {
+  const auto is_better = [&](const FrameCounts& a, const FrameCounts& b) {
+    const bool is_allowed = a.incorrect() <= max_incorrect;
+    if (is_allowed != (b.incorrect() <= max_incorrect)) return is_allowed;
+    const auto rank = [&](const FrameCounts& one) {
+      const auto loss = -static_cast<int64_t>(one.path.correct);
+      const auto incorrect = static_cast<int64_t>(one.incorrect());
       return is_allowed ? std::pair(loss, incorrect) : std::pair(incorrect, loss);
     };
     return rank(a) < rank(b);
   };
-  return static_cast<size_t>(std::ranges::min_element(paths, is_better) - paths.begin());
+  return static_cast<size_t>(std::ranges::min_element(counts, is_better) - counts.begin());
 }
 
 Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {

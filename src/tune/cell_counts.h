@@ -1,6 +1,7 @@
 // Counts over a grid of settings, and the recommended setting.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -25,13 +26,23 @@ struct CellCounts {
   /// For margins: query windows that are recognized even if their place is not trained
   /// (UnknownPlaceScan).
   std::optional<uint64_t> unknown_place = {};
-  Localization path = {};  ///< frames by their closest recognitions
+  Localization path = {};  ///< frames by their best recognitions
 };
 
-/// The index of the best counts of frames: among those with at most `max_incorrect` incorrect
-/// frames, the most correct ones, then the fewest incorrect ones; if there are none, the fewest
-/// incorrect ones, then the most correct ones. Ties to the first; `paths` must not be empty.
-size_t best_path(std::span<const Localization> paths, uint64_t max_incorrect);
+/// Frames by their best accepted matches, and all accepted pairs.
+struct FrameCounts {
+  Localization path;
+  LabelCounts pairs;
+
+  /// Incorrect frames or, if there are more, incorrect pairs.
+  uint64_t incorrect() const { return std::max<uint64_t>(path.incorrect, pairs.incorrect); }
+};
+
+/// The index of the best counts: among those with at most `max_incorrect` incorrect frames and
+/// pairs, the most correct frames, then the fewest incorrect ones; if there are none, the fewest
+/// incorrect frames and pairs, then the most correct frames. Ties to the first; `counts` must not
+/// be empty.
+size_t best_counts(std::span<const FrameCounts> counts, uint64_t max_incorrect);
 
 /// A larger value accepts more: t_r, or the negative of t_p or a margin. Unset: automatic.
 std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order);

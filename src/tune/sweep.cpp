@@ -199,7 +199,7 @@ Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTrut
                       threshold_scale(result),
                       count_recognitions(result, truth, monitor),
                       cells.untrained_of ? cells.untrained_of(c) : std::nullopt,
-                      localize(verdicts_of(result, truth), {})};
+                      judge(result, truth, {}).localization};
     counter.add();
   });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);

@@ -15,7 +15,7 @@ namespace vpr {
 namespace {
 
 Json best_json(const BestMatchCounts& best) {
-  return {{"queries", best.queries}, {"correct", best.correct}, {"ignored", best.ignored}};
+  return {{"frames", best.frames}, {"correct", best.correct}, {"incorrect", best.incorrect}};
 }
 
 Json named_cell_json(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
@@ -110,7 +110,7 @@ std::string first_error_text(const Sweep& sweep) {
   const std::string window =
       fmt::format("{} {}", sweep.score->window_symbol, sweep.cells[*choice.cell].window);
   if (!choice.first_error)
-    return fmt::format("{} has no incorrect recognition in the whole grid.", window);
+    return fmt::format("{} has no incorrect pair in the whole grid.", window);
   const CellCounts& error = sweep.cells[*choice.first_error];
   const LabelCounts& recognitions = error.counts.recognitions;
   if (recognitions.incorrect == 0)
@@ -119,8 +119,7 @@ std::string first_error_text(const Sweep& sweep) {
                        counted(*error.unknown_place, "window"), window);
   return fmt::format("The first error of {} is at {} {}: {}, {} correct.", window,
                      sweep.threshold_symbol, threshold_text(error),
-                     counted(recognitions.incorrect, "incorrect recognition"),
-                     recognitions.correct);
+                     counted(recognitions.incorrect, "incorrect pair"), recognitions.correct);
 }
 
 // A line about the filter if it recognizes more frames correctly than `path` and no more
@@ -137,7 +136,7 @@ std::string filter_text(const Sweep& sweep, const std::optional<Localization>& p
         2);
   const std::string text =
       fmt::format("The filter recognizes {} of {} correctly, {} incorrectly", filter.correct,
-                  counted(filter.frames, "frame"), filter.incorrect);
+                  counted(filter.frames_with_match, "frame"), filter.incorrect);
   if (filter.correct == 0) return text + ":\nthe query may show another place, or the way back.\n";
   return text + ".\n" +
          (filter.incorrect == 0 ? "Use the filter: vpr-query without flags of windows.\n" : "");
@@ -153,7 +152,7 @@ std::string intervals_text(const SweepIntervals& intervals, bool with_places) {
     return fmt::format("{:.0f} to {:.0f}", interval.low, interval.high);
   };
   std::string text =
-      fmt::format("Correct recognitions {}, incorrect {}", range(intervals.correct_recognitions),
+      fmt::format("Correct pairs {}, incorrect {}", range(intervals.correct_recognitions),
                   range(intervals.incorrect_recognitions));
   if (with_places)
     text += fmt::format("; correct places {}, incorrect {}", range(intervals.correct_places),
@@ -180,7 +179,7 @@ std::vector<std::string> distinct_texts(const Sweep& sweep,
 Json sweep_json(std::string_view method, const QuerySettings& base,
                 const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds) {
   Json json = {
-      {"schema", "vpr.sweep/3"}, {"method", method}, {"settings", settings_in_force(base)}};
+      {"schema", schema_name("sweep")}, {"method", method}, {"settings", settings_in_force(base)}};
   for (const Sweep& sweep : sweeps)
     for (const std::string& varied :
          {std::string(sweep.score->window_symbol), sweep.threshold_symbol})
@@ -209,8 +208,8 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
       sweeps, [](const Sweep& sweep) { return sweep.recommendation.cell.has_value(); });
   std::vector<Table> tables = {grid_table(
       sweeps,
-      fmt::format("recognitions by {} and {}{}", first.threshold_symbol, first.score->window_symbol,
-                  any_star ? " (* recommended)" : ""),
+      fmt::format("accepted pairs by {} and {}{}", first.threshold_symbol,
+                  first.score->window_symbol, any_star ? " (* recommended)" : ""),
       [](const Counts& counts) { return label_texts(counts.recognitions); }, true, true)};
   const bool any_mixed = std::ranges::any_of(sweeps, [](const Sweep& sweep) {
     return std::ranges::any_of(
@@ -230,7 +229,7 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
       sweeps, fmt::format("best matches by {}", first.score->window_symbol),
       [](const Counts& counts) {
         const BestMatchCounts& best = counts.best_match;
-        return label_texts({best.correct, best.queries - best.ignored - best.correct, 0});
+        return label_texts({best.correct, best.incorrect, 0});
       },
       false, false));
   return tables;
@@ -239,10 +238,10 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
 Table cells_table(const std::vector<Sweep>& sweeps) {
   Table table;
   for (const std::string_view column :
-       split("query,,,scale,recognitions_correct,recognitions_incorrect,recognitions_ignored,"
-             "recognitions_by_place_correct,recognitions_by_place_incorrect,"
-             "recognitions_by_place_ignored,places_correct,places_mixed,places_incorrect,"
-             "places_ignored,distinct,best_match_correct,best_match_queries,best_match_ignored,"
+       split("query,,,scale,pairs_correct,pairs_incorrect,pairs_ignored,"
+             "pairs_by_place_correct,pairs_by_place_incorrect,pairs_by_place_ignored,places_"
+             "correct,places_mixed,places_incorrect,"
+             "places_ignored,distinct,best_match_correct,best_match_incorrect,frames_with_match,"
              "pareto,recommended",
              ','))
     table.columns.emplace_back(column);
@@ -264,7 +263,7 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
               recognitions.incorrect, recognitions.ignored, of_places(pairs.correct),
               of_places(pairs.incorrect), of_places(pairs.ignored), of_places(judged.correct),
               of_places(mixed), of_places(judged.incorrect), of_places(judged.ignored), distinct,
-              best.correct, best.queries, best.ignored, is_pareto ? "yes" : "no",
+              best.correct, best.incorrect, best.frames, is_pareto ? "yes" : "no",
               choice.cell == c ? "yes" : "no");
     }
   return table;
@@ -274,7 +273,7 @@ std::string reason_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
   const std::string& symbol = sweep.threshold_symbol;
   const auto correct = [&](const std::optional<size_t>& cell) {
-    return counted(sweep.cells[*cell].counts.recognitions.correct, "correct recognition");
+    return counted(sweep.cells[*cell].counts.recognitions.correct, "correct pair");
   };
   const std::string near_miss =
       choice.near_miss
@@ -285,18 +284,18 @@ std::string reason_text(const Sweep& sweep) {
     case Advice::recommended:
       if (sweep.cells[*choice.cell].unknown_place)
         return correct(choice.cell) +
-               ", the most of all settings that neither have an incorrect recognition nor would, "
+               ", the most of all settings that neither have an incorrect pair nor would, "
                "were the places not trained";
       return fmt::format(
-          "{}, the most of all settings without an incorrect recognition at "
+          "{}, the most of all settings without an incorrect pair at "
           "this, every stricter and the next looser {}",
           correct(choice.cell), symbol);
     case Advice::no_recognitions:
-      return "no setting has a recognition";
+      return "no setting accepts a pair";
     case Advice::no_correct_recognitions:
-      return "all recognitions are incorrect; check that the ground truth belongs to this query";
+      return "all accepted pairs are incorrect; check that the ground truth belongs to this query";
     case Advice::always_errors:
-      return fmt::format("every setting with a correct recognition also has an incorrect one{}",
+      return fmt::format("every setting with a correct pair also has an incorrect one{}",
                          knows_untrained(sweep) ? ", or would if its place were not trained" : "");
     case Advice::next_errs:
       return fmt::format("{}, but the next looser {} of the grid, {}, has one", near_miss, symbol,
@@ -322,7 +321,7 @@ std::string recommendation_text(const Sweep& sweep) {
                                               cell_name(sweep, cell), reason_text(sweep)),
                                   2);
   text += fmt::format("It recognizes {} of {} correctly, {} incorrectly.\n", cell.path.correct,
-                      counted(cell.path.frames, "frame"), cell.path.incorrect);
+                      counted(cell.counts.best_match.frames, "frame"), cell.path.incorrect);
   text += wrapped_text(first_error_text(sweep), 2);
   if (sweep.intervals) text += wrapped_text(intervals_text(*sweep.intervals, has_places(sweep)), 2);
   const std::string filter = filter_text(sweep, cell.path);
@@ -339,11 +338,11 @@ std::string validation_text(const ValidatedCell& validation) {
     return fmt::format("{} correct, {} incorrect", labels.correct, labels.incorrect);
   };
   std::string text =
-      fmt::format("On {}: recognitions {}", validation.query_name, pair_text(counts.recognitions));
+      fmt::format("On {}: pairs {}", validation.query_name, pair_text(counts.recognitions));
   if (counts.clusters) text += fmt::format("; places {}", pair_text(*counts.clusters));
   const BestMatchCounts& best = counts.best_match;
-  text +=
-      fmt::format("; best matches {} of {} correct.", best.correct, best.queries - best.ignored);
+  text += fmt::format("; best matches of {} of {} correct.", best.correct,
+                      counted(best.frames, "frame"));
   return wrapped_text(text, 2);
 }
 

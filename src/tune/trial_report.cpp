@@ -12,14 +12,18 @@
 namespace vpr {
 namespace {
 
-Json path_json(const Localization& path) {
-  return {{"correct", path.correct},
-          {"incorrect", path.incorrect},
-          {"first", or_null(path.first_recognition_frames)}};
+Json counts_json(const FrameCounts& counts) {
+  return {{"frames", counts.path.frames_with_match},
+          {"correct", counts.path.correct},
+          {"incorrect", counts.path.incorrect},
+          {"pairs_incorrect", counts.pairs.incorrect},
+          {"first", or_null(counts.path.first_recognition_frames)}};
 }
 
-void add_path(Table& table, const std::string& setting, const Localization& path, double seconds) {
-  add_row(table, setting, path.correct, path.incorrect,
+void add_counts(Table& table, const std::string& setting, const FrameCounts& counts,
+                double seconds) {
+  const auto& [path, pairs] = counts;
+  add_row(table, setting, path.correct, path.incorrect, pairs.incorrect,
           path.first_recognition_frames ? std::to_string(*path.first_recognition_frames) : "-",
           fmt::format("{:.2f}", 1000 * seconds / static_cast<double>(path.frames)));
 }
@@ -27,7 +31,7 @@ void add_path(Table& table, const std::string& setting, const Localization& path
 }  // namespace
 
 Json trials_json(const Trials& trials, const RunInfo& run, double seconds) {
-  Json json = {{"schema", "vpr.tuning/3"},         {"max_incorrect", trials.max_incorrect},
+  Json json = {{"schema", schema_name("tuning")},  {"max_incorrect", trials.max_incorrect},
                {"queries", Json::array()},         {"trials", Json::array()},
                {"chosen", or_null(trials.chosen)}, {"settings", nullptr}};
   for (const Sequence& query : trials.queries) {
@@ -36,11 +40,11 @@ Json trials_json(const Trials& trials, const RunInfo& run, double seconds) {
   }
   std::map<std::string, double> timing = {{"all", seconds}};
   for (const Trial& trial : trials.all) {
-    Json one = path_json(trial.total());
+    Json one = counts_json(trial.total());
     one["name"] = trial.name;
     one["settings"] = settings_in_force(trial.settings);
     one["queries"] = Json::array();
-    for (const Localization& path : trial.paths) one["queries"].push_back(path_json(path));
+    for (const FrameCounts& counts : trial.counts) one["queries"].push_back(counts_json(counts));
     json["trials"].push_back(std::move(one));
     timing[trial.name] = trial.seconds;
   }
@@ -52,17 +56,18 @@ Json trials_json(const Trials& trials, const RunInfo& run, double seconds) {
 
 Table trials_table(const Trials& trials, bool by_query) {
   Table table;
-  table.columns = {"frames recognized", "correct", "incorrect", "first", "ms/frame"};
+  table.columns = {"frames recognized", "correct", "incorrect",
+                   "pairs incorrect",   "first",   "ms/frame"};
   for (size_t t = 0; t < trials.all.size(); ++t) {
     const Trial& trial = trials.all[t];
-    const Localization total = trial.total();
-    add_path(table, trial.name + (trials.chosen == t ? " *" : ""), total, trial.seconds);
-    if (!by_query || trial.paths.size() < 2) continue;
-    for (size_t q = 0; q < trial.paths.size(); ++q) {
-      const Localization& path = trial.paths[q];
-      add_path(
-          table, "  " + trials.queries[q].name, path,
-          trial.seconds * static_cast<double>(path.frames) / static_cast<double>(total.frames));
+    const FrameCounts total = trial.total();
+    add_counts(table, trial.name + (trials.chosen == t ? " *" : ""), total, trial.seconds);
+    if (!by_query || trial.counts.size() < 2) continue;
+    for (size_t q = 0; q < trial.counts.size(); ++q) {
+      const FrameCounts& counts = trial.counts[q];
+      add_counts(table, "  " + trials.queries[q].name, counts,
+                 trial.seconds * static_cast<double>(counts.path.frames) /
+                     static_cast<double>(total.path.frames));
     }
   }
   return table;
@@ -71,17 +76,17 @@ Table trials_table(const Trials& trials, bool by_query) {
 std::string choice_text(const Trials& trials, const std::string& advice) {
   if (trials.chosen) {
     const Trial& trial = trials.all[*trials.chosen];
-    const Localization path = trial.total();
+    const Localization path = trial.total().path;
     const std::string choice =
         fmt::format("Choice: {}: {} of {} correctly, {} incorrectly.", trial.name, path.correct,
-                    counted(path.frames, "frame"), path.incorrect);
+                    counted(path.frames_with_match, "frame"), path.incorrect);
     return wrapped_text(choice, 2) +
            (trial.is_tuned
                 ? "Its threshold fits these frames; another recording may need another setting.\n"
                 : "Another recording may need another setting.\n");
   }
-  const bool any_correct =
-      std::ranges::any_of(trials.all, [](const Trial& trial) { return trial.total().correct > 0; });
+  const bool any_correct = std::ranges::any_of(
+      trials.all, [](const Trial& trial) { return trial.total().path.correct > 0; });
   if (any_correct)
     return fmt::format(
         "No choice: each setting with a correct frame has more than {} (--max-incorrect).\n",

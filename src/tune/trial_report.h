@@ -1,4 +1,4 @@
-// Trials of different settings (vpr.tuning/3) as JSON, table and text.
+// Trials of different settings (vpr.tuning/4) as JSON, table and text.
 #pragma once
 
 #include <string>

@@ -21,19 +21,22 @@ double total_seconds(const std::map<std::string, double>& steps) {
   return seconds;
 }
 
-Localization sum_of(std::span<const Localization> paths) {
-  Localization sum;
-  sum.first_recognition_frames = 0;
-  for (const Localization& path : paths) {
-    sum.frames += path.frames;
-    sum.frames_with_match += path.frames_with_match;
-    sum.correct += path.correct;
-    sum.incorrect += path.incorrect;
-    if (sum.first_recognition_frames && path.first_recognition_frames)
-      sum.first_recognition_frames =
-          std::max(*sum.first_recognition_frames, *path.first_recognition_frames);
+FrameCounts sum_of(std::span<const FrameCounts> counts) {
+  FrameCounts sum;
+  sum.path.first_recognition_frames = 0;
+  for (const auto& [path, pairs] : counts) {
+    sum.path.frames += path.frames;
+    sum.path.frames_with_match += path.frames_with_match;
+    sum.path.correct += path.correct;
+    sum.path.incorrect += path.incorrect;
+    sum.pairs.correct += pairs.correct;
+    sum.pairs.incorrect += pairs.incorrect;
+    sum.pairs.ignored += pairs.ignored;
+    std::optional<size_t>& first = sum.path.first_recognition_frames;
+    if (first && path.first_recognition_frames)
+      first = std::max(*first, *path.first_recognition_frames);
     else
-      sum.first_recognition_frames.reset();
+      first.reset();
   }
   return sum;
 }
@@ -42,15 +45,16 @@ Localization sum_of(std::span<const Localization> paths) {
 template <class Query, class SweepQuery>
 size_t best_cell(const std::vector<Query>& queries, uint64_t max_incorrect,
                  const SweepQuery& sweep) {
-  std::vector<std::vector<Localization>> by_cell;
+  std::vector<std::vector<FrameCounts>> by_cell;
   for (const Query& query : queries) {
     const std::vector<CellCounts> cells = sweep(query).cells;
     by_cell.resize(cells.size());
-    for (size_t c = 0; c < cells.size(); ++c) by_cell[c].push_back(cells[c].path);
+    for (size_t c = 0; c < cells.size(); ++c)
+      by_cell[c].push_back({cells[c].path, cells[c].counts.recognitions});
   }
-  std::vector<Localization> sums;
-  for (const auto& paths : by_cell) sums.push_back(sum_of(paths));
-  return best_path(sums, max_incorrect);
+  std::vector<FrameCounts> sums;
+  for (const auto& counts : by_cell) sums.push_back(sum_of(counts));
+  return best_counts(sums, max_incorrect);
 }
 
 template <class Query>
@@ -63,8 +67,9 @@ std::string name_of(const SequenceQuerySettings& settings) {
   if (settings.decision == Decision::threshold)
     return fmt::format("FastABLE, c_l {}, t_r {:g}", settings.window_length,
                        *settings.distance_threshold);
-  return fmt::format("windows of {}{}, margin", settings.window_length,
-                     settings.rates.empty() ? "" : " at several speeds");
+  const size_t speeds = settings.rates.size();
+  return fmt::format("windows of {}{}", settings.window_length,
+                     speeds == 0 ? "" : fmt::format(", {} speeds", speeds));
 }
 
 // The settings of the best cell over all queries.
@@ -85,7 +90,7 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
 
 }  // namespace
 
-Localization Trial::total() const { return sum_of(paths); }
+FrameCounts Trial::total() const { return sum_of(counts); }
 
 std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
                                       const SequenceDatabase& database,
@@ -112,9 +117,9 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
         run_query(plan_query(database, query.frames, query.name, resolved, resources, monitor),
                   resolved, resources, {}, monitor);
     trial.seconds += total_seconds(run.seconds);
-    trial.paths.push_back(
-        evaluate_result(std::move(run.result), std::nullopt, query.by, truth_monitor)
-            .judgment.localization);
+    const Evaluation found =
+        evaluate_result(std::move(run.result), std::nullopt, query.by, truth_monitor);
+    trial.counts.push_back({found.judgment.localization, found.result->counts.recognitions});
   }
   return trial;
 }
@@ -182,8 +187,9 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
   for (const LabeledWords& query : queries) {
     QueryRun run = query_fabmap(database, query.frames, query.name, settings, seed, {}, monitor);
     trial.seconds += total_seconds(run.seconds);
-    trial.paths.push_back(evaluate_result(std::move(run.result), std::nullopt, query.by, monitor)
-                              .judgment.localization);
+    const Evaluation found =
+        evaluate_result(std::move(run.result), std::nullopt, query.by, monitor);
+    trial.counts.push_back({found.judgment.localization, found.result->counts.recognitions});
   }
   return trial;
 }
@@ -191,7 +197,7 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
 void choose(Trials& trials) {
   trials.chosen.reset();
   for (const bool is_tuned : {false, true}) {
-    std::vector<Localization> totals;
+    std::vector<FrameCounts> totals;
     std::vector<size_t> numbers;
     for (size_t t = 0; t < trials.all.size(); ++t) {
       if (trials.all[t].is_tuned != is_tuned) continue;
@@ -199,8 +205,8 @@ void choose(Trials& trials) {
       numbers.push_back(t);
     }
     if (totals.empty()) continue;
-    const size_t best = best_path(totals, trials.max_incorrect);
-    if (totals[best].correct == 0 || totals[best].incorrect > trials.max_incorrect) continue;
+    const size_t best = best_counts(totals, trials.max_incorrect);
+    if (totals[best].path.correct == 0 || totals[best].incorrect() > trials.max_incorrect) continue;
     trials.chosen = numbers[best];
     return;
   }

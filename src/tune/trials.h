@@ -1,5 +1,4 @@
-// Trials of different settings on queries with ground truth, and the setting to use. Counts are
-// query frames along the path: a frame is recognized by its closest recognition.
+// Trials of different settings on queries with ground truth, and the setting to use.
 #pragma once
 
 #include <optional>
@@ -30,14 +29,14 @@ struct LabeledWords {
 
 /// One setting on all queries.
 struct Trial {
-  std::string name;  ///< for tables: "windows of 40, margin"
+  std::string name;  ///< for tables: "windows of 40, 5 speeds"
   QuerySettings settings;
   bool is_tuned = false;            ///< its threshold is chosen by the ground truth
-  std::vector<Localization> paths;  ///< by query
+  std::vector<FrameCounts> counts;  ///< by query
   double seconds = 0;               ///< matching and decision, without the description of frames
 
   /// Counts of all queries; the first recognition is the latest one, unset if a query has none.
-  Localization total() const;
+  FrameCounts total() const;
 };
 
 /// The trials of all settings, and the choice.
@@ -45,7 +44,7 @@ struct Trials {
   std::vector<Sequence> queries;
   std::vector<Trial> all;  ///< the simplest and most general rule first
   uint64_t max_incorrect = 0;
-  /// best_path() of the totals of trials that are not tuned, or else of tuned ones, whose counts
+  /// best_counts() of the totals of trials that are not tuned, or else of tuned ones, whose counts
   /// are too high; nullopt without a correct frame, or if all trials with one have more incorrect
   /// ones.
   std::optional<size_t> chosen;
@@ -58,7 +57,7 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
                   const Monitor& monitor, const Monitor& truth_monitor);
 
 /// Tries the filter, windows of z-scores by margin, the same at several speeds, and FastABLE's raw
-/// distances by t_r, each at its best cell of a small grid (best_path). Windows are omitted if no
+/// distances by t_r, each at its best cell of a small grid (best_counts). Windows are omitted if no
 /// c_l of the grid fits, or, with a warning, if their recognitions exceed the memory. `base`:
 /// skip_unreadable and the training sequences to search. The database has statistics
 /// (ensure_statistics). Throws what plan_query and sweep_sequences throw.

@@ -107,7 +107,7 @@ TEST_CASE("errors distinguish schemas of another kind and of another version") {
                       "(this one reads vpr.result/3). Run the command that wrote it "
                       "again",
                       other));
-  CHECK(text("vpr.report/3") == "r.json: expected schema vpr.result/3, found vpr.report/3");
+  CHECK(text("vpr.report/4") == "r.json: expected schema vpr.result/3, found vpr.report/4");
   CHECK(error_kind([] { require_schema(Json(3), "result", "r", ErrorKind::data); }) ==
         ErrorKind::data);
 }

@@ -90,7 +90,7 @@ TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds")
        Meaning::truth, Meaning::unjudged},
       {Meaning::unjudged, Meaning::weak_unjudged},
       {Meaning::correct, Meaning::incorrect, Meaning::missed, Meaning::unmapped,
-       Meaning::train_path, Meaning::place, Meaning::no_valid_window},
+       Meaning::train_path, Meaning::place},
       {Meaning::best_matches, Meaning::all_pairs, Meaning::by_margin},
       {Meaning::correct, Meaning::incorrect, Meaning::unjudged, Meaning::required_margin}};
   for (const auto& picture : pictures)
@@ -115,34 +115,4 @@ TEST_CASE("a page's variables equal the palette's colors") {
     CHECK(at < dark);
     CHECK(css.find(fmt::format("--{}: #{:06x};", row.name, row.dark), dark) != std::string::npos);
   }
-}
-
-TEST_CASE("the summary states the recall, the errors and the first recognition") {
-  Judgment judgment;
-  judgment.verdicts = {FrameVerdict::none, FrameVerdict::incorrect, FrameVerdict::correct,
-                       FrameVerdict::none, FrameVerdict::unjudged};
-  judgment.localization = localize(judgment.verdicts, {});
-  CHECK(
-      summary_sentence(judgment, {}) ==
-      "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
-      "frame 2.");
-  CHECK(
-      summary_sentence(judgment, 4.0) ==
-      "Recognized in 3 of 5 frames, 1 of them incorrect, 1 to be ignored; the first correct one at "
-      "frame 2 (0.5 s).");
-  judgment.verdicts = {FrameVerdict::correct};
-  judgment.localization = localize(judgment.verdicts, {});
-  CHECK(summary_sentence(judgment, {}) ==
-        "Recognized in 1 of 1 frame, none of them incorrect; the first correct one at frame 0.");
-  judgment.verdicts = {FrameVerdict::none, FrameVerdict::none};
-  judgment.localization = localize(judgment.verdicts, {});
-  CHECK(summary_sentence(judgment, 10.0) == "Recognized in none of 2 frames.");
-  judgment.verdicts = {FrameVerdict::none, FrameVerdict::unjudged};
-  judgment.localization = localize(judgment.verdicts, {});
-  judgment.by = JudgedBy::nothing;
-  CHECK(summary_sentence(judgment, 10.0) ==
-        "Recognized in 1 of 2 frames (50.0 %). Nothing is judged without a ground truth.");
-  judgment.by = JudgedBy::places;
-  CHECK(summary_sentence(judgment, 10.0) ==
-        "Recognized in 1 of 2 frames, none of them incorrect, 1 without an answer.");
 }

@@ -33,11 +33,11 @@ TEST_CASE("train, query and evaluate yield correct counts") {
   const Json report = printed_json(
       "vpr-eval", {out / "r.json", "--dataset", world().dataset(), "-o", out / "e.json", "--json"});
   CHECK(report == file_json(out / "e.json"));
-  CHECK(report["counts"]["recognitions"]["correct"].get<int>() > 20);
-  CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
-  CHECK(report["counts"]["recognitions_by_place"]["correct"].get<int>() > 20);
-  CHECK(report["counts"]["recognitions"]["distinct"].get<int>() >= 1);
-  CHECK(report["best_match"]["rate"].get<double>() > 0.8);
+  CHECK(report["counts"]["pairs"]["correct"].get<int>() > 20);
+  CHECK(report["counts"]["pairs"]["incorrect"] == 0);
+  CHECK(report["counts"]["pairs_by_place"]["correct"].get<int>() > 20);
+  CHECK(report["counts"]["distinct"].get<int>() >= 1);
+  CHECK(report["best_match"]["rate"].get<double>() > 0.7);
 }
 
 TEST_CASE("results are byte-identical for any threads, SIMD target and method") {
@@ -289,9 +289,8 @@ TEST_CASE("tables can be text, CSV, Markdown and LaTeX") {
         .out;
   };
   CHECK(has(table("text"), "c_l"));
-  CHECK(table("csv").find(
-            "name,method,query,c_l,t_r,scale,recognitions correct,recognitions incorrect,") == 0);
-  CHECK(has(table("csv"), ",recognitions by place correct,"));
+  CHECK(table("csv").find("name,method,query,c_l,t_r,scale,pairs correct,pairs incorrect,") == 0);
+  CHECK(has(table("csv"), ",pairs by place correct,"));
   CHECK_FALSE(has(table("text"), "by place"));
   CHECK(has(table("markdown"), "| c_l |"));
   CHECK(has(table("latex"), "\\begin{tabular}"));
@@ -337,7 +336,7 @@ TEST_CASE("without ground truth, a result has totals, charts and a map, but no m
     return counts["correct"].get<int>() + counts["incorrect"].get<int>() +
            counts["ignored"].get<int>();
   };
-  for (const char* key : {"recognitions", "places"})
+  for (const char* key : {"pairs", "places"})
     CHECK(report["counts"][key]["ignored"] == total(judged["counts"][key]));
   CHECK(report["localization"]["recognized"] == judged["localization"]["recognized"]);
   CHECK(report["localization"]["recognized"].get<int>() > 5);
@@ -368,14 +367,13 @@ TEST_CASE("answers to places judge a result, and only this one") {
   const Json report =
       printed_json(eval("r.json", {"--dataset", world().dataset(), "--json", "-v"}));
   CHECK(report["judged"] == "places");
-  for (const char* key : {"recognitions_by_place", "places"})
+  for (const char* key : {"pairs_by_place", "places"})
     CHECK(report["counts"][key] == pairs["counts"][key]);
-  CHECK(report["counts"]["recognitions"]["distinct"] ==
-        pairs["counts"]["recognitions"]["distinct"]);
+  CHECK(report["counts"]["distinct"] == pairs["counts"]["distinct"]);
   for (const char* key : {"best_match", "metrics", "curves"}) CHECK_FALSE(report.contains(key));
   const auto text = ok(eval("r.json", {"-v"}));
   CHECK(has(text.out, "  places        "));
-  CHECK(has(text.out, "recognitions correct"));
+  CHECK(has(text.out, "pairs correct"));
   check_failure(eval("other.json", {}), 4, "The answers are of another result");
   check_failure(eval("r.json", {"--ground-truth", "aligned"}), 2, "Omit --ground-truth");
   check_failure(run_program("vpr-eval", {out / "r.json", out / "r.json", "--places", "p"}), 2,

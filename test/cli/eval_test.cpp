@@ -55,10 +55,10 @@ TEST_CASE("scores of any program are evaluated with the field's metrics") {
   const TemporaryFolder folder;
   const Json report = report_of(scored(folder));
   CHECK(report["method"] == "s");
-  CHECK(report["best_match"]["queries"] == 12);
+  CHECK(report["best_match"]["frames"] == 12);
   CHECK(report["best_match"]["correct"] == 9);
   const Json& single = report["metrics"]["single_best"];
-  CHECK(single["to_find"] == 12);
+  CHECK(single["positives"] == 12);
   // Four correct ones, the incorrect one at 4.5, five more correct ones.
   const double expected = (4 + 5 / 6.0 + 6 / 7.0 + 7 / 8.0 + 8 / 9.0 + 9 / 10.0) / 12;
   CHECK(single["average_precision"].get<double>() == Approx(expected));
@@ -88,8 +88,8 @@ TEST_CASE("similarities and a user's threshold are evaluated") {
   const auto text = run_program("vpr-eval", {"matrix", turned, "--similarity", "--ground-truth",
                                              "aligned", "--threshold", "-5"});
   CHECK(text.out.starts_with(
-      "Best match correct in 9 of 12 frames (75.0 %). Recognized in 6 of 12 frames, 1\nof them "
-      "incorrect; the first correct one at frame 0.\n"));
+      "Best match correct in 9 of 12 frames (75.0 %). 6 of 12 frames recognized, 1 of\nthem "
+      "incorrectly. The first is confirmed at frame 0.\n"));
 }
 
 TEST_CASE("an operating point from the ground truth is not compared with a chosen one") {
@@ -141,7 +141,7 @@ TEST_CASE("a result is summed up in 12 lines of 80 columns, with its incorrect r
   const Words lines = lines_of(run.out);
   CHECK(lines.size() <= 12);
   CHECK(std::ranges::all_of(lines, [](const std::string& line) { return line.size() <= 80; }));
-  CHECK(run.out.starts_with("Recognized in "));
+  CHECK(run.out.starts_with("1 of 3 frames with a match recognized, 1 of them incorrectly;"));
   CHECK(has(run.out, "\n  settings      fastable, c_l 3, raw, t_r 0.9 relative\n"));
   CHECK(has(run.out, ": incorrect"));
   CHECK(has(run.out, "next: vpr-tune DB --query QUERY --ground-truth G compares methods\n"));
@@ -186,7 +186,7 @@ TEST_CASE("reports of one query with several names are in one table") {
   CHECK(has(run.out, "\na  "));
   CHECK(has(run.out, "\nb  "));
   CHECK_FALSE(has(run.out, "queries: R@1"));
-  CHECK(has(run.out, "R@1, AP and R@100P over 12 frames with a match\n"));
+  CHECK(has(run.out, "over 12 frames with a match\n"));
 }
 
 TEST_CASE("positions yield gaps in meters") {
@@ -201,12 +201,12 @@ TEST_CASE("positions yield gaps in meters") {
 
 TEST_CASE("metrics can be expected") {
   const TemporaryFolder folder;
-  write_text(folder / "x.json", R"({"schema": "vpr.expected/3", "metrics":
+  write_text(folder / "x.json", R"({"schema": "vpr.expected/4", "metrics":
       {"recall_at": {"1": {"value": 0.8, "tolerance": 0.01}}}})");
   const auto run = run_program("vpr-eval", scored(folder, {"--expect", folder / "x.json"}));
   CHECK(run.exit_code == 5);
   CHECK(has(run.err, "metrics.recall_at.1: expected 0.8 +- 0.01, found 0.75"));
-  write_text(folder / "y.json", R"({"schema": "vpr.expected/3", "counts": {"distinct": 3}})");
+  write_text(folder / "y.json", R"({"schema": "vpr.expected/4", "counts": {"distinct": 3}})");
   CHECK(run_program("vpr-eval", scored(folder, {"--expect", folder / "y.json"})).exit_code == 2);
 }
 
@@ -252,7 +252,7 @@ TEST_CASE("CSV has everything in one row, and -v prints one table each after a s
   const std::string text = run_program("vpr-eval", joined(words, {"-v"})).out;
   CHECK(text.starts_with(brief));
   CHECK(has(text, "Recall@K"));
-  CHECK(has(text, "12 queries with a match; 0 without one"));
+  CHECK(has(text, "Metrics over 12 frames with a match (0 without an answer"));
 }
 
 TEST_CASE("images: a page with the frames of both sequences, and plots") {
@@ -275,10 +275,10 @@ TEST_CASE("images: a page with the frames of both sequences, and plots") {
               "precision-recall.svg", "recall-at.png", "recall-at.svg", "risk-coverage.png",
               "risk-coverage.svg", "timeline.png", "timeline.svg"});
   CHECK(run.out.starts_with(
-      "Best match correct in 9 of 12 frames (75.0 %); 4 before the first mistake, at a\nthreshold "
-      "chosen from the ground truth.\n"));
+      "Best match correct in 9 of 12 frames (75.0 %); 4 can be accepted before the\n"
+      "first mistake (at a threshold chosen with the ground truth).\n"));
   CHECK(has(page, "Best match correct in 9 of 12 frames"));
-  CHECK_FALSE(has(page, "Recognized in"));
+  CHECK_FALSE(has(page, "frames recognized"));
   CHECK(run_program("vpr-eval", words(folder / "q")).exit_code == 2);  // the page exists
   CHECK(run_program("vpr-eval", joined(words(folder / "q/1.png"), {"--force"})).exit_code != 0);
 }
@@ -293,16 +293,16 @@ TEST_CASE("reports are compared query by query") {
                         scores + ".json", "--quiet"});
   const Words words = {"compare", folder / "s.npy.json", folder / "w.npy.json"};
   const Json found = report_of(joined(words, {"--json", "-o", folder / "c.json"}));
-  CHECK(found["schema"] == "vpr.comparison/3");
+  CHECK(found["schema"] == "vpr.comparison/4");
   CHECK(found["metrics"][1]["report"] == "w.npy");
   CHECK(found["metrics"][1]["difference"].get<double>() == Approx(-3.0 / 12));
   CHECK(found["paired"][0]["only_first"] == 3);
   const auto text = run_program("vpr-eval", words);
-  CHECK(text.out.starts_with("Highest R@1, over 12 common queries (12 with a match): s.npy.\n"));
+  CHECK(text.out.starts_with("Highest R@1, over 12 frames with a match: s.npy.\n"));
   CHECK(has(text.out, "\nw.npy - s.npy: R@1 -0.2500 (95 %: "));
   CHECK_FALSE(has(text.out, "differences to s.npy"));
   CHECK(has(run_program("vpr-eval", joined(words, {"-v"})).out,
-            "differences to s.npy over 12 common queries"));
+            "differences to s.npy over 12 frames with a match"));
   CHECK(run_program("vpr-eval", {"compare", folder / "s.npy.json"}).exit_code == 2);
   CHECK(run_program("vpr-eval", {"compare", folder / "s.npy", folder / "w.npy"}).exit_code == 4);
   CHECK(run_program("vpr-eval", {"compare", folder / "a.json", folder / "b.json"}).exit_code == 3);
@@ -326,7 +326,6 @@ TEST_CASE("damaged reports are refused") {
   CHECK(code("scores", "1 2 3") == 4);
   CHECK(code("scores", "1 2 3 4 5 6 7 8 9 10 11 x") == 4);
   CHECK(code("ranks", "1 2 3 4 5 6 7 8 9 10 11 -1") == 4);
-  CHECK(code("first_frame", -1) == 4);
   CHECK(code("score_order", "votes") == 4);
   CHECK(code("recognized", "rrr") == 4);
   CHECK(code("recognized", "rrrrrrrrrrrx") == 4);
@@ -355,8 +354,8 @@ TEST_CASE("reports with different ground truths are compared only on request") {
   CHECK(has(allowed.out, "ground truths: different"));
   const Json found = file_json(folder / "d.json");
   CHECK(found["ground_truths"] == "different");
-  CHECK(found["queries"]["disputed"] == 8);
-  CHECK(found["queries"]["common"] == 4);
+  CHECK(found["frames"]["disputed"] == 8);
+  CHECK(found["frames"]["compared"] == 4);
   // The same pairs in another format are equal ground truth.
   CHECK(report_of({"compare", folder / "a.json", folder / "c.json"})["ground_truths"] == "same");
   Json damaged = file_json(folder / "b.json");
@@ -455,7 +454,7 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
                       "--html", folder / "c.html", "--plot", folder / "plots"});
   const std::string page = read_text(folder / "c.html");
   CHECK(has(page,
-            "Best matches of the 10 common queries are correct in 80.0 % by &lt;good&gt;, 40.0 % "
+            "Best matches of 10 frames are correct in 80.0 % by &lt;good&gt;, 40.0 % "
             "by bad."));
   CHECK(has(page, "<b>0.8000</b>"));
   CHECK(has(page, "class=\"line series-1\""));
@@ -484,7 +483,7 @@ TEST_CASE("a resampled query is compared with the query over its own frames") {
   CHECK(found["ground_truths"] == "same");
   CHECK(found["reports"][1]["paired"] == false);
   CHECK(found["reports"][1]["selection"] == "speed 0.5, seed 1");
-  CHECK(found["reports"][1]["queries"] == 2 * found["reports"][0]["queries"].get<int>());
+  CHECK(found["reports"][1]["frames"] == 2 * found["reports"][0]["frames"].get<int>());
   CHECK(found["paired"].empty());
   // Every frame is shown twice: the shares are equal.
   CHECK(found["metrics"][1]["value"] == found["metrics"][0]["value"]);

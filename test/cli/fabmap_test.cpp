@@ -361,14 +361,14 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   };
   const Json all = compare(0);
   CHECK(all["ground_truths"] == "of-places-and-frames");
-  CHECK(all["queries"]["common"] == frames - 3);  // from the last frame of the first window on
-  CHECK(all["queries"]["with_match"] == frames - 3);
-  CHECK(all["queries"]["disputed"] == 0);
-  // A sequence against itself: both methods have every query correct.
+  CHECK(all["frames"]["compared"] == frames);
+  CHECK(all["frames"]["with_match"] == frames);
+  CHECK(all["frames"]["disputed"] == 0);
+  // A sequence against itself: both methods have every frame correct at which a window ends.
   CHECK(all["paired"][0]["both_correct"] == frames - 3);
   const Json fewer = compare(5);
-  CHECK(fewer["queries"]["common"] == frames - 3 - 5);
-  CHECK(fewer["queries"]["disputed"] == 5);
+  CHECK(fewer["frames"]["compared"] == frames - 5);
+  CHECK(fewer["frames"]["disputed"] == 5);
 }
 
 TEST_CASE("damaged OpenFABMAP files are refused") {

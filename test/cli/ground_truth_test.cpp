@@ -189,12 +189,12 @@ TEST_CASE("several results form one table, with a row and a name for each") {
   CHECK(std::count(table.out.begin(), table.out.end(), '\n') == 3);
   CHECK(has(table.out, "\nc_l 3,fastable,one,3,"));
   const std::string outcomes = read_text(out / "o.csv");
-  CHECK(std::count(outcomes.begin(), outcomes.end(), '\n') == 1 + 7 + 6);
+  CHECK(std::count(outcomes.begin(), outcomes.end(), '\n') == 1 + 8 + 8);
   CHECK(has(outcomes, "\nc_l 2,one,0,1,one,1,"));
   CHECK(read_text(out / "p.csv").starts_with("name,query,sequence,first_frame,frame,"));
   const Json reports =
       printed_json("vpr-eval", joined(words, {"--json", "-o", out / "reports.json"}));
-  CHECK(reports["schema"] == "vpr.reports/3");
+  CHECK(reports["schema"] == "vpr.reports/4");
   CHECK(reports["reports"][1]["name"] == "long");
   CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);
   check_failure("vpr-eval", joined(words, {"--name", "one only"}), 2, "2 results and 1 names");

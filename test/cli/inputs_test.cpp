@@ -173,7 +173,7 @@ TEST_CASE("pairs name frames by number or by file") {
         {result, "--ground-truth", folder / name, "--json", "--quiet"}, more)))["best_match"];
   };
   const Json expected = counts("numbers.csv");
-  CHECK(expected["no_ground_truth"] != expected["queries"]);
+  CHECK(expected["without_match"] != expected["frames"]);
   CHECK(counts("named.csv") == expected);  // the query and the database of the run
   CHECK(counts("stems.csv") == expected);
   CHECK(counts("named.csv", {"--query", world().walk("back"), "--train", world().walk("one"),

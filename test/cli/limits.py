@@ -90,7 +90,7 @@ def many_recognitions(folder):
                "--t-r-scale", "bits", "-o", folder / "many.json")[1]
     evaluation = run("vpr-eval", folder / "many.json", "--ground-truth", "aligned", "--html", folder / "many.html",
                      "--plot", folder / "many", "-o", folder / "report.json")[1]
-    counts = json.loads((folder / "report.json").read_text())["counts"]["recognitions"]
+    counts = json.loads((folder / "report.json").read_text())["counts"]["pairs"]
     if (counts["correct"], counts["incorrect"]) != (11, 1_099_989):
         sys.exit(f"limits: of 1 100 000 recognitions, vpr-eval counts {counts}")
     print(f"1.1 million recognitions: query {cost}; evaluation {evaluation}")

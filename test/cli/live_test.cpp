@@ -215,10 +215,10 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     if (!range.empty()) continue;
     const Json report =
         printed_json("vpr-eval", {path, "--ground-truth", world().truth("back"), "--json"});
-    CHECK(report["counts"]["recognitions"]["correct"] == json["totals"]["recognitions"]);
-    CHECK(report["counts"]["recognitions"]["incorrect"] == 0);
+    CHECK(report["counts"]["pairs"]["correct"] == json["totals"]["recognitions"]);
+    CHECK(report["counts"]["pairs"]["incorrect"] == 0);
     CHECK(report["confidence"] == "margin");
-    CHECK(report["protocol"]["recognitions"] ==
+    CHECK(report["protocol"]["pairs"] ==
           "best matches with a path score better than the runner-up by at least the "
           "margin");
     // The last frame's rate: both sequences have the same speed.

@@ -124,7 +124,7 @@ TEST_CASE("resampled training frames keep the ground truth of the recordings") {
       printed_json("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--json"});
   CHECK(
       has(report["protocol"]["ground_truth"], "training frames resampled to 4 frames per second"));
-  CHECK(report["best_match"]["no_ground_truth"] == 0);
+  CHECK(report["best_match"]["without_match"] == 0);
   const std::string best = outcomes(report);
   for (size_t i = 0; i < best.size(); i += 3) CHECK(best[i] == 'c');
   // The selection changes with its file.

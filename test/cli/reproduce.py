@@ -124,15 +124,15 @@ def check_quick():
 
 def check_counts():
     """Recognitions of a sequence method are judged by their place; without labels there are totals."""
-    one_by_one = {"correct": 5, "incorrect": 3, "ignored": 2, "distinct": 1}
+    one_by_one = {"correct": 5, "incorrect": 3, "ignored": 2}
     places = {"correct": 1, "incorrect": 2, "ignored": 0}
     by_place = {"correct": 7, "incorrect": 3, "ignored": 0}
-    check(experiments.measures({"recognitions": one_by_one}) == {
+    check(experiments.measures({"pairs": one_by_one, "distinct": 1}) == {
         "recognitions": 10, "correct": 5, "incorrect": 3, "distinct": 1}, "FAB-MAP")
     totals = {"recognitions": 10, "places in total": 3}
-    check(experiments.measures({"recognitions": one_by_one, "places": places}) == totals, "no labels")
-    check(experiments.measures({"recognitions": one_by_one, "places": places,
-                                "recognitions_by_place": by_place}) == {
+    check(experiments.measures({"pairs": one_by_one, "places": places}) == totals, "no labels")
+    check(experiments.measures({"pairs": one_by_one, "places": places,
+                                "pairs_by_place": by_place}) == {
         **totals, "correct recognitions": 7, "incorrect recognitions": 3, "correct places": 1,
         "incorrect places": 2}, "by place")
 

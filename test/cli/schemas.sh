@@ -30,7 +30,7 @@ trap 'rm -rf "$out"' EXIT
   -o "$out/several.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --name mine -o "$out/en.json" --quiet
 "$bin/vpr-eval" compare "$out/e.json" "$out/em.json" -o "$out/cmp.json" --quiet
-echo '{"schema": "vpr.expected/3", "counts": {"recognitions": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >"$out/x.json"
+echo '{"schema": "vpr.expected/4", "counts": {"pairs": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
 "$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
 printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >"$out/poses.csv"

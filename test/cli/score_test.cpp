@@ -128,7 +128,7 @@ TEST_CASE("unreadable frames have no score, also in the matrix") {
   };
   const Json own = metrics({});
   const Json of_matrix = metrics({"--matrix", folder / "m.npy"});
-  CHECK(own["to_find"] == of_matrix["to_find"]);
+  CHECK(own["positives"] == of_matrix["positives"]);
   CHECK(own["average_precision"] == of_matrix["average_precision"]);
 }
 
@@ -163,14 +163,14 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
         joined({result, "--ground-truth", walks().folder / "truth.csv", "--json"}, more));
   };
   const Json by_score = report({"--confidence", "score"});
-  CHECK(by_score["counts"]["recognitions"]["correct"] == 8);
-  CHECK(by_score["counts"]["recognitions"]["incorrect"] == 0);
+  CHECK(by_score["counts"]["pairs"]["correct"] == 8);
+  CHECK(by_score["counts"]["pairs"]["incorrect"] == 0);
   CHECK(by_score["metrics"]["by_margin"]["recall_at_100_precision"] >= 0.8);
   CHECK_FALSE(by_score.contains("confidence"));
   const fs::path page = walks().folder / "page.html";
   const Json by_margin = report({"--html", page, "--force"});  // the decision of the result
   CHECK(by_margin["confidence"] == "margin");
-  CHECK(by_margin["protocol"]["recognitions"] ==
+  CHECK(by_margin["protocol"]["pairs"] ==
         "best matches with a distance better than the runner-up by at least the margin");
   CHECK(by_margin["metrics"]["single_best"] == by_score["metrics"]["by_margin"]);
   CHECK(by_margin["metrics"]["by_score"]["average_precision"] ==

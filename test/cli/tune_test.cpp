@@ -170,7 +170,7 @@ TEST_CASE("FAB-MAP's sweep has the counts of single queries as well") {
     const Json report = printed_json(
         "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "25", "--json"});
     CHECK(cell["counts"] == report["counts"]);
-    correct += cell["counts"]["recognitions"]["correct"].get<uint64_t>();
+    correct += cell["counts"]["pairs"]["correct"].get<uint64_t>();
   }
   CHECK(correct > 0);
 }
@@ -286,9 +286,9 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
                               more));
   };
   const auto plain = ok(run({}));
-  CHECK_FALSE(has(plain.out, "recognitions by t_r and c_l"));
+  CHECK_FALSE(has(plain.out, "accepted pairs by t_r and c_l"));
   check_terminal(plain.out);
-  CHECK(has(ok(run({"-v"})).out, "recognitions by t_r and c_l (* recommended)"));
+  CHECK(has(ok(run({"-v"})).out, "accepted pairs by t_r and c_l (* recommended)"));
   CHECK(has(plain.out, "vpr-query " + world().database()));
   const auto saved = ok(run({"--save-config", out / "c.json", "-o", out / "s.json"}));
   CHECK(has(saved.out, "--config " + (out / "c.json").string()));
@@ -300,7 +300,7 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
   CHECK(config == settings);
   const Json cell = sweep["cells"][sweep["queries"][0]["recommended"].get<size_t>()];
   CHECK(settings["c_l"] == cell["c_l"]);
-  CHECK(cell["counts"]["recognitions"]["incorrect"] == 0);
+  CHECK(cell["counts"]["pairs"]["incorrect"] == 0);
   // The counts of the recommended cell, from the file alone.
   run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--config",
                        out / "c.json", "-o", out / "r.json"});
@@ -317,7 +317,7 @@ TEST_CASE("without a recommendation there is no configuration, and the exit code
                                "--ground-truth", world().truth("back"), "--c-l", "5", "--t-r",
                                "0.01,0.02", "--save-config", out / "c.json", "-o", out / "s.json"});
   CHECK(outcome.exit_code == 5);
-  CHECK(has(outcome.err, "no setting has a recognition"));
+  CHECK(has(outcome.err, "no setting accepts a pair"));
   CHECK(has(outcome.out, "The filter recognizes "));
   CHECK(list_folder(out.path()) == Words{"s.json"});
   const Json query = file_json(out / "s.json")["queries"][0];
@@ -333,7 +333,7 @@ TEST_CASE("FAB-MAP has a default grid and a configuration as well") {
   const Json sweep = file_json(out / "s.json");
   CHECK(sweep["cells"].size() == 5 * 10);
   CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') == 1 + 5 * 10);
-  CHECK(outcome.out.starts_with("query,c_w,t_p,scale,recognitions_correct,recognitions_incorrect"));
+  CHECK(outcome.out.starts_with("query,c_w,t_p,scale,pairs_correct,pairs_incorrect"));
 }
 
 TEST_CASE("the validation may be another query of the data set, selected by name") {
@@ -352,7 +352,7 @@ TEST_CASE("the validation may be another query of the data set, selected by name
                                           more));
   };
   const auto outcome = ok(run({"--validate", "again"}));
-  CHECK(has(outcome.out, "On again: recognitions "));
+  CHECK(has(outcome.out, "On again: pairs "));
   CHECK_FALSE(has(outcome.out, "{"));
   CHECK(run({"--validate", "nobody"}).exit_code == 2);
   CHECK(run({"--validate-ground-truth", world().truth("again")}).exit_code == 2);
@@ -368,7 +368,7 @@ TEST_CASE("vpr-query with a calibration as configuration has its recognitions") 
     const size_t chosen = calibration["chosen"];
     const Json& recognized = calibration["lengths"][chosen]["recognized"];
     CHECK(recognized["incorrect"] == 0);
-    const Json recognitions = query_with(out / "c.json", out)["counts"]["recognitions"];
+    const Json recognitions = query_with(out / "c.json", out)["counts"]["pairs"];
     CHECK(recognitions["incorrect"] == 0);
     CHECK(recognitions["correct"] == recognized["correct"]);
     const double windows = calibration["lengths"][chosen]["windows"];

@@ -126,7 +126,7 @@ def check_page():
     best = swept["cells"][swept["queries"][0]["recommended"]]
     check(f"recommended: c_l {best['c_l']}, t_r {best['t_r']:.4g}<" in page, best)
     check("references within 1 frame" in json.dumps(swept["queries"]), swept["queries"])
-    check(f"<td>{report['counts']['recognitions']['correct']}</td>" in page, "recognitions are missing")
+    check(f"<td>{report['counts']['pairs']['correct']}</td>" in page, "counts are missing")
 
 
 def replace(path):

@@ -106,8 +106,8 @@ TEST_CASE("our own vocabulary recognizes the second lap") {
   const Json report = printed_json("vpr-eval", {out / "r.json", "--ground-truth",
                                                 (*loop / "ground_truth.csv").string(), "--json"});
   CHECK(report["best_match"]["correct"].get<int>() >= 34);
-  CHECK(report["counts"]["recognitions"]["correct"].get<int>() >= 31);
-  CHECK(report["counts"]["recognitions"]["incorrect"].get<int>() <= 6);
+  CHECK(report["counts"]["pairs"]["correct"].get<int>() >= 31);
+  CHECK(report["counts"]["pairs"]["incorrect"].get<int>() <= 6);
 }
 
 // Frame 5 of the second lap (46.jpg) shows no word. Its posterior for the training frames without

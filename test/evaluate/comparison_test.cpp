@@ -9,28 +9,28 @@ using namespace vpr;
 
 namespace {
 
-/// One letter per query, as in reports; scores increase from query to query unless set.
-NamedOutcomes method(const std::string& letters, size_t first_frame = 0,
-                     const std::vector<double>& scores = {}) {
+/// One letter per query frame: c(orrect), w(rong), n (wrong, without a match), i(gnored),
+/// u(nanswered); scores increase from frame to frame unless set.
+NamedOutcomes method(const std::string& letters, const std::vector<double>& scores = {}) {
   NamedOutcomes named;
-  named.outcomes.window_length = first_frame + 1;
   for (size_t q = 0; q < letters.size(); ++q) {
     QueryOutcome& query = named.outcomes.queries.emplace_back();
-    query.frame = first_frame + q;
+    query.frame = q;
     const char letter = letters[q];
     query.verdict = letter == 'c'   ? Verdict::correct
-                    : letter == 'u' ? Verdict::unreadable
+                    : letter == 'u' ? Verdict::none
                     : letter == 'i' ? Verdict::ignored
                                     : Verdict::incorrect;
-    query.has_match = letter == 'c' || letter == 'w';
-    query.key = score_key(scores.empty() ? double(q) : scores[q], ScoreOrder::distance);
+    query.has_match = letter != 'n';
+    if (letter != 'u')
+      query.key = score_key(scores.empty() ? double(q) : scores[q], ScoreOrder::distance);
   }
   return named;
 }
 
 Comparison compare(const std::vector<NamedOutcomes>& methods, size_t block = 1,
                    size_t resamples = 500) {
-  return compare_outcomes(methods, block, resamples, 1, {});
+  return compare_outcomes(methods, {block, resamples, 1}, {});
 }
 
 ComparedValue find(const Comparison& comparison, const std::string& metric, size_t method) {
@@ -44,8 +44,8 @@ ComparedValue find(const Comparison& comparison, const std::string& metric, size
 
 TEST_CASE("values, differences and pairs equal those counted by hand") {
   const Comparison found = compare({method("ccwwn"), method("cwccn")});
-  CHECK(found.common == 5);
-  CHECK(found.judged == 4);
+  CHECK(found.frames.size() == 5);
+  CHECK(found.with_match == 4);
   CHECK(find(found, "recall_at_1", 0).value == 0.5);
   CHECK_FALSE(find(found, "recall_at_1", 0).difference);
   CHECK(find(found, "recall_at_1", 1).value == 0.75);
@@ -69,13 +69,20 @@ TEST_CASE("a method equals itself, with certainty") {
   }
 }
 
-TEST_CASE("queries are paired by frame, and only common queries count") {
-  // Windows of 3 frames begin at frame 2; frame 4 is unreadable, frame 5 is ignored in one of them.
-  const Comparison found = compare({method("cccccc"), method("cwuc", 2), method("ccccwi")});
-  CHECK(found.common == 2);  // frames 2 and 3
-  CHECK(found.own == std::vector<size_t>{6, 3, 5});
-  CHECK(find(found, "recall_at_1", 1).value == 0.5);
-  CHECK(find(found, "recall_at_1", 0).value == 1);
+TEST_CASE("a frame without an answer is not recognized, and common frames only on demand") {
+  const std::vector<NamedOutcomes> methods = {method("cccccc"), method("uucwuc"), method("ccccwi")};
+  const Comparison all = compare(methods);
+  CHECK(all.frames.size() == 6);
+  CHECK(find(all, "recall_at_1", 0).value == 1);
+  CHECK(*find(all, "recall_at_1", 1).value == Approx(2 / 6.0));
+  CHECK(*find(all, "recall_at_1", 2).value == Approx(4 / 6.0));
+  CHECK(*find(all, "average_precision", 1).value == Approx((1 + 2 / 3.0) / 6));
+  ComparisonSettings settings;
+  settings.only_common = true;
+  const Comparison common = compare_outcomes(methods, settings, {});
+  CHECK(common.frames == std::vector<size_t>{2, 3});
+  CHECK(find(common, "recall_at_1", 0).value == 1);
+  CHECK(find(common, "recall_at_1", 1).value == 0.5);
 }
 
 TEST_CASE("incomparable methods are refused") {
@@ -83,22 +90,20 @@ TEST_CASE("incomparable methods are refused") {
     return test::error_kind([&] { compare(methods); });
   };
   CHECK(kind({method("cc")}) == ErrorKind::data);
-  CHECK(kind({method("cc"), method("cc", 7)}) == ErrorKind::data);
+  CHECK(kind({method("cc"), method("ccc")}) == ErrorKind::data);
+  CHECK(kind({method(""), method("")}) == ErrorKind::data);
   CHECK(kind({method("cw"), method("cn")}) == ErrorKind::data);
   CHECK(kind({method("cw"), method("cu")}) == std::nullopt);
 }
 
-TEST_CASE("queries with different ground truth, or without a window, are omitted") {
+TEST_CASE("frames on whose match the ground truths disagree are omitted on demand") {
+  ComparisonSettings settings;
+  settings.omit_disputed = true;
   const std::vector<NamedOutcomes> methods = {method("cwcc"), method("cnwc")};
-  const Comparison found = compare_outcomes(methods, 1, 10, 1, {}, Disputed::omit_disputed);
-  CHECK(found.common == 3);
+  const Comparison found = compare_outcomes(methods, settings, {});
+  CHECK(found.frames == std::vector<size_t>{0, 2, 3});
   CHECK(found.disputed == 1);
-  CHECK(find(found, "recall_at_1", 1).value == Approx(2 / 3.0));
-  NamedOutcomes longer = method("cnwc");
-  longer.outcomes.queries[1].is_unreachable = true;
-  const Comparison reached = compare({method("cwcc"), longer});
-  CHECK(reached.common == 3);
-  CHECK(reached.disputed == 0);
+  CHECK(*find(found, "recall_at_1", 1).value == Approx(2 / 3.0));
 }
 
 TEST_CASE("recall@K above 1 needs ranks, and is compared if both methods have them") {
@@ -134,7 +139,7 @@ TEST_CASE("another query sequence is measured separately, without pairs") {
   NamedOutcomes slow = method("ccwwwwwcn");  // half the speed, and with a frame without a match
   slow.is_paired = false;
   const Comparison found = compare({method("cwwc"), slow, method("cccw")});
-  CHECK(found.common == 4);
+  CHECK(found.frames.size() == 4);
   CHECK(found.own == std::vector<size_t>{4, 9, 4});
   CHECK(find(found, "recall_at_1", 0).value == 0.5);
   CHECK(find(found, "recall_at_1", 1).value == Approx(3 / 8.0));

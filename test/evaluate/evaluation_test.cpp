@@ -50,7 +50,7 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
   CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{2, 1, 0});
   CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
   CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
-  CHECK((counts.best_match.queries == 4 && counts.best_match.correct == 2));
+  CHECK((counts.best_match.frames == 4 && counts.best_match.correct == 2));
   REQUIRE(found.result->clusters.size() == 2);
   CHECK(found.result->clusters[0].label == PlaceLabel::same);
   CHECK(numbers(found.result->clusters[1].recognitions) == std::vector<uint64_t>{0, 1, 0});

@@ -10,8 +10,8 @@ using namespace vpr;
 
 namespace {
 
-const Json kReport = Json::parse(R"({"schema": "vpr.report/3", "method": "fastable",
-  "counts": {"recognitions": {"correct": 52, "incorrect": 16}, "distinct": 3},
+const Json kReport = Json::parse(R"({"schema": "vpr.report/4", "method": "fastable",
+  "counts": {"pairs": {"correct": 52, "incorrect": 16}, "distinct": 3},
   "best_match": {"correct": 48, "rate": 0.25}})");
 
 std::vector<std::string> unmet(const std::string& expected) {
@@ -21,18 +21,17 @@ std::vector<std::string> unmet(const std::string& expected) {
 }  // namespace
 
 TEST_CASE("counts must be equal, or within a stated tolerance") {
-  CHECK(unmet(R"({"schema": "vpr.expected/3", "counts": {"recognitions": {"correct": 52}}})")
+  CHECK(unmet(R"({"schema": "vpr.expected/4", "counts": {"pairs": {"correct": 52}}})").empty());
+  CHECK(unmet(R"({"schema": "vpr.expected/4",
+                  "counts": {"pairs": {"correct": {"value": 50, "tolerance": 2}}}})")
             .empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/3",
-                  "counts": {"recognitions": {"correct": {"value": 50, "tolerance": 2}}}})")
+  CHECK(unmet(R"({"schema": "vpr.expected/4",
+                  "counts": {"pairs": {"correct": {"value": 49, "tolerance": 2}}}})") ==
+        std::vector<std::string>{"counts.pairs.correct: expected 49 +- 2, found 52 (+3)"});
+  CHECK(unmet(R"({"schema": "vpr.expected/4",
+                  "counts": {"pairs": {"correct": {"value": 51.9, "tolerance": 0.1}}}})")
             .empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/3",
-                  "counts": {"recognitions": {"correct": {"value": 49, "tolerance": 2}}}})") ==
-        std::vector<std::string>{"counts.recognitions.correct: expected 49 +- 2, found 52 (+3)"});
-  CHECK(unmet(R"({"schema": "vpr.expected/3",
-                  "counts": {"recognitions": {"correct": {"value": 51.9, "tolerance": 0.1}}}})")
-            .empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/3", "counts": {"distinct": 4},
+  CHECK(unmet(R"({"schema": "vpr.expected/4", "counts": {"distinct": 4},
                   "best_match": {"correct": 47}})") ==
         std::vector<std::string>{"counts.distinct: expected 4, found 3 (-1)",
                                  "best_match.correct: expected 47, found 48 (+1)"});
@@ -42,7 +41,7 @@ TEST_CASE("an earlier report can be an expectation") {
   CHECK(unmet(kReport.dump()).empty());
   Json other = kReport;
   other["method"] = "openable";
-  other["counts"]["recognitions"]["incorrect"] = 15;
+  other["counts"]["pairs"]["incorrect"] = 15;
   CHECK(unmet(other.dump()).size() == 1);
 }
 
@@ -74,13 +73,13 @@ TEST_CASE("settings and ground truth of an earlier report are expected as well")
   CHECK(unmet_of(baseline).empty());
   baseline["protocol"]["ground_truth"] = "pairs";
   CHECK(unmet_of(baseline).size() == 1);
-  CHECK(unmet_of(Json::parse(R"({"schema": "vpr.expected/3", "counts": {"distinct": 3},
+  CHECK(unmet_of(Json::parse(R"({"schema": "vpr.expected/4", "counts": {"distinct": 3},
                                  "settings": {"c_l": 11}})"))
             .size() == 1);
 }
 
 TEST_CASE("the name of a score matrix is not expected") {
-  const Json report = Json::parse(R"({"schema": "vpr.report/3", "best_match": {"correct": 3},
+  const Json report = Json::parse(R"({"schema": "vpr.report/4", "best_match": {"correct": 3},
       "settings": {"method": "new", "window": 1}})");
   Json baseline = report;
   baseline["settings"]["method"] = "old";
@@ -89,17 +88,17 @@ TEST_CASE("the name of a score matrix is not expected") {
 
 TEST_CASE("expectations that cannot fail, or cannot be met, are usage errors") {
   const std::string text = GENERATE(
-      "{}", "3", R"({"schema": "vpr.expected/3"})", R"({"schema": "vpr.expected/3", "counts": {}})",
-      R"({"schema": "vpr.expected/3", "count": {"distinct": 3}})",
-      R"({"schema": "vpr.expected/3", "counts": {"hist": {"correct": 3}}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": "3"}})",
-      R"({"schema": "vpr.expected/3", "counts": {"recognitions": 3}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": {"value": 3, "tolerance": -1}}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": {"value": 3, "tol": 1}}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": {"min": "3"}}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": {"min": 3, "max": 2}}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": {"min": 3, "value": 3}}})",
-      R"({"schema": "vpr.expected/3", "counts": {"distinct": {"min": 3, "tolerance": 1}}})",
+      "{}", "3", R"({"schema": "vpr.expected/4"})", R"({"schema": "vpr.expected/4", "counts": {}})",
+      R"({"schema": "vpr.expected/4", "count": {"distinct": 3}})",
+      R"({"schema": "vpr.expected/4", "counts": {"hist": {"correct": 3}}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": "3"}})",
+      R"({"schema": "vpr.expected/4", "counts": {"pairs": 3}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"value": 3, "tolerance": -1}}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"value": 3, "tol": 1}}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": "3"}}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": 3, "max": 2}}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": 3, "value": 3}}})",
+      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": 3, "tolerance": 1}}})",
       R"({"schema": "vpr.result/3", "counts": {"distinct": 3}})", R"({"schema": 3})");
   CHECK(test::error_kind([&] { unmet(text); }) == ErrorKind::usage);
 }
@@ -109,38 +108,38 @@ TEST_CASE("a missing rate is met only by a missing rate") {
   const auto unmet_of = [&](const Json& report, const char* expected) {
     return unmet_expectations(check_expectations(report, Json::parse(expected), "e.json")).size();
   };
-  CHECK(unmet_of(none, R"({"schema": "vpr.expected/3", "counts": {"distinct": 0},
+  CHECK(unmet_of(none, R"({"schema": "vpr.expected/4", "counts": {"distinct": 0},
                            "best_match": {"rate": null}})") == 0);
-  CHECK(unmet_of(none, R"({"schema": "vpr.expected/3", "best_match": {"rate": 0.5}})") == 1);
-  CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/3", "best_match": {"rate": null}})") == 1);
+  CHECK(unmet_of(none, R"({"schema": "vpr.expected/4", "best_match": {"rate": 0.5}})") == 1);
+  CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/4", "best_match": {"rate": null}})") == 1);
 }
 
 TEST_CASE("bounds are one-sided or two-sided, and inclusive") {
   const auto unmet_of = [](const std::string& bounds) {
-    return unmet(R"({"schema": "vpr.expected/3", "counts": {"recognitions": {"correct": )" +
-                 bounds + "}}}");
+    return unmet(R"({"schema": "vpr.expected/4", "counts": {"pairs": {"correct": )" + bounds +
+                 "}}}");
   };
   CHECK(unmet_of(R"({"min": 52})").empty());
   CHECK(unmet_of(R"({"max": 52})").empty());
   CHECK(unmet_of(R"({"min": 50, "max": 60})").empty());
   CHECK(unmet_of(R"({"min": 53})") ==
-        std::vector<std::string>{"counts.recognitions.correct: expected at least 53, found 52"});
+        std::vector<std::string>{"counts.pairs.correct: expected at least 53, found 52"});
   CHECK(unmet_of(R"({"max": 51})") ==
-        std::vector<std::string>{"counts.recognitions.correct: expected at most 51, found 52"});
+        std::vector<std::string>{"counts.pairs.correct: expected at most 51, found 52"});
   CHECK(unmet_of(R"({"min": 53, "max": 60})") ==
-        std::vector<std::string>{"counts.recognitions.correct: expected 53 to 60, found 52"});
+        std::vector<std::string>{"counts.pairs.correct: expected 53 to 60, found 52"});
 }
 
 TEST_CASE("updated values are met, and keep their tolerances and satisfied bounds") {
   Json report = kReport;
   report["settings"] = {{"c_l", 10}};
-  const Json expected = Json::parse(R"({"schema": "vpr.expected/3",
-      "counts": {"recognitions": {"correct": {"value": 40, "tolerance": 2}, "incorrect": {"max": 20}},
+  const Json expected = Json::parse(R"({"schema": "vpr.expected/4",
+      "counts": {"pairs": {"correct": {"value": 40, "tolerance": 2}, "incorrect": {"max": 20}},
                  "distinct": {"min": 4}},
       "best_match": {"correct": 1, "rate": {"min": 0.5, "max": 0.6}}, "settings": {"c_l": 20}})");
   const Json updated = updated_expectations(report, expected, "e.json");
-  CHECK(updated == Json::parse(R"({"schema": "vpr.expected/3",
-      "counts": {"recognitions": {"correct": {"value": 52, "tolerance": 2}, "incorrect": {"max": 20}},
+  CHECK(updated == Json::parse(R"({"schema": "vpr.expected/4",
+      "counts": {"pairs": {"correct": {"value": 52, "tolerance": 2}, "incorrect": {"max": 20}},
                  "distinct": {"min": 3}},
       "best_match": {"correct": 48, "rate": {"min": 0.25, "max": 0.6}}, "settings": {"c_l": 10}})"));
   CHECK(unmet_expectations(check_expectations(report, updated, "e.json")).empty());

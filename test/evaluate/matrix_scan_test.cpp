@@ -145,19 +145,20 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   CHECK_FALSE(queries[3].rank);
   CHECK(queries[4].verdict == Verdict::correct);  // the ignored reference is skipped
   CHECK(queries[4].rank == 1);
-  CHECK(queries[5].verdict == Verdict::unreadable);
-  CHECK(found.pairs.curve.to_find == 4);
+  CHECK(queries[5].verdict == Verdict::none);
+  CHECK(found.pairs.curve.positives == 4);
   CHECK(found.pairs.same_without_score == 1);
   CHECK(found.pairs.ignored == 1);
-  CHECK(*recall_at(found.outcomes, 1) == 0.5);
-  CHECK(*recall_at(found.outcomes, 2) == 0.5);
-  CHECK(*recall_at(found.outcomes, 3) == 0.75);
-  CHECK(*recall_at(found.outcomes, 20) == 0.75);
+  CHECK(*recall_at(found.outcomes, 1) == Approx(2 / 5.0));
+  CHECK(*recall_at(found.outcomes, 2) == Approx(2 / 5.0));
+  CHECK(found.outcomes.known_ranks == 2);  // of query 3; query 5 has none
+  CHECK_FALSE(recall_at(found.outcomes, 3));
   const BestMatchCounts best = best_match_counts(found.outcomes);
-  CHECK(best.queries == 4);
+  CHECK(best.frames == 5);
   CHECK(best.correct == 2);
-  CHECK(best.no_ground_truth == 1);
-  CHECK(best.unreadable == 1);
+  CHECK(best.incorrect == 2);
+  CHECK(best.no_answer == 1);
+  CHECK(best.without_match == 1);
   CHECK(tied_queries(found.outcomes) == 1);
 }
 
@@ -166,7 +167,7 @@ TEST_CASE("a query without a match lowers precision, but is not a positive") {
   const MatrixScan found =
       scan(write_matrix<double>(folder, {2, 5, 1, 6}, 2, 2), truth_of(2, {{0, 0, 0}}));
   const Curve curve = single_best_curve(found.outcomes);
-  CHECK(curve.to_find == 1);
+  CHECK(curve.positives == 1);
   REQUIRE(curve.points.size() == 2);
   CHECK(curve.points[0] == CurvePoint{score_key(1, ScoreOrder::distance), 0, 0, 1});
   CHECK(curve.points[1] == CurvePoint{score_key(2, ScoreOrder::distance), 1, 1, 1});
@@ -179,7 +180,7 @@ TEST_CASE("a value that marks a missing score is ignored") {
   const auto path = write_matrix<int32_t>(folder, {-1, 5, 3, -1, -1, -1}, 2, 3);
   const MatrixScan found = scan(path, truth_of(2, {{0, 0, 0}, {1, 1, 0}}), format);
   CHECK(found.outcomes.queries[0].best == FrameMatch{0, 2});
-  CHECK(found.outcomes.queries[1].verdict == Verdict::unreadable);
+  CHECK(found.outcomes.queries[1].verdict == Verdict::none);
 }
 
 TEST_CASE("windows of a matrix are evaluated at their anchors") {
@@ -190,11 +191,12 @@ TEST_CASE("windows of a matrix are evaluated at their anchors") {
   CHECK(layout.scope.sequences[0].sequence.frames == 6);
   const GroundTruth truth = truth_of(5, {{3, 3, 0}, {4, 5, 0}, {4, 1, 0}});
   const MatrixScan found = scan_matrix(matrix, truth, layout, {});
-  CHECK(found.outcomes.queries[0].frame == 3);
-  CHECK(found.outcomes.queries[0].best == FrameMatch{0, 3});
-  CHECK(found.outcomes.queries[0].rank == 1);
-  CHECK(found.outcomes.queries[1].rank == 3);
-  CHECK(found.pairs.curve.to_find == 2);  // reference 1 is not the anchor of a window
+  REQUIRE(found.outcomes.queries.size() == 5);  // frames 0 to 2 end no window
+  CHECK_FALSE(found.outcomes.queries[2].best);
+  CHECK(found.outcomes.queries[3].best == FrameMatch{0, 3});
+  CHECK(found.outcomes.queries[3].rank == 1);
+  CHECK(found.outcomes.queries[4].rank == 3);
+  CHECK(found.pairs.curve.positives == 2);  // reference 1 is not the anchor of a window
 }
 
 TEST_CASE("the labels of a row equal those of single pairs") {
@@ -252,18 +254,21 @@ TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
       const ScoreLayout layout = layout_of(matrix, 1);
       const MatrixScan found = scan_matrix(matrix, truth, layout, {});
       std::vector<ScoredItem> items;
-      uint64_t to_find = 0;
+      uint64_t positives = 0;
       for (size_t q = 0; q < rows; ++q) {
-        if (found.outcomes.queries[q].verdict == Verdict::unreadable) continue;
+        if (std::isnan(*std::ranges::max_element(
+                std::span(scores).subspan(q * cols, cols),
+                [](double a, double b) { return std::isnan(a) && !std::isnan(b); })))
+          continue;  // without any score
         for (size_t r = 0; r < cols; ++r) {
           const PlaceLabel label = truth.label(q, 0, r);
           if (label == PlaceLabel::ignore) continue;
-          to_find += label == PlaceLabel::same;
+          positives += label == PlaceLabel::same;
           items.push_back({score_key(scores[q * cols + r], kind), label == PlaceLabel::same});
         }
       }
       sort_items(items);
-      REQUIRE(found.pairs.curve == curve_of(items, to_find, kind));
+      REQUIRE(found.pairs.curve == curve_of(items, positives, kind));
     }
   }
 }

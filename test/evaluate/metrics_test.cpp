@@ -17,13 +17,13 @@ struct Scored {
   bool is_correct;
 };
 
-Curve curve_from(const std::vector<Scored>& scored, uint64_t to_find,
+Curve curve_from(const std::vector<Scored>& scored, uint64_t positives,
                  ScoreOrder kind = ScoreOrder::distance) {
   std::vector<ScoredItem> items;
   for (const Scored& item : scored)
     items.push_back({score_key(item.distance, kind), item.is_correct});
   sort_items(items);
-  return curve_of(items, to_find, kind);
+  return curve_of(items, positives, kind);
 }
 
 /// Precision and recall by definition, at each existing value.
@@ -166,9 +166,9 @@ TEST_CASE("metrics equal their definitions on random scores with ties") {
       correct += is_correct;
       scored.push_back({double(uniform_below(engine, values)) - 10, is_correct});
     }
-    const uint64_t to_find = correct + uniform_below(engine, 4);
-    if (to_find == 0) continue;
-    const auto find = static_cast<double>(to_find);
+    const uint64_t positives = correct + uniform_below(engine, 4);
+    if (positives == 0) continue;
+    const auto find = static_cast<double>(positives);
     double ap = 0, full = 0, f1 = 0, before = 0;
     bool is_clean = true;
     const auto thresholds = all_thresholds(scored);
@@ -181,7 +181,7 @@ TEST_CASE("metrics equal their definitions on random scores with ties") {
       if (precision + recall > 0) f1 = std::max(f1, 2 * precision * recall / (precision + recall));
       before = recall;
     }
-    const Curve curve = curve_from(scored, to_find);
+    const Curve curve = curve_from(scored, positives);
     REQUIRE(*average_precision(curve).value == Approx(ap));
     REQUIRE(*recall_at_full_precision(curve).value == Approx(full));
     REQUIRE(*max_f1(curve).value == Approx(f1));
@@ -245,19 +245,17 @@ double reference_risk(std::vector<Scored> scored, size_t orders) {
   return sum / double(orders);
 }
 
-/// One query per letter (c correct, w incorrect, n without a match, i ignored), starting at frame
-/// `first`.
-Outcomes outcomes_of(const std::string& letters, size_t first = 0) {
+/// One query frame per letter: c(orrect), w(rong), n (wrong, without a match), u(nanswered).
+Outcomes outcomes_of(const std::string& letters) {
   Outcomes outcomes;
   for (const char letter : letters) {
     QueryOutcome& query = outcomes.queries.emplace_back();
-    query.frame = first + outcomes.queries.size() - 1;
-    query.has_match = letter == 'c' || letter == 'w';
+    query.frame = outcomes.queries.size() - 1;
+    query.has_match = letter != 'n';
     query.verdict = letter == 'c'   ? Verdict::correct
-                    : letter == 'i' ? Verdict::ignored
+                    : letter == 'u' ? Verdict::none
                                     : Verdict::incorrect;
   }
-  outcomes.query_frames = first + letters.size();
   return outcomes;
 }
 
@@ -289,7 +287,7 @@ TEST_CASE(
 
 TEST_CASE("the recall achievement rate equals the value counted by hand") {
   // Parts of four frames: 3/4, 1/2 (of two with a match), none with a match, 1.
-  const Outcomes outcomes = outcomes_of("cccwcwninnnicccc");
+  const Outcomes outcomes = outcomes_of("cccwcunnnnnncccc");
   const auto recalls = local_recalls(outcomes, 4);
   REQUIRE(recalls.size() == 4);
   CHECK(recalls[0] == 0.75);
@@ -300,7 +298,7 @@ TEST_CASE("the recall achievement rate equals the value counted by hand") {
   CHECK(*recall_achievement(recalls, 0.75) == Approx(2 / 3.0));
   CHECK(*recall_achievement(recalls, 1) == Approx(1 / 3.0));
   // Seven frames are two parts, of three and of four; frames before the first window count.
-  const auto uneven = local_recalls(outcomes_of("wcccc", 2), 4);
+  const auto uneven = local_recalls(outcomes_of("uuwcccc"), 4);
   REQUIRE(uneven.size() == 2);
   CHECK(uneven[0] == 0);
   CHECK(uneven[1] == 1);

@@ -50,7 +50,8 @@ TEST_CASE("recall@1 is the rate of best matches") {
     const Outcomes outcomes = outcomes_of(result, random_truth(engine));
     const BestMatchCounts counts = best_match_counts(outcomes);
     REQUIRE(recall_at(outcomes, 1) == counts.rate());
-    REQUIRE(judged_queries(outcomes) == counts.queries - counts.ignored);
+    REQUIRE(frames_with_match(outcomes) == counts.frames);
+    REQUIRE(counts.frames == counts.correct + counts.incorrect + counts.ignored + counts.no_answer);
   }
 }
 
@@ -59,7 +60,7 @@ TEST_CASE("best matches have no ranks after the first") {
   CHECK_FALSE(recall_at(outcomes_of(random_result(engine), random_truth(engine)), 5));
 }
 
-TEST_CASE("a probability is a similarity, and a frame without words is incorrect") {
+TEST_CASE("a probability is a similarity, and a frame without words is not recognized") {
   Result result;
   result.settings = FabmapQuerySettings{};
   result.query.frames = result.query_windows = 3;
@@ -72,10 +73,10 @@ TEST_CASE("a probability is a similarity, and a frame without words is incorrect
       {{0, 0, PlaceLabel::same}}, {{0, 1, PlaceLabel::same}}, {{0, 0, PlaceLabel::same}}};
   const Outcomes outcomes = outcomes_of(result, truth);
   CHECK(outcomes.queries[0].verdict == Verdict::correct);
-  CHECK(outcomes.queries[1].verdict == Verdict::incorrect);
+  CHECK(outcomes.queries[1].verdict == Verdict::none);
   CHECK(outcomes.queries[2].verdict == Verdict::incorrect);
   const Curve curve = single_best_curve(outcomes);
-  CHECK(curve.to_find == 3);
+  CHECK(curve.positives == 3);
   REQUIRE(curve.points.size() == 2);
   CHECK(curve.threshold(curve.points[0]) == 0.9);
   CHECK(curve.points[1].correct == 1);
@@ -99,9 +100,9 @@ TEST_CASE("matches can be accepted by margin, and those without one never are") 
   Outcomes outcomes = outcomes_of(result, truth);
   CHECK(outcomes.has_margins);
   CHECK(outcomes.confidence == Confidence::score);
-  CHECK(outcomes.queries[0].margin == 15);
-  CHECK(outcomes.queries[0].required_margin == 12);
-  CHECK_FALSE(outcomes.queries[3].margin);
+  CHECK(outcomes.queries[1].margin == 15);
+  CHECK(outcomes.queries[1].required_margin == 12);
+  CHECK_FALSE(outcomes.queries[4].margin);
   CHECK(single_best_curve(outcomes).points.front().incorrect == 1);
   // a result with a decision by margin is evaluated by margin
   settings.decision = Decision::margin;
@@ -111,7 +112,7 @@ TEST_CASE("matches can be accepted by margin, and those without one never are") 
   CHECK(judge(result, truth, {}).single_best == single_best_curve(outcomes));
   const Curve curve = single_best_curve(outcomes);
   CHECK(curve.kind == ScoreOrder::similarity);
-  CHECK(curve.to_find == 4);
+  CHECK(curve.positives == 5);  // frame 0 ends no window
   REQUIRE(curve.points.size() == 3);
   CHECK(curve.threshold(curve.points[0]) == 15);
   CHECK(curve.threshold(curve.points[1]) == 10);
@@ -226,14 +227,14 @@ TEST_CASE("a place that is correct at its mean counts its incorrect recognitions
   CHECK(count_recognitions(result, aligned(9)).mixed_clusters == 0);
 }
 
-TEST_CASE("best matches count over the windows that have a match") {
+TEST_CASE("best matches count over all frames that have a match") {
   Result result = example();
   GroundTruth truth;
   truth.pairs.resize(10);
-  for (uint32_t anchor = 2; anchor <= 7; ++anchor)
-    truth.pairs[anchor].push_back({0, anchor, PlaceLabel::same});
+  for (uint32_t frame = 1; frame <= 7; ++frame)
+    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
   truth.pairs[7].push_back({0, 9, PlaceLabel::ignore});
-  // Windows 0 to 5 have matches (anchors 2 to 7), windows 6 and 7 do not.
+  // No window ends at frame 1, and frames 0, 8 and 9 have no match.
   for (uint32_t window = 0; window < 8; ++window)
     result.best[window] = Match{window, 0, window, 0, 5};
   result.best[1] = Match{1, 0, 7, 0, 5};  // incorrect
@@ -241,43 +242,26 @@ TEST_CASE("best matches count over the windows that have a match") {
   result.query.unreadable = {2};
   result.best[5] = Match{5, 0, 7, 0, 5};  // anchors 7 and 9: ignored
   const BestMatchCounts best = count_recognitions(result, truth).best_match;
-  CHECK(best.queries == 5);
+  CHECK(best.frames == 7);
   CHECK(best.correct == 3);
+  CHECK(best.incorrect == 1);
   CHECK(best.ignored == 1);
-  CHECK(best.no_ground_truth == 2);
-  CHECK(best.unreadable == 1);
-  CHECK(best.rate() == 0.75);
+  CHECK(best.no_answer == 2);
+  CHECK(best.without_match == 3);
+  CHECK(*best.rate() == Approx(3 / 7.0));
 }
 
-TEST_CASE("a window without a match of an approximate method is incorrect") {
+TEST_CASE("a place before the first training anchor counts as not recognized") {
   Result result = example();
-  result.best[4] = Match{4, 0, 4, 0, 5};
-  const BestMatchCounts best = count_recognitions(result, aligned(0)).best_match;
-  CHECK(best.queries == 8);
-  CHECK(best.correct == 1);
-  CHECK(best.unreadable == 0);
-}
-
-TEST_CASE("a place before the first training anchor cannot be found, and is counted separately") {
-  Result result = example();
-  result.sequences.push_back({{"short", 2}, 0, true, 0.5, ThresholdScale::relative, 10, 100});
   GroundTruth truth;
   truth.pairs.resize(10);
-  // No window ends before frame 2, and none in the short sequence.
-  truth.pairs[2] = {{0, 0, PlaceLabel::same}};
-  truth.pairs[3] = {{0, 1, PlaceLabel::same}};
-  truth.pairs[4] = {{0, 0, PlaceLabel::same, 2}};
-  truth.pairs[5] = {{0, 2, PlaceLabel::ignore}, {1, 1, PlaceLabel::same}};
-  truth.pairs[6] = {{0, 9, PlaceLabel::same}};
+  truth.pairs[2] = {{0, 0, PlaceLabel::same}};  // no window ends before frame 2
+  truth.pairs[4] = {{0, 2, PlaceLabel::same}};
   for (uint32_t window = 0; window < 8; ++window) result.best[window] = Match{window, 0, 0, 0, 5};
-  const auto best = [&] { return count_recognitions(result, truth).best_match; };
-  CHECK(best().queries == 2);  // anchors 4 and 6
-  CHECK(best().correct == 1);
-  CHECK(best().no_valid_window == 3);
-  CHECK(best().no_ground_truth == 3);
-  truth.tolerance_frames = 1;  // frame 1 is within the tolerance of anchor 2
-  CHECK(best().queries == 3);
-  CHECK(best().no_valid_window == 2);
+  const BestMatchCounts best = count_recognitions(result, truth).best_match;
+  CHECK(best.frames == 2);
+  CHECK(best.correct == 1);
+  CHECK(best.incorrect == 1);
 }
 
 TEST_CASE("a stop counts once if counts are per keyframe") {
@@ -300,8 +284,8 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
   CHECK(counts.recognitions.mixed == 1);  // 3 to 6 and 4 to 7: frames 4 and 4, 4 and 5
   CHECK(counts.best_match.correct == 1);
   CHECK(counts.best_match.mixed == 1);
-  CHECK(counts.best_match.incorrect == 1);
-  CHECK(*counts.best_match_rate == Approx((1 + 0.75 + 0) / 3));
+  CHECK(counts.best_match.incorrect == 3);  // no window ends in the first two keyframes
+  CHECK(*counts.best_match_rate == Approx((1 + 0.75 + 0) / 5));
 }
 
 TEST_CASE("without queries there is no rate") { CHECK_FALSE(BestMatchCounts{}.rate().has_value()); }

@@ -11,13 +11,11 @@ using namespace vpr;
 namespace {
 
 void compare(const std::vector<Report>& reports) {
-  ComparisonReport comparison{reports, report_names(reports, {"a.json", "b.json"}), {}, 5, {}};
-  std::vector<NamedOutcomes> methods;
-  for (size_t r = 0; r < reports.size(); ++r)
-    methods.push_back({comparison.names[r], reports[r].outcomes, comparison.is_paired(r)});
-  for (const Disputed disputed : {Disputed::refuse, Disputed::omit_disputed}) {
+  for (const bool only_common : {false, true}) {
     fuzz::refuses([&] {
-      comparison.found = compare_outcomes(methods, 3, comparison.resamples, 1, {}, disputed);
+      ComparisonReport comparison{reports, report_names(reports, {"a.json", "b.json"}), {}, {}, {}};
+      comparison.settings = {3, 5, 1, only_common, only_common};
+      compare_reports(comparison, {});
       comparison_json(comparison);
       render_table(comparison_table(comparison), TableFormat::text);
       render_table(paired_table(comparison), TableFormat::text);

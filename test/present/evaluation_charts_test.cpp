@@ -21,7 +21,7 @@ using test::svg_of;
 
 namespace {
 
-/// Windows of 3 frames; queries 2 to 9 are correct, incorrect or ignored, by letter; capital
+/// Windows of 3 frames; frames 2 to 9 are correct, incorrect or ignored, by letter; capital
 /// letters are recognized.
 Judgment walk(const std::string& letters) {
   Judgment judgment;
@@ -31,15 +31,14 @@ Judgment walk(const std::string& letters) {
   layout.columns = {{0, 0, 28}, {1, 28, 18}};
   judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
   judgment.outcomes.window_length = 3;
-  judgment.outcomes.query_frames = layout.scope.query.frames;
+  judgment.outcomes.queries.resize(layout.scope.query.frames);
   for (size_t q = 0; q < letters.size(); ++q) {
     const bool is_right = letters[q] == 'r' || letters[q] == 'R';
-    QueryOutcome query;
+    QueryOutcome& query = judgment.outcomes.at_window(q);
     query.frame = layout.anchor(q);
     query.verdict = is_right ? Verdict::correct : Verdict::incorrect;
     query.best = FrameMatch{is_right ? 0u : 1u, query.frame};
     query.key = score_key(double(q), ScoreOrder::distance);
-    judgment.outcomes.queries.push_back(query);
     if (letters[q] == 'R') judgment.verdicts[query.frame] = FrameVerdict::correct;
     if (letters[q] == 'W') judgment.verdicts[query.frame] = FrameVerdict::incorrect;
   }
@@ -295,29 +294,18 @@ TEST_CASE("a map has a scale bar in meters, and places only for FAB-MAP") {
   CHECK(find(route_charts(map, {panel}).front(), Meaning::place) != nullptr);
 }
 
-TEST_CASE("frames without possible recognition are not drawn as missed") {
-  Judgment judgment = walk("rRwWrR");  // frames 0 and 1 end no window
+TEST_CASE("frames without a match are not drawn as missed") {
+  Judgment judgment = walk("rRwWrR");
   GroundTruth truth = aligned(judgment);
-  const size_t frames = judgment.verdicts.size();
-  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
-  judgment.outcomes.queries[1].has_match = false;
-  judgment.outcomes.queries[1].is_unreachable = true;
-  const size_t elsewhere = judgment.outcomes.queries[1].frame;
-  judgment.verdicts.assign(frames, FrameVerdict::none);
+  truth.pairs[3].clear();
+  judgment.verdicts.assign(judgment.verdicts.size(), FrameVerdict::none);
   judgment.verdicts.back() = FrameVerdict::correct;
   const std::vector<Meaning> meanings = meanings_of(judgment, truth);
-  REQUIRE(meanings.size() == frames);
-  const size_t first = judgment.outcomes.queries.front().frame;
-  for (size_t frame = 0; frame < frames; ++frame) {
-    INFO(frame);
-    const Meaning expected = frame == frames - 1                   ? Meaning::correct
-                             : frame < first || frame == elsewhere ? Meaning::no_valid_window
-                                                                   : Meaning::missed;
-    CHECK(meanings[frame] == expected);
-  }
-  truth.pairs.assign(frames, {});
-  judgment.outcomes.queries[2].has_match = false;
-  CHECK(meanings_of(judgment, truth)[judgment.outcomes.queries[2].frame] == Meaning::unmapped);
+  REQUIRE(meanings.size() == judgment.verdicts.size());
+  CHECK(meanings[0] == Meaning::missed);  // no window ends there, which is the method's choice
+  CHECK(meanings[3] == Meaning::unmapped);
+  CHECK(meanings[4] == Meaning::missed);
+  CHECK(meanings.back() == Meaning::correct);
 }
 
 TEST_CASE("a map can be stopped") {
@@ -346,7 +334,7 @@ TEST_CASE("risk against coverage, and accepted matches by threshold, equal those
   CHECK(steps[2].threshold == 2);
   CHECK(steps[3].accepted == std::array<size_t, 3>{3, 1, 0});
   // Equal scores are accepted together.
-  judgment.outcomes.queries[2].key = judgment.outcomes.queries[1].key;
+  judgment.outcomes.at_window(2).key = judgment.outcomes.at_window(1).key;
   CHECK(threshold_steps(report, judgment, 100)[1].accepted == std::array<size_t, 3>{2, 1, 0});
   const auto thinned = threshold_steps(report, judgment, 1);
   CHECK(thinned.back().accepted == std::array<size_t, 3>{3, 1, 0});

@@ -27,18 +27,15 @@ Judgment example(const std::string& letters, size_t window_length = 1) {
   layout.window_length = window_length;
   layout.scope = {{"", letters.size() + window_length - 1}, {{{"ref", 40}, true}}};
   layout.columns = {{0, 0, 40 - window_length + 1}};
-  judgment.outcomes.query_frames = layout.scope.query.frames;
   judgment.outcomes.window_length = window_length;
+  judgment.outcomes.queries.resize(layout.scope.query.frames);
   for (size_t q = 0; q < letters.size(); ++q) {
-    const size_t frame = layout.anchor(q);
-    judgment.outcomes.queries.push_back({frame,
-                                         letters[q] == 'c' ? Verdict::correct : Verdict::incorrect,
-                                         true,
-                                         false,
-                                         FrameMatch{0, frame},
-                                         score_key(double(q), ScoreOrder::distance),
-                                         false,
-                                         {}});
+    QueryOutcome& query = judgment.outcomes.at_window(q);
+    query.frame = layout.anchor(q);
+    query.verdict = letters[q] == 'c' ? Verdict::correct : Verdict::incorrect;
+    query.has_match = true;
+    query.best = FrameMatch{0, query.frame};
+    query.key = score_key(double(q), ScoreOrder::distance);
   }
   judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
   judgment.single_best = single_best_curve(judgment.outcomes);
@@ -139,7 +136,7 @@ TEST_CASE("thumbnails are small, and unreadable frames are gaps") {
 
 TEST_CASE("a report is written again as it was read") {
   Judgment judgment = example("cwcwcw", 2);
-  judgment.outcomes.queries[2].verdict = Verdict::unreadable;
+  judgment.outcomes.queries[2].verdict = Verdict::none;
   judgment.outcomes.queries[2].best.reset();
   judgment.outcomes.queries[2].key = kNoScore;
   judgment.outcomes.queries[3].verdict = Verdict::ignored;

@@ -15,9 +15,9 @@ CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts recognition
   made.counts.clusters = places;
   made.counts.mixed_clusters = mixed;
   made.counts.distinct = places.correct;
-  made.counts.best_match.queries = 9;
+  made.counts.best_match.frames = 9;
   made.counts.best_match.correct = 7;
-  made.counts.best_match.ignored = 1;
+  made.counts.best_match.incorrect = 1;
   return made;
 }
 
@@ -34,14 +34,13 @@ Sweep example() {
 
 TEST_CASE("a sweep as CSV has one row per cell, with recognitions and places") {
   CHECK(render_table(cells_table({example()}), TableFormat::csv) ==
-        "query,c_l,t_r,scale,recognitions_correct,recognitions_incorrect,recognitions_ignored,"
-        "recognitions_by_place_correct,recognitions_by_place_incorrect,"
-        "recognitions_by_place_ignored,places_correct,places_mixed,"
-        "places_incorrect,places_ignored,distinct,best_match_correct,best_match_queries,"
-        "best_match_ignored,pareto,recommended\n"
-        "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,4,0,0,1,0,0,0,1,7,9,1,no,yes\n"
-        "\"a walk, \"\"quoted\"\"\",5,0.4,relative,6,0,1,6,0,1,1,0,0,0,1,7,9,1,yes,no\n"
-        "\"a walk, \"\"quoted\"\"\",5,0.5,relative,24,8,2,32,0,2,2,1,0,1,2,7,9,1,yes,no\n");
+        "query,c_l,t_r,scale,pairs_correct,pairs_incorrect,pairs_ignored,pairs_by_place_correct,"
+        "pairs_by_place_incorrect,pairs_by_place_ignored,places_correct,places_mixed,"
+        "places_incorrect,places_ignored,distinct,best_match_correct,best_match_incorrect,"
+        "frames_with_match,pareto,recommended\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,4,0,0,1,0,0,0,1,7,1,9,no,yes\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.4,relative,6,0,1,6,0,1,1,0,0,0,1,7,1,9,yes,no\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.5,relative,24,8,2,32,0,2,2,1,0,1,2,7,1,9,yes,no\n");
 }
 
 TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
@@ -76,7 +75,7 @@ TEST_CASE(
 TEST_CASE("the recommendation names the first error") {
   const std::string text = recommendation_text(example());
   CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct") != std::string::npos);
-  CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect recognitions, 24 correct") !=
+  CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect pairs, 24 correct") !=
         std::string::npos);
   Sweep short_grid = example();
   short_grid.cells.resize(1);
@@ -86,10 +85,10 @@ TEST_CASE("the recommendation names the first error") {
 
 TEST_CASE("a sweep names the filter if it recognizes more frames and no more incorrectly") {
   Sweep sweep = example();
-  sweep.cells[0].path.frames = 111;
+  sweep.cells[0].counts.best_match.frames = 111;
   sweep.cells[0].path.correct = 36;
   Localization filter;
-  filter.frames = 111;
+  filter.frames_with_match = 111;
   filter.correct = 68;
   const auto says = [&](const std::string& words) {
     sweep.filter = filter;

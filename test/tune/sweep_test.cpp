@@ -79,7 +79,7 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
       CHECK(numbers(*cells[c].counts.clusters) == numbers(*alone.clusters));
       CHECK(cells[c].counts.distinct == alone.distinct);
       CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
-      CHECK(cells[c].counts.best_match.queries == alone.best_match.queries);
+      CHECK(cells[c].counts.best_match.frames == alone.best_match.frames);
       recognitions += alone.recognitions.correct;
     }
     CHECK(recognitions > 0);

@@ -10,18 +10,19 @@ using namespace vpr;
 
 namespace {
 
-Localization path(size_t correct, size_t incorrect) {
-  Localization path;
-  path.frames = 100;
-  path.correct = correct;
-  path.incorrect = incorrect;
-  return path;
+FrameCounts path(size_t correct, size_t incorrect, size_t incorrect_pairs = 0) {
+  FrameCounts counts;
+  counts.path.frames = 100;
+  counts.path.correct = correct;
+  counts.path.incorrect = incorrect;
+  counts.pairs.incorrect = incorrect_pairs;
+  return counts;
 }
 
-std::optional<size_t> chosen(const std::vector<Localization>& paths, uint64_t max_incorrect = 0) {
+std::optional<size_t> chosen(const std::vector<FrameCounts>& paths, uint64_t max_incorrect = 0) {
   Trials trials;
   trials.max_incorrect = max_incorrect;
-  for (const Localization& one : paths) trials.all.push_back({"", {}, false, {one}, 0});
+  for (const FrameCounts& one : paths) trials.all.push_back({"", {}, false, {one}, 0});
   choose(trials);
   return trials.chosen;
 }
@@ -29,12 +30,14 @@ std::optional<size_t> chosen(const std::vector<Localization>& paths, uint64_t ma
 }  // namespace
 
 TEST_CASE("the best counts are the most correct frames with few enough incorrect ones") {
-  const std::vector<Localization> paths = {path(10, 0), path(40, 2), path(30, 1), path(30, 0)};
-  CHECK(best_path(paths, 0) == 3);
-  CHECK(best_path(paths, 1) == 3);
-  CHECK(best_path(paths, 2) == 1);
+  const std::vector<FrameCounts> paths = {path(10, 0), path(40, 2), path(30, 1), path(30, 0)};
+  CHECK(best_counts(paths, 0) == 3);
+  CHECK(best_counts(paths, 1) == 3);
+  CHECK(best_counts(paths, 2) == 1);
+  // Incorrect pairs next to a correct best match are errors as well.
+  CHECK(best_counts(std::vector{path(90, 0, 400), path(10, 0)}, 0) == 1);
   // Without such counts: the fewest incorrect frames, then the most correct ones.
-  CHECK(best_path(std::vector{path(50, 9), path(4, 3), path(5, 3)}, 2) == 2);
+  CHECK(best_counts(std::vector{path(50, 9), path(4, 3), path(5, 3)}, 2) == 2);
 }
 
 TEST_CASE("of equal counts the first is chosen, and none without a correct frame") {
@@ -51,24 +54,24 @@ TEST_CASE("a threshold that fits the ground truth is chosen only if nothing else
   trials.all = {{"", {}, false, {path(20, 0)}, 0}, {"", {}, true, {path(90, 0)}, 0}};
   choose(trials);
   CHECK(trials.chosen == 0u);
-  trials.all[0].paths = {path(0, 0)};
+  trials.all[0].counts = {path(0, 0)};
   choose(trials);
   CHECK(trials.chosen == 1u);
-  trials.all[0].paths = {path(20, 1)};
+  trials.all[0].counts = {path(20, 1)};
   choose(trials);
   CHECK(trials.chosen == 1u);
 }
 
 TEST_CASE("totals add the queries, and have the latest first recognition") {
   Trial trial;
-  trial.paths = {path(3, 1), path(4, 0)};
-  trial.paths[0].first_recognition_frames = 7;
-  CHECK(trial.total().frames == 200);
-  CHECK(trial.total().correct == 7);
-  CHECK(trial.total().incorrect == 1);
-  CHECK_FALSE(trial.total().first_recognition_frames);
-  trial.paths[1].first_recognition_frames = 2;
-  CHECK(trial.total().first_recognition_frames == 7u);
+  trial.counts = {path(3, 1), path(4, 0)};
+  trial.counts[0].path.first_recognition_frames = 7;
+  CHECK(trial.total().path.frames == 200);
+  CHECK(trial.total().path.correct == 7);
+  CHECK(trial.total().path.incorrect == 1);
+  CHECK_FALSE(trial.total().path.first_recognition_frames);
+  trial.counts[1].path.first_recognition_frames = 2;
+  CHECK(trial.total().path.first_recognition_frames == 7u);
 }
 
 TEST_CASE(
@@ -92,6 +95,6 @@ TEST_CASE(
   REQUIRE(twice.all.size() == 4);
   CHECK(twice.chosen.has_value());
   CHECK(twice.all[0].name == "filter");
-  CHECK(twice.all[0].paths[0].correct > twice.all[1].paths[0].correct);
+  CHECK(twice.all[0].counts[0].path.correct > twice.all[1].counts[0].path.correct);
   CHECK(trials_of(9, 1).all.size() == 1);
 }

@@ -5,7 +5,6 @@
   const words = { s: "same", d: "different", i: "ignore" };
   const labels = new Map();  // by query
   let anchors = [];  // [query frame, sequence, frame]
-  const frameOf = (i) => data.first_frame + i;
   const several = data.sequences.length > 1;
 
   const field = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
@@ -21,18 +20,18 @@
     const lines = [`${header},label`];
     for (let i = 0; i < count; ++i) {
       const label = labels.get(i) ?? "ignore";
-      if (data.matches[i] && label !== "different") lines.push(row(frameOf(i), ...data.matches[i], label));
+      if (data.matches[i] && label !== "different") lines.push(row(i, ...data.matches[i], label));
     }
     return file(lines);
   };
   const sorted = () => [...anchors].sort((a, b) => a[1] - b[1] || a[0] - b[0]);
-  const isWrong = (i) => data.matches[i] && "wnb".includes(data.best[i]);
+  const isWrong = (i) => data.matches[i] && "wW".includes(data.best[i]);
   const disagreements = () => {
     const lines = [`${header},score,recognized,ground_truth`];
     for (let i = 0; i < count; ++i)
       if (isWrong(i))
-        lines.push(row(frameOf(i), ...data.matches[i], data.scores[i], data.recognized[frameOf(i)] === "." ? "no" : "yes",
-          data.best[i] === "n" ? "no match" : "different"));
+        lines.push(row(i, ...data.matches[i], data.scores[i], data.recognized[i] === "." ? "no" : "yes",
+          data.best[i] === "W" ? "no match" : "different"));
     return file(lines);
   };
   const save = (name, text) => {
@@ -65,7 +64,7 @@
     }
     const here = labels.get(at());
     const of = (word) => [...labels.values()].filter((label) => label === word).length;
-    byId("labeled").textContent = `Frame ${frameOf(at())}: ${here ?? "not labeled"}. `
+    byId("labeled").textContent = `Frame ${at()}: ${here ?? "not labeled"}. `
       + `${of("same")} same, ${of("different")} different, ${of("ignore")} ignored, ${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
   };
   // A query frame has at most one anchor per sequence.
@@ -99,7 +98,7 @@
     const i = chosen(target);
     if (words[key] && data.matches[i]) labels.set(i, words[key]);
     else if (key === "u") labels.delete(i);
-    else if (key === "a" && data.matches[i]) anchor(frameOf(i), ...data.matches[i]);
+    else if (key === "a" && data.matches[i]) anchor(i, ...data.matches[i]);
     else if (key === "j" || key === "k") go(at() + (key === "j" ? 1 : -1));
     else if (key === "n" && data.judged) nextWrong();
     else return;

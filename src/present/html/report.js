@@ -20,26 +20,26 @@
   };
 
   // The outcome of one query.
-  const verdicts = { c: "correct", w: "incorrect", n: "incorrect: the ground truth has no match",
-    b: "incorrect: the ground truth has matches only where no training window ends", i: "ignored", u: "unreadable" };
+  const unmatched = "the ground truth has no match";
+  const verdicts = { c: "correct", w: "incorrect", i: "ignored", u: "not recognized",
+    W: `incorrect: ${unmatched}`, I: `ignored: ${unmatched}`, U: unmatched };
   const slider = byId("at");
   const count = data.best.length;
   const { words, divisor } = data.unit;
   const describe = (i) => {
-    const frame = data.first_frame + i;
     const match = data.matches[i];
     const parts = [];
     if (match) parts.push(`best match ${data.sequences[match[0]]} ${match[1]}`, `${words} ${Number((data.scores[i] / divisor).toPrecision(4))}`);
-    else if (data.best[i] !== "u") parts.push("nothing found");
-    if (data.judged || data.best[i] === "u") parts.push(verdicts[data.best[i]]);
-    if (match) parts.push(data.recognized[frame] === "." ? "not recognized" : "recognized");
+    else parts.push("no best match");
+    if (data.judged) parts.push(verdicts[data.best[i]]);
+    if (match) parts.push(data.recognized[i] === "." ? "not recognized" : "recognized");
     if (data.ranks && data.ranks[i]) parts.push(`the first correct reference has rank ${data.ranks[i]}`);
-    return `Frame ${frame}: ${parts.join(", ")}.`;
+    return `Frame ${i}: ${parts.join(", ")}.`;
   };
   const say = () => {
     byId("said").textContent = describe(Number(slider.value));
     for (const here of document.querySelectorAll(".here")) {
-      const x = pixel(axis(here.ownerSVGElement, "x"), data.first_frame + Number(slider.value) + 0.5);
+      const x = pixel(axis(here.ownerSVGElement, "x"), Number(slider.value) + 0.5);
       set(here, { x1: x, x2: x, visibility: "visible" });
     }
   };
@@ -52,7 +52,7 @@
     slider.max = count - 1;
     slider.addEventListener("input", say);
     for (const svg of [...charts("timeline"), ...charts("margins")])
-      svg.addEventListener("click", (event) => go(Math.floor(place(event, svg)[0]) - data.first_frame));
+      svg.addEventListener("click", (event) => go(Math.floor(place(event, svg)[0])));
     say();
   }
   for (const svg of charts("matrix"))
@@ -77,7 +77,7 @@
   const accept = () => {
     const [value, right, wrong, unjudged] = data.steps[Number(threshold.value)];
     const precision = right + wrong ? right / (right + wrong) : 1;
-    const recall = data.to_find ? right / data.to_find : 0;
+    const recall = data.positives ? right / data.positives : 0;
     const limit = Number(value.toPrecision(6));
     const counts = data.judged ? [`${right} correct`, `${wrong} incorrect`] : [];
     if (unjudged || !data.judged) counts.push(`${unjudged} not judged`);

@@ -1,0 +1,67 @@
+// The headline of an evaluation.
+#include <catch2/catch.hpp>
+
+#include "present/report_tables.h"
+
+using namespace vpr;
+
+namespace {
+
+/// One letter per query frame: r(ecognized correctly), w(rongly), i(gnored), . none; capital
+/// letters have no match in the ground truth.
+Evaluation evaluation_of(const std::string& letters) {
+  Evaluation evaluation;
+  Judgment& judgment = evaluation.judgment;
+  for (const char letter : letters) {
+    QueryOutcome& query = judgment.outcomes.queries.emplace_back();
+    query.frame = judgment.outcomes.queries.size() - 1;
+    query.has_match = letter != 'W' && letter != ',';
+    judgment.verdicts.push_back(letter == 'r'                    ? FrameVerdict::correct
+                                : letter == 'w' || letter == 'W' ? FrameVerdict::incorrect
+                                : letter == 'i'                  ? FrameVerdict::unjudged
+                                                                 : FrameVerdict::none);
+  }
+  judgment.localization = localize(judgment.verdicts, {});
+  for (const QueryOutcome& query : judgment.outcomes.queries) {
+    judgment.localization.frames_with_match += query.has_match;
+    judgment.localization.off_map +=
+        !query.has_match && judgment.verdicts[query.frame] == FrameVerdict::incorrect;
+  }
+  evaluation.result.emplace();
+  return evaluation;
+}
+
+std::string summary(const std::string& letters, std::optional<double> fps = {}) {
+  return summary_sentence(evaluation_of(letters), fps);
+}
+
+}  // namespace
+
+TEST_CASE("the headline counts frames with a match, and their errors") {
+  CHECK(summary(".wr.i") ==
+        "3 of 5 frames recognized, 1 of them incorrectly, 1 to be ignored. The first is confirmed "
+        "at frame 2.");
+  CHECK(summary(".rr", 4.0) ==
+        "2 of 3 frames recognized, all correctly. The first is confirmed at frame 1 (0.2 s).");
+  CHECK(summary("..", 10.0) == "None of 2 frames recognized.");
+  CHECK(summary("r.W,,") ==
+        "1 of 2 frames with a match recognized, all correctly; 1 of 3 frames without a match "
+        "recognized, which is incorrect. The first is confirmed at frame 0.");
+}
+
+TEST_CASE("the headline counts incorrect pairs next to correct frames") {
+  Evaluation evaluation = evaluation_of("r.");
+  evaluation.result->counts.recognitions = {227, 412, 0};
+  CHECK(summary_sentence(evaluation, {}) ==
+        "1 of 2 frames recognized, their best matches all correct; 412 of the 639 accepted window "
+        "pairs are incorrect. The first is confirmed at frame 0.");
+}
+
+TEST_CASE("without a ground truth nothing is judged, and answers to places may be missing") {
+  Evaluation evaluation = evaluation_of(".i");
+  evaluation.judgment.by = JudgedBy::nothing;
+  CHECK(summary_sentence(evaluation, 10.0) ==
+        "1 of 2 frames recognized (50.0 %). Nothing is judged without a ground truth.");
+  evaluation.judgment.by = JudgedBy::places;
+  CHECK(summary_sentence(evaluation, 10.0) == "1 of 2 frames recognized, 1 without an answer.");
+}
