@@ -107,7 +107,7 @@ constexpr std::array kOutputs = {
     "output",      "save-matrix", "save-posteriors", "html",         "plot",
     "map",         "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv",
     "descriptors", "junit",       "save-trajectory", "pairs",        "save-loops",
-    "ask-places"};
+    "ask-frames",  "ask-places"};
 
 /// Protects inputs that exist. Ignores unreadable ones, which the command reports.
 struct Inputs {

@@ -71,8 +71,9 @@ struct EvalInputs {
   std::string map;
   std::string map_with;
   std::string saved_trajectory;
-  std::string places;     ///< answers to the places of the result
-  std::string questions;  ///< the page that asks for them
+  std::string places;           ///< answers to the places of the result
+  std::string place_questions;  ///< the page that asks for them
+  std::string frame_questions;  ///< the page that asks for labels of frames
   bool needs_truth = true;
   std::string pairs;
   std::optional<uint64_t> top_k;
@@ -116,6 +117,7 @@ struct Evaluated {
   Evaluation evaluation;
   EvaluationSettings by;
   Report report;
+  RecordedRun run = {};  ///< of a result
 };
 
 /// Evaluates the result, or scores without a result. Throws as open_inputs does, and Error(usage)

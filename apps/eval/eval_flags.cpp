@@ -196,11 +196,16 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
               "as the result was decided); the other one is reported next to it")
       .group(kMetricGroup);
   command
-      .add_option(
-          "--ask-places", inputs.questions,
-          "HTML page that shows images of each recognized place, asks whether it is the same "
-          "place, and saves the answers for --places; needs --dataset, or --query and "
-          "--train")
+      .add_option("--ask-frames", inputs.frame_questions,
+                  "HTML page that shows the images of frames and their best matches, asks whether "
+                  "they are the same place, and saves labels for --ground-truth, by which any "
+                  "result can be judged")
+      .type_name("FILE")
+      .group(kPictureGroup);
+  command
+      .add_option("--ask-places", inputs.place_questions,
+                  "HTML page that shows images of each recognized place, asks whether it is the "
+                  "same place, and saves the answers for --places")
       .type_name("FILE")
       .group(kPictureGroup);
   command
@@ -323,8 +328,8 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
     throw Error(ErrorKind::usage, fmt::format("{} needs --expect, the file of expected values",
                                               inputs.update ? "--update" : "--junit"));
   for (const std::string* file :
-       {&inputs.html, &inputs.questions, &inputs.outcomes_csv, &inputs.recognitions_csv,
-        &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})
+       {&inputs.html, &inputs.frame_questions, &inputs.place_questions, &inputs.outcomes_csv,
+        &inputs.recognitions_csv, &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})
     if (!file->empty()) session.outputs.claim_file(*file);
   for (const std::string* folder : {&inputs.plots, &inputs.map})
     if (!folder->empty()) session.outputs.claim_folder(*folder, is_marked_folder);

@@ -110,7 +110,7 @@ std::string output_text(const Session& session, TableFormat format, const std::s
 void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                       std::optional<double> frames_per_second) {
   if (inputs.saved_trajectory.empty()) return;
-  const auto& [evaluation, by, report] = evaluated;
+  const auto& [evaluation, by, report, run] = evaluated;
   const GroundTruthOptions options =
       by.ground_truth ? by.ground_truth->options : GroundTruthOptions{};
   const TrainPositions positions =

@@ -11,6 +11,7 @@
 #include "present/questions_page.h"
 #include "present/report_tables.h"
 #include "sequence/sequence_source.h"
+#include "store/sequence_database.h"
 
 namespace vpr {
 namespace {
@@ -45,7 +46,56 @@ std::vector<std::optional<SequenceSource>> open_references(const std::vector<Nam
   return references;
 }
 
-FrameSources find_frames(const EvalInputs& inputs, const Evaluation& evaluation) {
+// The frames at a path of the run, if they are still the same.
+template <class IsSame>
+std::optional<SequenceSource> recorded_source(const std::string& path, const IsSame& is_same) {
+  if (path.empty()) return std::nullopt;
+  try {
+    SequenceSource source = open_sequence(parse_sequence_argument(path));
+    if (source.kind != SequenceKind::descriptors && is_same(source)) return source;
+  } catch (const Error&) {  // they have moved
+  }
+  return std::nullopt;
+}
+
+bool has_names(const SequenceSource& source, const Sequence& expected) {
+  std::vector<std::string> names = file_names(source);
+  if (source.kind == SequenceKind::video) return true;
+  if (names.size() != expected.recorded_frames()) return false;
+  if (!expected.selection.is_all()) names = selected(std::move(names), expected.selection);
+  return names == expected.frame_names;
+}
+
+// The sequences of the run; for FAB-MAP, the query only.
+FrameSources recorded_frames(const Evaluated& evaluated) {
+  const GroundTruthScope& scope = evaluated.evaluation.judgment.layout.scope;
+  FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
+  const auto text_of = [](const auto& texts, const char* role) {
+    const auto found = texts.find(role);
+    return found == texts.end() ? std::string() : found->second;
+  };
+  const RecordedRun& run = evaluated.run;
+  sources.query = recorded_source(text_of(run.paths, "query"), [&](const SequenceSource& source) {
+    return names_checksum(source) == text_of(run.frame_names, "query");
+  });
+  const std::string path = text_of(run.paths, "database");
+  if (path.empty() || evaluated.report.has_places()) return sources;
+  try {
+    const SequenceDatabase database = read_sequence_database(path);
+    if (database.fingerprint != run.database_fingerprint) return sources;
+    for (size_t s = 0; s < std::min(scope.sequences.size(), database.sequences.size()); ++s) {
+      const TrainSequence& train = database.sequences[s];
+      sources.references[s] = recorded_source(train.path, [&](const SequenceSource& source) {
+        return has_names(source, train.sequence);
+      });
+    }
+  } catch (const Error&) {  // it has moved
+  }
+  return sources;
+}
+
+FrameSources find_frames(const EvalInputs& inputs, const Evaluated& evaluated) {
+  const Evaluation& evaluation = evaluated.evaluation;
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   FrameSources sources;
   std::vector<NamedSequence> train;
@@ -57,7 +107,7 @@ FrameSources find_frames(const EvalInputs& inputs, const Evaluation& evaluation)
     sources.query = open_sequence(
         select_query(dataset, is_named ? std::optional(name) : inputs.query).sequence.sequence);
     // The references of FAB-MAP are places, not training sequences.
-    if (!evaluation.result || !evaluation.result->result.places) train = dataset.train;
+    if (!evaluated.report.has_places()) train = dataset.train;
   } else if (inputs.query) {
     sources.query = open_sequence(parse_sequence_argument(*inputs.query));
   }
@@ -65,6 +115,10 @@ FrameSources find_frames(const EvalInputs& inputs, const Evaluation& evaluation)
   if (!inputs.train.empty()) train.clear();
   for (const std::string& text : inputs.train) train.push_back({"", parse_sequence_argument(text)});
   sources.references = open_references(train, scope);
+  FrameSources recorded = recorded_frames(evaluated);
+  if (!sources.query) sources.query = std::move(recorded.query);
+  for (size_t s = 0; s < sources.references.size(); ++s)
+    if (!sources.references[s]) sources.references[s] = std::move(recorded.references[s]);
   return sources;
 }
 
@@ -111,11 +165,12 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
 
 void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                  const std::string& summary) {
-  const auto& [evaluation, by, report] = evaluated;
+  const Evaluation& evaluation = evaluated.evaluation;
+  const Report& report = evaluated.report;
   if (!inputs.html.empty())
     session.outputs.file(inputs.html)
         .write(evaluation_page(evaluation, report, session.run, summary,
-                               find_frames(inputs, evaluation), session.monitor));
+                               find_frames(inputs, evaluated), session.monitor));
   if (!inputs.plots.empty())
     draw_evaluation(evaluation, report,
                     session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
@@ -123,16 +178,19 @@ void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& ev
 }
 
 void write_questions(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {
-  if (inputs.questions.empty()) return;
-  const FrameSources sources = find_frames(inputs, evaluated.evaluation);
-  const auto& train = sources.references;
-  if (!sources.query ||
-      !std::ranges::all_of(train, [](const auto& one) { return one.has_value(); }))
-    throw Error(ErrorKind::usage,
-                "--ask-places needs the images of the query and of all training sequences: "
-                "--dataset, or --query and --train");
-  session.outputs.file(inputs.questions)
-      .write(questions_page(evaluated.evaluation, evaluated.report, sources, session.monitor));
+  const auto is_found = [](const auto& source) { return source.has_value(); };
+  const auto write = [&](const std::string& path, const auto& page_of) {
+    if (path.empty()) return;
+    const FrameSources sources = find_frames(inputs, evaluated);
+    if (!sources.query || !std::ranges::all_of(sources.references, is_found))
+      throw Error(ErrorKind::usage,
+                  "the images of the run have moved or changed. "
+                  "Pass them with --query and --train, or --dataset");
+    session.outputs.file(path).write(
+        page_of(evaluated.evaluation, evaluated.report, sources, session.monitor));
+  };
+  write(inputs.place_questions, place_questions_page);
+  write(inputs.frame_questions, frame_questions_page);
 }
 
 void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {

@@ -29,6 +29,7 @@ constexpr const char* kFormatHelp =
 
 struct CompareInputs {
   std::vector<std::string> reports;
+  TruthSource truth;  ///< of results
   std::vector<std::string> names;
   uint64_t block = 0;  ///< 0: chosen from the windows
   bool allow_different = false;
@@ -83,6 +84,32 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
   }
 }
 
+std::string schema_of(const Json& json) {
+  const Json schema = json.is_object() ? json.value("schema", Json()) : Json();
+  return schema.is_string() ? schema.get<std::string>() : "";
+}
+
+bool is_result(const std::string& schema) { return schema.starts_with("vpr.result/"); }
+
+Evaluated evaluate_by(Session& session, const std::string& result, const TruthSource& truth) {
+  EvalInputs inputs;
+  inputs.result = result;
+  inputs.truth = truth;
+  return evaluate(session, inputs);
+}
+
+// The report in a file, or of the result in it.
+Report find_report(Session& session, const std::string& path, const TruthSource& truth) {
+  const Json json = read_json(path, ErrorKind::data);
+  if (!is_result(schema_of(json))) return parse_report(json, path);
+  if (!truth.is_given())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is a result. Add --ground-truth or --dataset to evaluate it, or "
+                            "pass its report (vpr-eval {} -o REPORT)",
+                            path, path));
+  return evaluate_by(session, path, truth).report;
+}
+
 void claim_outputs(const Session& session, const CompareInputs& inputs) {
   if (!inputs.names.empty() && inputs.names.size() != inputs.reports.size())
     throw Error(ErrorKind::usage,
@@ -120,7 +147,8 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   claim_outputs(session, inputs);
   const Stopwatch watch;
   ComparisonReport comparison;
-  for (const std::string& path : inputs.reports) comparison.reports.push_back(read_report(path));
+  for (const std::string& path : inputs.reports)
+    comparison.reports.push_back(find_report(session, path, inputs.truth));
   for (size_t r = 0; r < inputs.names.size(); ++r) comparison.reports[r].name = inputs.names[r];
   comparison.names = report_names(comparison.reports, inputs.reports);
   warn_about_queries(session.monitor, inputs.reports, comparison.reports);
@@ -187,12 +215,10 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
   std::vector<std::string> results;
   for (const std::string& path : json_files(inputs.folder)) {
     const Json json = read_json(path, ErrorKind::data);
-    const Json schema = json.is_object() ? json.value("schema", Json()) : Json();
-    const std::string kind = schema.is_string() ? schema.get<std::string>() : "";
-    const bool is_result = kind.starts_with("vpr.result/");
-    if (!is_result && !kind.starts_with("vpr.report/")) continue;
+    const std::string schema = schema_of(json);
+    if (!is_result(schema) && !schema.starts_with("vpr.report/")) continue;
     session.outputs.protect(path);
-    if (!is_result) {
+    if (!is_result(schema)) {
       grid.add(path, parse_report(json, path));
       continue;
     }
@@ -201,10 +227,7 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
   }
   if (inputs.truth.is_given()) {
     for (const std::string& path : std::exchange(results, {})) {
-      EvalInputs one;
-      one.result = path;
-      one.truth = inputs.truth;
-      Evaluated evaluated = evaluate(session, one);
+      Evaluated evaluated = evaluate_by(session, path, inputs.truth);
       if (!grid.evaluated.contains(evaluated.evaluation.fingerprint))
         grid.add(path, std::move(evaluated.report));
     }
@@ -313,17 +336,20 @@ void run_report(Session& session, const ReportInputs& inputs) {
 void add_compare(Program& program) {
   const auto inputs = std::make_shared<CompareInputs>();
   const Command command = program.add_command(
-      "compare", "Compare reports of methods on the same queries.",
+      "compare", "Compare reports or results of the same queries.",
       "  vpr-eval compare mine.json theirs.json\n"
       "  vpr-eval compare a.json b.json --name ours --name theirs --format latex\n"
+      "  vpr-eval compare filter.json fastable.json --ground-truth pairs.csv\n"
       "  vpr-eval compare a.json b.json c.json --html compared.html --plot plots\n"
       "  vpr-eval compare a.json b.json c.json --block 40 --json > comparison.json",
       [inputs](Session& session) { run_compare(session, *inputs); });
   command
       .add_option("REPORT", inputs->reports,
-                  "reports of vpr-eval; the first one is the baseline of the others")
+                  "reports of vpr-eval, or results of vpr-query with a ground truth; the first "
+                  "one is the baseline of the others")
       .required()
       .expected(2, 1000);
+  add_truth_flags(command, inputs->truth);
   command.add_list("--name", inputs->names,
                    "name of a report in tables; repeat it for all, in their order (default: the "
                    "name in the report, or the name of the file)");

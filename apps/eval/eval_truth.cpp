@@ -126,6 +126,10 @@ void run_convert(Session& session, const TruthInputs& inputs) {
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   require_undamaged(found, inputs.ground_truth);
+  if (!found.truth.asked.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: most pairs are unknown, and no other format has such pairs",
+                            inputs.ground_truth));
   const GroundTruthSummary summary = summarize(found, session.monitor);
   const bool holds_ignored = target.ignores_in.empty() ||
                              std::filesystem::path(options.output).extension() == target.ignores_in;

@@ -53,8 +53,8 @@ void add_names(EvaluationSettings& by, const EvalInputs& inputs,
 // Without sequences, names come from the query and the database of the run.
 void add_recorded_names(EvaluationSettings& by, const StoredResult& stored) {
   const auto path_of = [&](const char* role) {
-    const auto found = stored.paths.find(role);
-    return found == stored.paths.end() ? std::string() : found->second;
+    const auto found = stored.run.paths.find(role);
+    return found == stored.run.paths.end() ? std::string() : found->second;
   };
   if (const std::string query = path_of("query"); !by.query_names && !query.empty())
     by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
@@ -236,6 +236,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
     evaluation = evaluate_result(std::move(stored->result), std::move(matrix), evaluated.by,
                                  session.monitor);
     evaluation.fingerprint = stored->fingerprint;
+    evaluated.run = stored->run;
   } else {
     check_rows(inputs.scores, matrix->queries(),
                inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);

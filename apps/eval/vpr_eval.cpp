@@ -162,15 +162,16 @@ void run_one(Session& session, const EvalInputs& inputs) {
 bool shows_one(const EvalInputs& inputs) {
   return inputs.has_plots() || !inputs.map.empty() || !inputs.saved_trajectory.empty() ||
          !inputs.pairs.empty() || inputs.top_k || !inputs.places.empty() ||
-         !inputs.questions.empty();
+         !inputs.place_questions.empty() || !inputs.frame_questions.empty();
 }
 
 void run_several(Session& session, const EvalInputs& inputs) {
   if (!inputs.matrix.empty() || inputs.has_expectation() || shows_one(inputs))
-    throw Error(ErrorKind::usage,
-                "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places "
-                "and --ask-places take one result. For a page of several, use vpr-eval report "
-                "FOLDER --html FILE");
+    throw Error(
+        ErrorKind::usage,
+        "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places, "
+        "--ask-frames and --ask-places take one result. For a page of several, use vpr-eval report "
+        "FOLDER --html FILE");
   check_inputs(inputs);
   session.claim_output();
   for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})

@@ -178,7 +178,10 @@ void query_places(Session& session, const QueryOptions& options,
   QueryRun run = query_fabmap(database, query.words, query.name, settings, session.options.seed,
                               observe, session.monitor);
   ResultContext context = make_context(options, session);
-  context.run.paths["query"] = query.path;
+  if (query.images)
+    set_query_path(context, *query.images);
+  else
+    context.run.paths["query"] = query.path;
   context.seconds = std::move(run.seconds);
   context.seconds["describe"] = describe_s;
   context.seconds["total"] = watch.elapsed_s();

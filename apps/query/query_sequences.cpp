@@ -32,10 +32,6 @@ struct QueryData {
   std::vector<int64_t> times_ns;               ///< of the query, for loops with a gap in seconds
 };
 
-std::string text_of(const SequenceArgument& argument) {
-  return argument.path.string() + range_text(argument.range);
-}
-
 std::string fingerprint_of(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
 }
@@ -45,7 +41,7 @@ void read_database(QueryData& data, ResultContext& context, const QueryOptions& 
   data.source = find_query(options, false, session);
   data.database = open_database(options.database, settings, options.fuse, session.monitor);
   data.query = describe_query(data.source.sequence, data.database, settings, session.monitor);
-  context.run.paths["query"] = text_of(data.source.sequence);
+  set_query_path(context, data.source.sequence);
   context.database_fingerprint = data.database.fingerprint;
   context.query_fingerprint = fingerprint_of(data.query);
   if (const FusedViews* fused = fused_views(data.database))
@@ -107,7 +103,7 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
                const SequenceQuerySettings& settings, const Session& session) {
   data.source = find_query(options, false, session);
   const SequenceArgument& argument = data.source.sequence;
-  const std::string query = text_of(argument);
+  const std::string query = argument_text(argument);
   const bool needs_times = settings.loop_gap_s != 0;
   if (needs_times)
     data.times_ns = options.loop_times.empty()
@@ -122,7 +118,7 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
                     options.loop_times.empty() ? query : options.loop_times,
                     counted(data.times_ns.size(), "time"), query, counted(frames, "frame")));
   data.database = own_database(data.query, data.source.name);
-  context.run.paths["query"] = query;
+  set_query_path(context, argument);
   context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);
 }
 

@@ -46,7 +46,7 @@ void calibrate(Session& session, const Calibrate& command) {
   const CalibratedSequence result = calibrate_sequence(
       database, query, source.sequence.name, settings,
       calibrated_lengths(options.grid.windows, database, query), request.precision,
-      [&](const GroundTruthScope& scope) { return truth_of(by, scope, monitor); }, resources,
+      [&](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); }, resources,
       monitor);
   if (!result.chosen)
     throw Error(ErrorKind::expectation,

@@ -55,7 +55,7 @@ std::vector<Sweep> sweep_all(const std::vector<Source>& queries,
                              const Monitor& monitor) {
   const auto reader_of = [&](const Source& source) {
     return [&monitor, by = evaluation_of(source, database)](const GroundTruthScope& scope) {
-      return truth_of(by, scope, monitor);
+      return whole_truth_of(by, scope, monitor);
     };
   };
   std::vector<Sweep> sweeps;

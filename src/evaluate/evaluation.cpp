@@ -107,6 +107,24 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   warn(monitor, *warning);
 }
 
+// A caution about labels that were made from these best matches, or of few frames.
+std::string label_caution(const GroundTruth& truth, const Outcomes& outcomes) {
+  constexpr size_t kFew = 10;  // one of ten frames
+  if (truth.asked.empty()) return "";
+  size_t labeled = 0;
+  bool is_own = true;
+  for (const QueryOutcome& query : outcomes.queries) {
+    labeled += query.has_match;
+    for (const GroundTruth::Pair& pair : truth.asked[query.frame])
+      is_own = is_own && query.best == FrameMatch{pair.sequence, pair.first};
+  }
+  std::string text;
+  if (kFew * labeled < outcomes.queries.size())
+    text = " Caution: fewer than a tenth of the frames are labeled.";
+  if (is_own) text += " Caution: the labels were made from this result.";
+  return text;
+}
+
 // Counts and verdicts by the answers in a file.
 void judge_by_answers(Evaluation& evaluation, const std::filesystem::path& file,
                       std::span<const double> traveled_m) {
@@ -150,6 +168,18 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
+GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
+                           const Monitor& monitor) {
+  GroundTruth truth = truth_of(by, std::move(scope), monitor);
+  if (!truth.asked.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: labels of single pairs judge results, but cannot choose settings, "
+                            "because most mistakes of other settings are not labeled. Use anchors "
+                            "or another ground truth",
+                            by.ground_truth->path.string()));
+  return truth;
+}
+
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor) {
   Evaluation evaluation;
@@ -167,6 +197,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
   judged.result = std::move(result);
   if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);
   evaluation.matrix = std::move(matrix);
+  evaluation.caution = label_caution(truth, evaluation.judgment.outcomes);
   warn_of_truth(evaluation, by, monitor);
   return evaluation;
 }
@@ -184,6 +215,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   present_by(evaluation.judgment, by);
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
+  evaluation.caution = label_caution(evaluation.truth, evaluation.judgment.outcomes);
   warn_of_truth(evaluation, by, monitor);
   return evaluation;
 }

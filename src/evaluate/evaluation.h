@@ -49,6 +49,7 @@ struct Evaluation {
   std::optional<ScoreMatrix> matrix;      ///< the scores, or the matrix saved with the result
   std::string fingerprint;                ///< of the file of the result or of the scores
   bool warned_of_ground_truth = false;    ///< a warning named another tolerance or --train-step
+  std::string caution = {};  ///< about a ground truth of few labels, or of labels of this result
 
   const Sequence& query() const { return judgment.layout.scope.query; }
 };
@@ -56,6 +57,11 @@ struct Evaluation {
 /// The ground truth of an evaluation for the indices of `scope`, whose names are those of `by`.
 /// Throws what read_ground_truth throws.
 GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor);
+
+/// As truth_of, for the choice of settings. Throws Error(usage) for labels of single pairs: other
+/// pairs are unknown, and a looser threshold would seem to make no mistake.
+GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
+                           const Monitor& monitor);
 
 /// Evaluates a result, with the matrix that was saved with it, if there is one. Throws what
 /// read_ground_truth, read_place_answers, read_traveled, judge and set_confidence throw.

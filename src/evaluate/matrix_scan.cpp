@@ -18,10 +18,13 @@ struct ScoredColumn {
 /// The part of one worker.
 struct ScanPart {
   std::vector<PlaceLabel> labels;  ///< of the current row
+  bool keeps_ignored = false;      ///< they are unknown, and compete for ranks
   std::vector<ScoredColumn> heap;
   PairJudgment pairs;  ///< without the curve
   size_t known_ranks = std::numeric_limits<size_t>::max();
   std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
+
+  bool skips(size_t column) const { return labels[column] == PlaceLabel::ignore && !keeps_ignored; }
 };
 
 /// Better scores first, ties to the first column.
@@ -31,12 +34,13 @@ bool is_ahead(const ScoredColumn& a, const ScoredColumn& b) {
 
 // Finds the correct ones among the kMaxRank best references. The front of the heap is the worst
 // of them.
-void rank_correct_ones(QueryOutcome& query, std::vector<ScoredColumn>& heap,
-                       std::span<const uint64_t> keys, const std::vector<PlaceLabel>& labels) {
+void rank_correct_ones(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> keys) {
+  const auto& labels = part.labels;
+  auto& heap = part.heap;
   heap.clear();
   for (size_t c = 0; c < keys.size(); ++c) {
     query.correct_count += labels[c] == PlaceLabel::same ? 1 : 0;
-    if (keys[c] == kNoScore || labels[c] == PlaceLabel::ignore) continue;
+    if (keys[c] == kNoScore || part.skips(c)) continue;
     if (heap.size() == kMaxRank) {
       if (keys[c] >= heap.front().key) continue;  // of equal scores, the earlier column stays
       std::pop_heap(heap.begin(), heap.end(), is_ahead);
@@ -60,10 +64,8 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   std::optional<size_t> worst;
   size_t ranked = 0;
   for (size_t c = 0; c < keys.size(); ++c) {
-    if (labels[c] == PlaceLabel::ignore) {
-      ++part.pairs.ignored;
-      continue;
-    }
+    if (labels[c] == PlaceLabel::ignore) ++part.pairs.ignored;
+    if (part.skips(c)) continue;
     const bool has_score = keys[c] != kNoScore;
     ranked += has_score ? 1 : 0;
     if (has_score && (!worst || keys[c] > keys[*worst])) worst = c;
@@ -80,10 +82,10 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   if (correct.key != kNoScore) {
     query.rank = 1;
     for (size_t c = 0; c < keys.size(); ++c)
-      *query.rank += is_ahead({keys[c], c}, correct) && labels[c] != PlaceLabel::ignore ? 1 : 0;
+      *query.rank += is_ahead({keys[c], c}, correct) && !part.skips(c) ? 1 : 0;
   }
   query.key = best.key;
-  rank_correct_ones(query, part.heap, keys, labels);
+  rank_correct_ones(query, part, keys);
   if (best.key == kNoScore) return;
   if (std::ranges::find(keys, kNoScore) != keys.end())
     part.known_ranks = std::min(part.known_ranks, ranked);
@@ -230,6 +232,7 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
   outcomes.has_scores = matrix.has_scores();
   outcomes.has_ranks = true;
   std::vector<ScanPart> parts(thread_count());
+  for (ScanPart& part : parts) part.keeps_ignored = !truth.asked.empty();
   matrix.for_each_row(parts.size(), monitor, "reading scores",
                       [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
                         label_row(truth, layout, row, parts[worker].labels);

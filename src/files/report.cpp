@@ -223,6 +223,11 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
     report.provenance.scores = evaluation.fingerprint;
   }
   define_metrics(report.protocol.definitions, judgment, evaluation.result.has_value());
+  if (!truth.asked.empty())
+    report.protocol.definitions.emplace_back(
+        "labels",
+        "frames are those that are labeled, and \"with a match\" means this; a pair that is not "
+        "labeled is neither correct nor incorrect, and counts for ranks");
   if (judgment.by != JudgedBy::ground_truth) {
     Definitions& define = report.protocol.definitions;
     std::erase_if(define, [](const auto& definition) {

@@ -121,6 +121,12 @@ struct Report {
   Json settings_json() const;
   /// Whether recognitions are along paths of the filter.
   bool has_paths() const;
+  /// Whether the ground truth is labels of single pairs.
+  bool has_labels() const { return !protocol.definition("labels").empty(); }
+  /// "with a match" or "that are labeled".
+  std::string_view frames_that_count() const {
+    return has_labels() ? "that are labeled" : "with a match";
+  }
   /// Whether references are places of FAB-MAP instead of frames.
   bool has_places() const;
   /// The selection of the query, as in "speed varying, seed 1"; empty for all frames.

@@ -377,17 +377,6 @@ Json report_json(const Report& report, const RunInfo& run, double seconds) {
   return json;
 }
 
-Report read_report(const std::filesystem::path& path) {
-  const Json json = read_json(path, ErrorKind::data);
-  if (json.is_object() && json.value("schema", Json()).is_string() &&
-      json["schema"].get<std::string>().starts_with("vpr.result/"))
-    throw Error(ErrorKind::usage,
-                fmt::format("{0}: is a result, and reports are compared. Make one first: vpr-eval "
-                            "{0} --ground-truth ... -o report.json",
-                            path.string()));
-  return parse_report(json, path.string());
-}
-
 Report parse_report(const Json& json, const std::string& where) {
   require_schema(json, "report", where, ErrorKind::data);
   if (json.contains("judged"))

@@ -18,10 +18,8 @@ namespace vpr {
 Json report_json(const Report& report);
 Json report_json(const Report& report, const RunInfo& run, double seconds);
 
-/// Throws Error(input) if the file cannot be read, Error(usage) for a result, and for a report
-/// without ground truth, and Error(data) for any other file and for damage.
-Report read_report(const std::filesystem::path& path);
-/// `where`: the name of the file in messages.
+/// Throws Error(usage) for a report without ground truth, and Error(data) for any other file and
+/// for damage. `where`: the name of the file in messages.
 Report parse_report(const Json& json, const std::string& where);
 
 /// A letter per query frame: c(orrect), w(rong), i(gnored), u(nanswered); W, I and U for frames

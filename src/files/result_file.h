@@ -75,13 +75,19 @@ Json result_json(const Result& result, const ResultContext& context);
 Json write_result(const std::filesystem::path& path, const Result& result,
                   const ResultContext& context, Outputs& outputs);
 
+/// Inputs of a run. Files may have moved or changed since.
+struct RecordedRun {
+  std::map<std::string, std::string> paths;        ///< by role, such as "query" and "database"
+  std::map<std::string, std::string> frame_names;  ///< names_checksum of their frames
+  std::string database_fingerprint;
+};
+
 /// The content of a result file.
 struct StoredResult {
   Result result;
   std::string fingerprint;                          ///< of everything except "machine" and "timing"
   std::optional<std::string> matrix_checksum = {};  ///< of the saved matrix, if there is one
-  /// Paths of the run by role, such as "query" and "database"; files may have moved since.
-  std::map<std::string, std::string> paths = {};
+  RecordedRun run = {};
 };
 
 /// Throws Error(input) if a file is missing, and Error(data) if a file is damaged, has another

@@ -362,9 +362,16 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   if (fields.has("companions")) check_companions(source, json["companions"], monitor);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");
-  if (const Json paths = json.value("machine", Json()); paths.contains("paths"))
-    for (const auto& [role, named] : paths["paths"].items())
-      if (named.is_string()) stored.paths[role] = named.get<std::string>();
+  const Json machine = json.value("machine", Json());
+  const auto read_texts = [&](const char* key, std::map<std::string, std::string>& texts) {
+    if (machine.contains(key))
+      for (const auto& [role, text] : machine[key].items())
+        if (text.is_string()) texts[role] = text.get<std::string>();
+  };
+  read_texts("paths", stored.run.paths);
+  read_texts("frame_names", stored.run.frame_names);
+  if (const Json made = json.value("provenance", Json()); made.contains("database"))
+    if (made["database"].is_string()) stored.run.database_fingerprint = made["database"];
   return stored;
 }
 

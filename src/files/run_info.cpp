@@ -31,6 +31,7 @@ Json machine_json(const RunInfo& run) {
   json["command_line"] = run.command_line;
   json["paths"] = Json::object();
   for (const auto& [role, path] : run.paths) json["paths"][role] = path;
+  for (const auto& [role, checksum] : run.frame_names) json["frame_names"][role] = checksum;
   return json;
 }
 

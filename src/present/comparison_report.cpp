@@ -99,8 +99,10 @@ std::string note_of(const ComparisonReport& comparison, size_t r) {
 
 std::string compared_frames(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
-  return counted(found.with_match, comparison.settings.only_common ? "common frame" : "frame") +
-         " with a match";
+  return fmt::format(
+      "{} {}",
+      counted(found.with_match, comparison.settings.only_common ? "common frame" : "frame"),
+      comparison.reports.front().frames_that_count());
 }
 
 // The report over these frames of the query alone.

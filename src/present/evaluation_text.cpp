@@ -38,7 +38,7 @@ std::string best_match_text(const Report& report) {
   const BestMatchCounts& best = report.counts.best_match;
   if (best.frames == 0) return "";
   return fmt::format("correct in {} of {}{}, R@1 {}", best.correct, counted(best.frames, "frame"),
-                     best.without_match > 0 ? " with a match" : "",
+                     best.without_match == 0 || report.has_labels() ? "" : " with a match",
                      metric_cell(find_metric("recall_at"), best.rate()));
 }
 
@@ -149,7 +149,7 @@ std::string next_step(const Evaluation& evaluation) {
     return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result.places
                ? "next: judge each place by its images with --ask-places PAGE.html"
                : "";
-  if (!evaluation.truth.is_known) return "";
+  if (!evaluation.truth.is_known || !evaluation.truth.asked.empty()) return "";
   const Localization& path = evaluation.judgment.localization;
   if (path.correct > 0 && path.incorrect == 0) return "";
   if (evaluation.result->result.places)
@@ -202,8 +202,8 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
   return text + (next.empty() ? "" : next + "\n");
 }
 
-std::string short_text(Table table) {
-  constexpr size_t kLongestName = 22;
+std::string short_text(Table table, bool is_terminal) {
+  const size_t kLongestName = is_terminal ? 22 : std::string::npos;
   for (auto& row : table.rows) {
     if (row[0].size() <= kLongestName) continue;
     size_t cut = kLongestName - 3;
@@ -222,8 +222,9 @@ Table overview_table(std::span<const Report> reports, const std::vector<std::str
   const bool has_pairs = std::ranges::any_of(
       reports, [](const Report& report) { return has_incorrect_pairs(report); });
   Table table;
-  table.title = is_one_query ? fmt::format("{}: over {} with a match", first.query,
-                                           counted(first.counts.best_match.frames, "frame"))
+  table.title = is_one_query ? fmt::format("{}: over {} {}", first.query,
+                                           counted(first.counts.best_match.frames, "frame"),
+                                           first.frames_that_count())
                              : "Over all frames with a match";
   table.label = "results";
   table.columns = {key};

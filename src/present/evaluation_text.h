@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <unistd.h>
+
 #include "files/report.h"
 #include "present/table.h"
 
@@ -26,7 +28,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
 Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
                      const std::string& key);
 
-/// The table as text, with the names in its first column cut to 22 characters.
-std::string short_text(Table table);
+/// The table as text. On a terminal, the names in its first column are cut to 22 characters.
+std::string short_text(Table table, bool is_terminal = ::isatty(STDOUT_FILENO) != 0);
 
 }  // namespace vpr

@@ -99,9 +99,8 @@ std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTr
     for (const size_t q : order) {
       if (items.size() - begin == most) break;
       const bool is_near = std::any_of(items.begin(), items.end(), [&](const GalleryItem& item) {
-        const bool same_query = item.query == q;
         const size_t away = item.query > q ? item.query - q : q - item.query;
-        return same_query || (item.kind == kind && away < apart);
+        return away == 0 || (kind != GalleryKind::mistake && item.kind == kind && away < apart);
       });
       if (is_near) continue;
       const size_t frame = queries[q].frame;
@@ -200,23 +199,25 @@ GalleryImages read_images(const std::vector<GalleryItem>& items, const Judgment&
   return images;
 }
 
-/// The first kind of an item is selected.
-std::string kinds_html(const std::vector<GalleryItem>& items, bool is_judged) {
+/// Each kind with its number of items, and of all queries from which they were chosen. The first
+/// kind of an item is selected.
+std::string kinds_html(const std::vector<GalleryItem>& items, const Judgment& judgment) {
   constexpr std::array<std::string_view, 3> kWords = {"worst mistakes", "strongest", "weakest"};
+  const bool is_judged = judgment.by != JudgedBy::nothing;
   std::string html;
-  const auto add = [&](std::string_view kind, const std::string& words, bool is_selected) {
-    html += fmt::format("<label><input type=\"radio\" name=\"kind\" value=\"{}\"{}> {}</label>\n",
-                        kind, is_selected ? " checked" : "", words);
-  };
   for (size_t k = 0; k < kWords.size(); ++k) {
     const auto kind = static_cast<GalleryKind>(k);
     const auto count = std::ranges::count(items, kind, &GalleryItem::kind);
-    if (count > 0)
-      add(enum_name(kind),
-          fmt::format("{}{} ({})", kWords[k], is_judged && k > 0 ? " correct" : "", count),
-          kind == items.front().kind);
+    if (count == 0) continue;
+    const Verdict verdict = !is_judged                     ? Verdict::ignored
+                            : kind == GalleryKind::mistake ? Verdict::incorrect
+                                                           : Verdict::correct;
+    html += fmt::format(
+        "<label><input type=\"radio\" name=\"kind\" value=\"{}\"{}> {}{} ({} of {})</label>\n",
+        enum_name(kind), kind == items.front().kind ? " checked" : "", kWords[k],
+        is_judged && k > 0 ? " correct" : "", count,
+        std::ranges::count(judgment.outcomes.queries, verdict, &QueryOutcome::verdict));
   }
-  add("all", "all", items.empty());
   return html;
 }
 
@@ -232,7 +233,7 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   };
   const bool is_judged = judgment.by != JudgedBy::nothing;
   Gallery gallery;
-  gallery.kinds = kinds_html(items, is_judged);
+  gallery.kinds = kinds_html(items, judgment);
   for (const GalleryItem& item : items) {
     const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
     const char* verdict = !is_judged                            ? ""
@@ -263,7 +264,15 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
     gallery.note =
         is_judged ? "No query has a best match that can be judged." : "No query has a best match.";
   else if (!sources.query)
-    gallery.note = "Pass the sequences (--query and --train, or --dataset) for images.";
+    gallery.note =
+        "The images of the run have moved or changed. Pass them with --query and --train, or "
+        "--dataset.";
+  else
+    gallery.note = fmt::format(
+        "Mistakes are ordered by their {}, the most confident first. Other queries that are less "
+        "than {} frames from a stronger one are not shown.",
+        judgment.outcomes.confidence == Confidence::margin ? "margin" : "score",
+        std::max(kLeastApart, layout.window_length));
   return gallery;
 }
 

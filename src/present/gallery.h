@@ -30,8 +30,8 @@ struct GalleryItem {
 
 /// Selects the most confident incorrect best matches, then the most and the least confident correct
 /// ones, at most `most` of each kind; without ground truth, the most and the least confident of all
-/// best matches. Queries of one kind are at least a window and five frames apart; the earlier in
-/// this order stays, and on ties the earlier query. A query has one kind only.
+/// best matches. Queries of one kind, except mistakes, are at least a window and five frames apart;
+/// the earlier in this order stays, and on ties the earlier query. A query has one kind only.
 std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
                                         size_t most);
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "evaluate/place_answers.h"
@@ -17,12 +18,30 @@ namespace {
 // The files of src/present/html as string constants.
 #include "html_parts.inc"
 
-constexpr size_t kManyPlaces = 100;
+constexpr size_t kManyQuestions = 100;
 constexpr int kImageSide = 640;  // pixels
-constexpr int kSmallSide = 320;  // of many places, so that a browser can open the page
+constexpr int kSmallSide = 320;  // of many questions, so that a browser can open the page
+constexpr size_t kMostFrames = 200;
+constexpr size_t kSpreadFrames = 50;
+constexpr size_t kTolerance = 5;  // frames; the page asks for another one
 
 /// A query frame and a frame of a training sequence.
 using FramePair = std::array<size_t, 2>;
+
+/// Images of a query frame and of its match that are shown together.
+struct Question {
+  std::string row;  ///< of the saved file, without the answer
+  std::string name = {};
+  std::string about = {};
+  uint32_t sequence = 0;
+  std::vector<FramePair> pairs;
+  std::string answer = {};
+};
+
+void to_json(Json& json, const Question& one) {
+  json = {{"row", one.row},           {"name", one.name},   {"about", one.about},
+          {"sequence", one.sequence}, {"pairs", one.pairs}, {"answer", one.answer}};
+}
 
 /// Per place: the first recognition, the representative and the last recognition; equal ones once.
 std::vector<std::vector<FramePair>> pairs_of(const Result& result) {
@@ -55,51 +74,133 @@ void add_images(Json& images, const std::string& prefix, const SequenceSource& s
         image.jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(image.jpeg), image.name};
 }
 
-Json images_of(const std::vector<std::vector<FramePair>>& pairs, const Result& result,
+Json images_of(const std::vector<Question>& questions, const GroundTruthScope& scope,
                const FrameSources& sources, const Monitor& monitor) {
   std::set<size_t> query;
-  std::vector<std::set<size_t>> train(result.sequences.size());
-  for (size_t place = 0; place < pairs.size(); ++place)
-    for (const auto& [query_frame, train_frame] : pairs[place]) {
+  std::vector<std::set<size_t>> train(scope.sequences.size());
+  for (const Question& one : questions)
+    for (const auto& [query_frame, train_frame] : one.pairs) {
       query.insert(query_frame);
-      train[result.clusters->all[place].sequence].insert(train_frame);
+      train[one.sequence].insert(train_frame);
     }
-  const int side = pairs.size() > kManyPlaces ? kSmallSide : kImageSide;
+  const int side = questions.size() > kManyQuestions ? kSmallSide : kImageSide;
   Json images = Json::object();
-  add_images(images, "query", *sources.query, result.query.selection, query, side, monitor);
+  add_images(images, "query", *sources.query, scope.query.selection, query, side, monitor);
   for (size_t s = 0; s < train.size(); ++s)
     add_images(images, std::to_string(s), *sources.references[s],
-               result.sequences[s].sequence.selection, train[s], side, monitor);
+               scope.sequences[s].sequence.selection, train[s], side, monitor);
   return images;
+}
+
+/// `data`: the words of the page.
+std::string page_of(Json data, const std::vector<Question>& questions, const Evaluation& evaluation,
+                    const Report& report, const FrameSources& sources, const Monitor& monitor) {
+  data["key"] =
+      fmt::format("vpr-eval {} {}", data["noun"].get<std::string>(), evaluation.fingerprint);
+  data["images"] = images_of(questions, evaluation.judgment.layout.scope, sources, monitor);
+  data["questions"] = questions;
+  return fill_page(kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
+                                    {"style", palette_css() + std::string(kStyle)},
+                                    {"data", script_json(data)}});
+}
+
+size_t recorded(const Selection& selection, size_t frame) {
+  return selection.is_all() ? frame : selection.sources[frame];
+}
+
+/// The queries to ask about, as indices of outcomes: spread evenly, then by their distance to the
+/// decision.
+std::vector<size_t> asked_queries(const Judgment& judgment, const GroundTruth& truth) {
+  const auto& queries = judgment.outcomes.queries;
+  std::vector<size_t> open;  // in the order of the path
+  for (size_t q = 0; q < queries.size(); ++q) {
+    const auto& best = queries[q].best;
+    if (!best || (!truth.asked.empty() && queries[q].verdict != Verdict::ignored)) continue;
+    open.push_back(q);
+  }
+  const size_t spread = std::min(kSpreadFrames, open.size());
+  std::vector<size_t> asked;
+  std::vector<bool> is_spread(queries.size());
+  for (size_t i = 0; i < spread; ++i) {
+    asked.push_back(open[(2 * i + 1) * open.size() / (2 * spread)]);
+    is_spread[asked.back()] = true;
+  }
+  std::erase_if(open, [&](size_t q) { return is_spread[q]; });
+  const auto key = [&](size_t q) {
+    return confidence_key(queries[q], judgment.outcomes.confidence);
+  };
+  const auto unrecognized = std::ranges::stable_partition(
+      open, [&](size_t q) { return is_recognized(judgment, queries[q]); });
+  std::stable_sort(open.begin(), unrecognized.begin(),
+                   [&](size_t a, size_t b) { return key(a) > key(b); });
+  std::stable_sort(unrecognized.begin(), open.end(),
+                   [&](size_t a, size_t b) { return key(a) < key(b); });
+  open.resize(std::min(open.size(), kMostFrames - spread));
+  asked.insert(asked.end(), open.begin(), open.end());
+  return asked;
 }
 
 }  // namespace
 
-std::string questions_page(const Evaluation& evaluation, const Report& report,
-                           const FrameSources& sources, const Monitor& monitor) {
+std::string place_questions_page(const Evaluation& evaluation, const Report& report,
+                                 const FrameSources& sources, const Monitor& monitor) {
   const EvaluatedResult& judged = *evaluation.result;
   const Result& result = judged.result;
   require_places(result);
   const std::vector<std::vector<FramePair>> pairs = pairs_of(result);
-  Json data = {{"result", evaluation.fingerprint},
-               {"columns", kAnswerColumns},
-               {"images", images_of(pairs, result, sources, monitor)},
-               {"places", Json::array()}};
+  std::vector<Question> questions;
   for (size_t place = 0; place < pairs.size(); ++place) {
     const Cluster& cluster = result.clusters->all[place];
     const PlaceLabel label = judged.clusters[place].label;
-    Json& json =
-        data["places"].emplace_back(Json{{"row", answer_row(result, place)},
-                                         {"name", result.sequences[cluster.sequence].sequence.name},
-                                         {"sequence", cluster.sequence},
-                                         {"recognitions", cluster.recognitions},
-                                         {"pairs", pairs[place]}});
+    Question& one = questions.emplace_back(
+        Question{answer_row(result, place), result.sequences[cluster.sequence].sequence.name,
+                 counted(cluster.recognitions, "recognition"), cluster.sequence, pairs[place]});
     if (report.judged == JudgedBy::places && label != PlaceLabel::ignore)
-      json["answer"] = label == PlaceLabel::same ? "yes" : "no";
+      one.answer = label == PlaceLabel::same ? "yes" : "no";
   }
-  return fill_page(kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
-                                    {"style", palette_css() + std::string(kStyle)},
-                                    {"data", script_json(data)}});
+  const Json words = {{"noun", "place"},
+                      {"file", "places.csv"},
+                      {"columns", kAnswerColumns},
+                      {"words", {{"yes", "yes"}, {"no", "no"}}},
+                      {"note", "The middle pair decides, the ends show how far the place extends."},
+                      {"next", "vpr-eval RESULT --places places.csv"}};
+  return page_of(words, questions, evaluation, report, sources, monitor);
+}
+
+std::string frame_questions_page(const Evaluation& evaluation, const Report& report,
+                                 const FrameSources& sources, const Monitor& monitor) {
+  const Judgment& judgment = evaluation.judgment;
+  const GroundTruthScope& scope = judgment.layout.scope;
+  if (report.has_places())
+    throw Error(ErrorKind::usage,
+                "--ask-frames is for results of frames, and the places of FAB-MAP have no images. "
+                "Use --ground-truth");
+  const bool is_one = scope.sequences.size() == 1;
+  std::vector<Question> questions;
+  for (const size_t q : asked_queries(judgment, evaluation.truth)) {
+    const size_t query = judgment.outcomes.queries[q].frame;
+    const auto [s, reference] = *judgment.outcomes.queries[q].best;
+    const Sequence& train = scope.sequences[s].sequence;
+    questions.push_back({fmt::format("{},{}{}", recorded(scope.query.selection, query),
+                                     is_one ? "" : csv_field(train.name) + ",",
+                                     recorded(train.selection, reference)),
+                         train.name,
+                         "",
+                         s,
+                         {{query, reference}}});
+  }
+  const size_t frames = judgment.outcomes.queries.size();
+  const Json words = {
+      {"noun", "frame"},
+      {"file", "labels.csv"},
+      {"columns", fmt::format("query,{}reference,label,tolerance", is_one ? "" : "sequence,")},
+      {"words", {{"yes", "same"}, {"no", "different"}}},
+      {"tolerance", std::max<size_t>(kTolerance, evaluation.truth.tolerance_frames)},
+      {"note",
+       fmt::format("{} of {} are asked{}.", questions.size(), counted(frames, "frame"),
+                   questions.size() == kMostFrames ? ", so that the page stays small" : "")},
+      {"next", "vpr-eval ANY_RESULT --ground-truth labels.csv"}};
+  return page_of(words, questions, evaluation, report, sources, monitor);
 }
 
 }  // namespace vpr

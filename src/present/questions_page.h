@@ -1,4 +1,4 @@
-// The page that asks a person about each place of a result, as HTML.
+// Pages that ask a person whether images show the same place, as HTML.
 #pragma once
 
 #include <string>
@@ -14,7 +14,14 @@ namespace vpr {
 /// recognition: at the anchors of both windows. The page saves answers as read_place_answers reads
 /// them, and begins with those by which `evaluation` was judged. Throws as require_places and
 /// make_thumbnails do.
-std::string questions_page(const Evaluation& evaluation, const Report& report,
-                           const FrameSources& sources, const Monitor& monitor);
+std::string place_questions_page(const Evaluation& evaluation, const Report& report,
+                                 const FrameSources& sources, const Monitor& monitor);
+
+/// Questions about the best matches of at most kMostFrames query frames: first some that are spread
+/// evenly along the path, then those that are nearest to the decision. The page saves labels as
+/// read_labels reads them. Frames that `evaluation` was judged by are not asked again. Throws as
+/// make_thumbnails does, and Error(usage) for places of FAB-MAP, which have no images.
+std::string frame_questions_page(const Evaluation& evaluation, const Report& report,
+                                 const FrameSources& sources, const Monitor& monitor);
 
 }  // namespace vpr

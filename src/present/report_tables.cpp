@@ -76,16 +76,27 @@ std::string oracle_words(const Judgment& judgment) {
       judgment.localization.correct);
 }
 
-std::string frames_words(const BestMatchCounts& counts) {
-  return counted(counts.frames, "frame") + (counts.without_match > 0 ? " with a match" : "");
+// "106 frames with a match".
+std::string frames_words(const Evaluation& evaluation) {
+  const BestMatchCounts counts = best_match_counts(evaluation.judgment.outcomes);
+  const bool all_count = counts.without_match == 0 || !evaluation.truth.asked.empty();
+  return counted(counts.frames, "frame") + (all_count ? "" : " with a match");
+}
+
+// ", over 20 of 111 frames that are labeled"; empty if all pairs are known.
+std::string labeled_words(const Evaluation& evaluation) {
+  if (evaluation.truth.asked.empty()) return "";
+  const Outcomes& outcomes = evaluation.judgment.outcomes;
+  return fmt::format(", over {} of {} that are labeled", frames_with_match(outcomes),
+                     counted(outcomes.queries.size(), "frame"));
 }
 
 // "Best match correct in 106 of 200 frames (53.0 %)".
-std::string best_match_words(const Judgment& judgment) {
-  const BestMatchCounts counts = best_match_counts(judgment.outcomes);
+std::string best_match_words(const Evaluation& evaluation) {
+  const BestMatchCounts counts = best_match_counts(evaluation.judgment.outcomes);
   if (!counts.rate()) return "No frame has a match in the ground truth";
-  return fmt::format("Best match correct in {} of {} ({:.1f} %)", counts.correct,
-                     frames_words(counts), 100 * *counts.rate());
+  return fmt::format("Best match correct in {} of {} ({:.1f} %){}", counts.correct,
+                     frames_words(evaluation), 100 * *counts.rate(), labeled_words(evaluation));
 }
 
 // "; 412 of the 639 accepted window pairs are incorrect"; empty if none is.
@@ -104,20 +115,28 @@ std::string pair_words(const Evaluation& evaluation) {
 std::string recognized_words(const Evaluation& evaluation) {
   const Judgment& judgment = evaluation.judgment;
   const Localization& path = judgment.localization;
-  const size_t unjudged = path.recognized - path.correct - path.incorrect;
-  const size_t on_map = path.recognized - path.off_map;
+  size_t on_map = path.recognized - path.off_map;
+  if (!evaluation.truth.asked.empty())
+    on_map = static_cast<size_t>(
+        std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
+          return query.has_match && judgment.verdicts[query.frame] != FrameVerdict::none;
+        }));
   const size_t incorrect = path.incorrect - path.off_map;
+  const size_t unjudged = on_map - path.correct - incorrect;
   const std::string pairs = pair_words(evaluation);
   std::string text =
       fmt::format("{} of {} recognized", on_map == 0 ? "None" : std::to_string(on_map),
-                  frames_words(best_match_counts(judgment.outcomes)));
+                  frames_words(evaluation));
   if (on_map > 0 && incorrect > 0)
     text += fmt::format(", {} of them incorrectly", incorrect);
   else if (path.correct > 0)
     text += pairs.empty() ? ", all correctly" : ", their best matches all correct";
   if (unjudged > 0)
     text += fmt::format(", {} {}", unjudged,
-                        judgment.by == JudgedBy::places ? "without an answer" : "to be ignored");
+                        judgment.by == JudgedBy::places  ? "without an answer"
+                        : evaluation.truth.asked.empty() ? "to be ignored"
+                                                         : "at places that are not labeled");
+  text += labeled_words(evaluation);
   if (path.off_map > 0)
     text += fmt::format("; {} of {} without a match recognized, which is incorrect", path.off_map,
                         counted(path.frames - path.frames_with_match, "frame"));
@@ -151,11 +170,10 @@ Table curve_table(const Report& report) {
   const auto& tied = report.metrics.curves.single_best.tied_queries;
   Table table;
   table.title = fmt::format(
-      "Metrics over {} with a match ({} without an answer, {} ignored: not recognized; {} without "
-      "a "
-      "match: incorrect if accepted{})",
-      counted(best.frames, "frame"), best.no_answer, best.ignored,
+      "Metrics over {} {} ({} without an answer, {} ignored: not recognized; {} without {}{})",
+      counted(best.frames, "frame"), report.frames_that_count(), best.no_answer, best.ignored,
       counted(best.without_match, "frame"),
+      report.has_labels() ? "a label: not judged" : "a match: incorrect if accepted",
       tied ? fmt::format("; {} tied, to the first", *tied) : "");
   table.columns = {"of", "to find"};
   for (const Metric& metric : curve_metrics()) table.columns.emplace_back(metric.symbol);
@@ -180,9 +198,9 @@ Table rank_table(const Report& report, bool needs_all_ranks) {
     for (const auto& [k, value] : report.metrics.ranks[m])
       add_column(table, MetricAt{&metric, k}.symbol(), metric_cell(metric, value));
   }
-  table.title =
-      fmt::format("{} (over frames with a match; ties to the first; ignored references skipped)",
-                  fmt::join(titles, " and "));
+  table.title = fmt::format("{} (over frames {}; ties to the first; ignored references {})",
+                            fmt::join(titles, " and "), report.frames_that_count(),
+                            report.has_labels() ? "count" : "skipped");
   return table;
 }
 
@@ -202,7 +220,8 @@ Table achievement_table(const Report& report) {
 Table localization_table(const Report& report) {
   Table table;
   table.title = fmt::format("Along the path ({})", report.protocol.definition("localization"));
-  add_column(table, "frames with a match", report.localization.frames_with_match);
+  add_column(table, fmt::format("frames {}", report.frames_that_count()),
+             report.localization.frames_with_match);
   for (const Metric& metric : path_metrics())
     if (!metric.key.ends_with("_m") || report.localization.longest_gap_m)  // positions are known
       add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localization)));
@@ -317,10 +336,11 @@ std::string summary_sentence(const Evaluation& evaluation,
     return fmt::format("{} of {} recognized ({} %). Nothing is judged without a ground truth.",
                        path.recognized == 0 ? "None" : std::to_string(path.recognized),
                        counted(path.frames, "frame"), percent(path.recognized_share()));
-  if (!evaluation.result && !judgment.threshold) return best_match_words(judgment) + ".";
-  if (judgment.is_oracle) return best_match_words(judgment) + oracle_words(judgment) + ".";
-  return (judgment.threshold ? best_match_words(judgment) + ". " : "") +
-         recognized_words(evaluation) + "." + first_of(path, frames_per_second);
+  const std::string best_match = best_match_words(evaluation);
+  if (!evaluation.result && !judgment.threshold) return best_match + "." + evaluation.caution;
+  if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + evaluation.caution;
+  return (judgment.threshold ? best_match + ". " : "") + recognized_words(evaluation) + "." +
+         first_of(path, frames_per_second) + evaluation.caution;
 }
 
 Table report_table(const Report& report) {

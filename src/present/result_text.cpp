@@ -59,17 +59,26 @@ std::string frames_text(size_t first, size_t last) {
   return first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
 }
 
+// "1.0x", or "1.0x in time; 0.27 frames per frame" if the sequences have other rates. `rate`:
+// training per query frames.
+std::string speed_text(double rate, const Sequence& query, const Sequence& train) {
+  if (!query.fps || !train.fps || *query.fps == *train.fps) return fmt::format("{:.1f}x", rate);
+  return fmt::format("{:.1f}x in time; {:.2f} frames per frame", rate * *query.fps / *train.fps,
+                     rate);
+}
+
 std::vector<RecognizedRange> cluster_ranges(const Result& result) {
   std::vector<RecognizedRange> ranges;
   const size_t length = result.window_length();
   for (const Cluster& cluster : result.clusters->all) {
     const size_t first = anchor_of(cluster.train_first, length);
     const size_t last = anchor_of(cluster.train_last, length);
-    const std::string& name = result.sequences[cluster.sequence].sequence.name;
+    const Sequence& train = result.sequences[cluster.sequence].sequence;
     const auto rate = mean_rate(cluster);
     ranges.push_back({anchor_of(cluster.query_first, length), anchor_of(cluster.query_last, length),
-                      fmt::format("{} {}", name, frames_text(first, last)),
-                      rate ? fmt::format("{:.1f}x", *rate) : "", cluster.sequence, first, last});
+                      fmt::format("{} {}", train.name, frames_text(first, last)),
+                      rate ? speed_text(*rate, result.query, train) : "", cluster.sequence, first,
+                      last});
   }
   return ranges;
 }

@@ -34,6 +34,7 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                             expected.length));
   database.descriptors.append(described.rows());
   database.sequences.push_back({std::move(sequence)});
+  database.sequences.back().path = argument_text(argument.sequence);
 }
 
 void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,

@@ -4,7 +4,9 @@
 #include <charconv>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
@@ -297,6 +299,22 @@ std::vector<std::string> frame_names(const SequenceArgument& argument) {
   std::vector<std::string> names;
   for (const auto& path : sequence.files) names.push_back(path.generic_string());
   return names;
+}
+
+std::string argument_text(const SequenceArgument& argument) {
+  return argument.path.string() + range_text(argument.range);
+}
+
+std::vector<std::string> file_names(const SequenceSource& source) {
+  std::vector<std::string> names;
+  if (source.kind == SequenceKind::video || source.is_one_array()) return names;
+  for (const fs::path& file : source.files) names.push_back(file.filename().string());
+  return names;
+}
+
+std::string names_checksum(const SequenceSource& source) {
+  const std::vector<std::string> names = file_names(source);
+  return names.empty() ? "" : checksum(fmt::format("{}", fmt::join(names, "\n")));
 }
 
 FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)) {

@@ -30,6 +30,9 @@ struct SequenceArgument {
 /// reversed range, a step of 0, or a number that is too large.
 SequenceArgument parse_sequence_argument(const std::string& text);
 
+/// As parse_sequence_argument reads it.
+std::string argument_text(const SequenceArgument& argument);
+
 /// Names for results: the name of the folder, list or video, with parents ("a/ref", "b/ref"),
 /// extensions or ranges added if two names are equal, or if a name is taken. Bytes that are not
 /// UTF-8 become %XX. Throws Error(usage) if the names are still equal: the same frames were passed
@@ -75,6 +78,11 @@ std::vector<SequenceArgument> subfolder_arguments(const std::filesystem::path& f
 /// that start with #; the files need not exist), or the paths of a sequence's frames. Throws as
 /// open_sequence does, and Error(usage) for a range that a list does not have, or for a video.
 std::vector<std::string> frame_names(const SequenceArgument& argument);
+
+/// The file names of all frames, without folders; empty for a video or a single array.
+std::vector<std::string> file_names(const SequenceSource& source);
+/// Their checksum; empty without names.
+std::string names_checksum(const SequenceSource& source);
 
 /// Finds frames by partial paths.
 class FrameNames {

@@ -37,7 +37,7 @@ bool is_database_folder(const fs::path& folder) {
   const Json& schema = (*json)["schema"];
   if (!schema.is_string() || !schema.get<std::string>().starts_with("vpr.database/")) return false;
   return holds_only_files(folder, [&](const std::string& name) {
-    return name == kManifestName || (*json)["files"].contains(name);
+    return name == kManifestName || name == kPathsName || (*json)["files"].contains(name);
   });
 }
 

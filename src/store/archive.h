@@ -19,6 +19,9 @@ namespace vpr {
 /// The file of a database folder that lists all other files.
 inline constexpr std::string_view kManifestName = "manifest.json";
 
+/// The paths of training sequences, one per line; it may be missing, and is not content.
+inline constexpr std::string_view kPathsName = "paths.txt";
+
 /// Whether a folder holds a database of any kind or version and nothing else.
 bool is_database_folder(const std::filesystem::path& folder);
 

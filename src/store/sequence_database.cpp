@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/mapped_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "store/archive.h"
@@ -25,6 +26,11 @@ Json train_json(const TrainSequence& train) {
   if (train.typical_distance) own["typical_distance"] = *train.typical_distance;
   if (train.exclusion_radius) own["exclusion_radius"] = *train.exclusion_radius;
   return sequence_json(train.sequence, own);
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
 }
 
 // Upper bound of the distances of stored descriptors.
@@ -152,6 +158,15 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
 
 }  // namespace
 
+void read_paths(const std::filesystem::path& file, std::vector<TrainSequence>& sequences) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return;
+  const MappedFile mapped(file);
+  const auto lines = split_lines(mapped.text());
+  for (size_t s = 0; s < std::min(lines.size(), sequences.size()); ++s)
+    sequences[s].path = lines[s];
+}
+
 SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const Archive archive(path);
   require_family(archive, DatabaseFamily::sequences);
@@ -173,6 +188,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   auto frame_names = split(names, '\n');
   if (frame_names.back().empty()) frame_names.pop_back();  // after the end of the last line
   database.sequences = read_sequences(archive, frame_names, shape);
+  read_paths(path / kPathsName, database.sequences);
   database.thresholds = read_thresholds(manifest, database.sequences);
   const size_t frames = frame_names.size();
   NpyArray codes = archive.array(kCodesFile);
@@ -191,14 +207,15 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
                              Outputs& outputs) {
   const DescriptorRows rows = database.descriptors.rows();
-  ArchiveWriter writer(outputs.folder(path, is_database_folder));
+  Output& folder = outputs.folder(path, is_database_folder);
+  std::string paths;
+  for (const TrainSequence& train : database.sequences) paths += one_line(train.path) + "\n";
+  write_part(folder.temporary() / kPathsName, paths);
+  ArchiveWriter writer(folder);
   writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
   std::string names;  // one per line, in the order of the codes
   for (const TrainSequence& train : database.sequences)
-    for (std::string name : train.sequence.frame_names) {
-      std::ranges::replace(name, '\n', ' ');
-      names += name + "\n";
-    }
+    for (const std::string& name : train.sequence.frame_names) names += one_line(name) + "\n";
   writer.add_text(kFramesFile, names);
   const std::vector<int32_t> sources = source_rows(pointers_of(database.sequences));
   if (!sources.empty())

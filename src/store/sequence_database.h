@@ -24,6 +24,7 @@ struct TrainSequence {
   std::optional<double> typical_distance = std::nullopt;
   /// Frames farther apart show different places; unset before training.
   std::optional<size_t> exclusion_radius = std::nullopt;
+  std::string path = {};  ///< from which it was read, which is not content; empty: unknown
 };
 
 /// The window of another training sequence that is closest to any window of this one.
@@ -73,8 +74,8 @@ struct SequenceDatabase {
 /// belongs to another method, unknown descriptors or another version.
 SequenceDatabase read_sequence_database(const std::filesystem::path& path);
 
-/// Writes a folder that is byte-identical for equal content: it holds no time, host or path. The
-/// caller commits.
+/// Writes a folder that is byte-identical for equal content, except paths.txt: it holds no time or
+/// host. The caller commits.
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
                              Outputs& outputs);
 

@@ -202,7 +202,8 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
   scope_.query.frames = query_.frames;
   for (size_t s = 0; s < train_.size(); ++s) scope_.sequences[s].sequence.frames = train_[s].frames;
   result.scope = std::move(scope_);
-  result.truth = {std::move(pairs_), argument_.tolerance_frames, std::move(protocol)};
+  result.truth = {std::move(pairs_), argument_.tolerance_frames, std::move(protocol), true,
+                  std::move(asked_)};
   result.findings = findings_;
   return result;
 }

@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "base/monitor.h"
@@ -81,6 +83,9 @@ class GroundTruthBuilder {
   /// Reports an index `text` that is out of range and cannot become a pair.
   void report_out_of_range(std::string_view what, std::string_view text, const FrameCount& side);
 
+  /// GroundTruth::asked: one entry per query frame.
+  void set_asked(std::vector<std::vector<GroundTruth::Pair>> asked) { asked_ = std::move(asked); }
+
   /// Sorts the pairs, joins them to runs and checks them. `protocol`: a description for reports.
   InspectedGroundTruth finish(std::string protocol);
 
@@ -102,6 +107,7 @@ class GroundTruthBuilder {
   FrameCount query_;
   std::vector<FrameCount> train_;
   std::vector<std::vector<GroundTruth::Pair>> pairs_;
+  std::vector<std::vector<GroundTruth::Pair>> asked_;
   size_t runs_ = 0;
   FileLocation location_;
   std::array<GroundTruthFinding, 3> findings_;

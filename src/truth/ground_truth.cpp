@@ -66,6 +66,8 @@ InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruth
   InspectedGroundTruth result = read_recorded(argument, recorded, inconsistent, monitor);
   if (const Selection& selection = scope.query.selection; !selection.is_all()) {
     result.truth.pairs = selected(std::move(result.truth.pairs), selection);
+    if (!result.truth.asked.empty())
+      result.truth.asked = selected(std::move(result.truth.asked), selection);
     result.truth.protocol += ", query " + selection_text(selection);
     result.scope.query = scope.query;
   }
@@ -157,6 +159,7 @@ void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel>
 }
 
 bool GroundTruth::has_match(size_t query) const {
+  if (!asked.empty()) return !asked[query].empty();
   return std::ranges::find(pairs[query], PlaceLabel::same, &Pair::label) != pairs[query].end();
 }
 
@@ -240,6 +243,12 @@ void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope) {
     }
     selected.pairs[query] = std::move(clean);
   }
+  for (auto& row : truth.asked)
+    for (Pair& pair : row)
+      if (const auto& selection = scope.sequences[pair.sequence].sequence.selection;
+          !selection.is_all())
+        pair.first = static_cast<uint32_t>(
+            selected_run({pair.first, pair.first, PlaceLabel::same}, selection.sources)->first);
   truth.pairs = std::move(selected.pairs);
   truth.tolerance_frames = 0;
 }

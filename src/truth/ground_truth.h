@@ -63,6 +63,9 @@ struct GroundTruth {
   int64_t tolerance_frames = 0;
   std::string protocol;  ///< a description for reports
   bool is_known = true;  ///< false: no match is evaluated
+  /// Per query frame, the pairs that a person labeled; other pairs are unknown: labeled ignore.
+  /// Empty: all pairs are known.
+  std::vector<std::vector<Pair>> asked = {};
 
   std::span<const Pair> pairs_of(size_t query, size_t sequence) const;
   /// `same` if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
@@ -70,7 +73,8 @@ struct GroundTruth {
   PlaceLabel label(size_t query, size_t sequence, size_t reference) const;
   /// The labels of all references 0 .. labels.size() - 1.
   void label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const;
-  /// Whether any frame of the searched sequences shows the query frame's place.
+  /// Whether the frame counts: some frame of the searched sequences shows its place or, if not all
+  /// pairs are known, a person labeled one of its pairs.
   bool has_match(size_t query) const;
 };
 

@@ -129,6 +129,7 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
   NamedRows rows(path, name, {"query", "reference"});
   const bool has_sequences = rows.has("sequence");
   const size_t only = has_sequences ? 0 : builder.only_searched(name);
+  if (rows.size() == 0) rows.fail("has no anchors. Set at least one");
   Anchors anchors;
   for (size_t row = 0; row < rows.size(); ++row) {
     rows.go_to(row);

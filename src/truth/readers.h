@@ -26,6 +26,15 @@ bool is_pairs_csv(const FileStart& start);
 void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                      const Monitor& monitor);
 
+/// Header query,reference,label,tolerance or query,sequence,reference,label,tolerance, by frame
+/// numbers. "same" labels the pair and references at most `tolerance` frames away, "different" the
+/// pair only; all other pairs are unknown. Throws Error(data), with the line, without rows, for
+/// frames out of range and for pairs with both labels; Error(usage) if the number of query frames
+/// is not known.
+std::string read_labels(GroundTruthBuilder& builder);
+
+bool is_labels_csv(const FileStart& start);
+
 /// A CSV query,reference or query,sequence,reference: anchors, with increasing query frames for
 /// each training sequence. A query frame between two neighboring anchors of a sequence is at the
 /// training frame found by linear interpolation, rounded (ties up); before the first and after the

@@ -59,7 +59,7 @@ size_t best_cell(const std::vector<Query>& queries, uint64_t max_incorrect,
 
 template <class Query>
 TruthReader reader_of(const Query& query, const Monitor& monitor) {
-  return [&](const GroundTruthScope& scope) { return truth_of(query.by, scope, monitor); };
+  return [&](const GroundTruthScope& scope) { return whole_truth_of(query.by, scope, monitor); };
 }
 
 std::string name_of(const SequenceQuerySettings& settings) {

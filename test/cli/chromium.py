@@ -30,11 +30,12 @@ class Chromium:
             stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
-        self.buffer, self.last, self.session = b"", 0, None
+        self.buffer, self.last, self.session, self.questions = b"", 0, None, 0
         targets = self.call("Target.getTargets")["targetInfos"]
         page = next(target for target in targets if target["type"] == "page")
         self.session = self.call("Target.attachToTarget", targetId=page["targetId"],
                                  flatten=True)["sessionId"]
+        self.call("Page.enable")
 
     def message(self):
         while b"\0" not in self.buffer:
@@ -45,15 +46,23 @@ class Chromium:
         text, self.buffer = self.buffer.split(b"\0", 1)
         return json.loads(text)
 
-    def call(self, method, **params):
+    def send(self, method, params):
         self.last += 1
         command = {"id": self.last, "method": method, "params": params}
         if self.session and not method.startswith(("Target.", "Browser.")):
             command["sessionId"] = self.session
         os.write(self.out, json.dumps(command).encode() + b"\0")
+        return self.last
+
+    def call(self, method, **params):
+        """Leaves a page that asks whether to leave it; `questions` counts them."""
+        sent = self.send(method, params)
         while True:
             answer = self.message()
-            if answer.get("id") == self.last:
+            if answer.get("method") == "Page.javascriptDialogOpening":
+                self.questions += 1
+                self.send("Page.handleJavaScriptDialog", {"accept": True})
+            if answer.get("id") == sent:
                 assert "error" not in answer, (method, answer["error"])
                 return answer["result"]
 

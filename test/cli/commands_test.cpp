@@ -378,7 +378,12 @@ TEST_CASE("answers to places judge a result, and only this one") {
   check_failure(eval("r.json", {"--ground-truth", "aligned"}), 2, "Omit --ground-truth");
   check_failure(run_program("vpr-eval", {out / "r.json", out / "r.json", "--places", "p"}), 2,
                 "take one result");
-  check_failure(eval("r.json", {"--ask-places", out / "q.html"}), 2, "needs the images");
+  ok(eval("r.json", {"--ask-places", out / "found.html"}));  // by the paths of the run
+  CHECK(has(read_text(out / "found.html"), "data:image/jpeg"));
+  Json moved = file_json(out / "r.json");
+  moved["machine"]["paths"]["query"] = out / "gone";
+  write_text(out / "r.json", moved.dump());
+  check_failure(eval("r.json", {"--ask-places", out / "q.html"}), 2, "have moved or changed");
   CHECK_FALSE(fs::exists(out / "q.html"));
   ok(eval("r.json", {"--dataset", world().dataset(), "--ask-places", out / "q.html"}));
   CHECK(has(read_text(out / "q.html"), "data:image/jpeg"));

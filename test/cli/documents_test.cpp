@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <catch2/catch.hpp>
@@ -44,6 +45,11 @@ Page read_page(const fs::path& path) {
     }
   }
   return page;
+}
+
+std::string_view without_blanks(std::string_view cell) {
+  cell.remove_prefix(std::min(cell.find_first_not_of(' '), cell.size()));
+  return cell.substr(0, cell.find_last_not_of(' ') + 1);
 }
 
 constexpr size_t kTuesdayFrames = 90;
@@ -191,6 +197,49 @@ TEST_CASE("the commands of README and guide run as printed") {
     for (const std::string& command : page.commands_without_test)
       CHECK_THAT(command, Catch::Contains("/dev/video"));
   }
+}
+
+TEST_CASE("the report has every number of the worked example") {
+  const TemporaryFolder out;
+  std::map<std::string, Words> rows;  // by the first cell, without its quotes
+  for (const std::string& line : lines_of(read_text(source_path("docs/reference/metrics.md")))) {
+    Words cells;
+    for (const std::string_view cell : split(line, '|')) cells.emplace_back(without_blanks(cell));
+    if (cells.size() < 3) continue;
+    std::erase(cells[1], '`');
+    rows[cells[1]] = {cells.begin() + 2, cells.end() - 1};
+  }
+  std::string matches = "query,reference,score\n";
+  std::string truth = "query,reference\n";
+  for (size_t frame = 0; frame < 10; ++frame) {
+    if (const std::string& same = rows.at("truth").at(frame); !same.empty())
+      truth += fmt::format("{},{}\n", frame, same);
+    if (const std::string& best = rows.at("best match").at(frame); !best.empty())
+      matches += fmt::format("{},{},{}\n", frame, best, rows.at("score").at(frame));
+  }
+  write_text(out / "matches.csv", matches);
+  write_text(out / "truth.csv", truth);
+  const Json report =
+      printed_json("vpr-eval", {"matrix", out / "matches.csv", "--similarity", "--threshold",
+                                "0.55", "--ground-truth", out / "truth.csv", "--json"});
+  size_t checked = 0;
+  for (const auto& [name, cells] : rows) {
+    if (!name.starts_with("best_match.") && !name.starts_with("metrics.") &&
+        !name.starts_with("localization."))
+      continue;
+    const size_t reached = name.rfind(".0.");  // a key that holds a point
+    std::string pointer = "/" + name;
+    std::replace(pointer.begin(),
+                 reached == std::string::npos
+                     ? pointer.end()
+                     : pointer.begin() + static_cast<ptrdiff_t>(reached) + 2,
+                 '.', '/');
+    INFO(name);
+    CHECK(report.at(Json::json_pointer(pointer)).get<double>() ==
+          Approx(std::stod(cells.at(0))).margin(0.00005));
+    ++checked;
+  }
+  CHECK(checked == 23);
 }
 
 TEST_CASE("the commands of README recognize a real corridor", "[real]") {

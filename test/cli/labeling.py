@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Labels a result in the page of vpr-eval as a user without ground truth would, and evaluates it with
-the saved file. Skipped without Chromium.   labeling.py SOURCE BIN"""
+"""Sets anchors and answers questions in the pages of vpr-eval as a user without ground truth would, and
+evaluates results with the saved files. Skipped without Chromium.   labeling.py SOURCE BIN"""
 import json
 import os
 import subprocess
@@ -44,11 +44,11 @@ def matrix_point(browser, row, column):
     return chart_point(browser, "matrix", column + 0.5, row + 0.5)
 
 
-def label_without_truth(browser, folder, bin):
+def set_anchors(browser, folder, bin):
     run(bin, folder, "vpr-eval", "result.json", "--html", "look.html", "--quiet")
     browser.open(f"{folder}/look.html")
-    data = browser.evaluate("window.page.data")
-    matches = data["matches"]
+    assert browser.evaluate("document.images.length > 0"), "the images of the run were not found"
+    matches = browser.evaluate("window.page.data")["matches"]
     first = next(frame for frame, match in enumerate(matches) if match)
     browser.call("Input.dispatchMouseEvent", type="mouseMoved",
                  **dict(zip("xy", matrix_point(browser, 20, 21))))
@@ -57,28 +57,18 @@ def label_without_truth(browser, folder, bin):
     browser.evaluate(f"window.page.go({first})")
     cell = browser.evaluate("document.getElementById('cell').textContent")
     assert cell.startswith(f"Query frame {first + 20}, "), cell
-    browser.press("s")  # without effect while the block is folded
-    browser.evaluate("document.getElementById('labels').open = true")
-    for key in "sjdjij":  # frames first, first + 1 and first + 2
-        browser.press(key)
-    browser.press("s")
-    browser.press("u")
-    lines = saved(browser, folder, "save-pairs").splitlines()
-    assert lines[0] == "query,reference,label", lines[0]
-    expected = [f"{frame},{match[1]},{'same' if frame == first else 'ignore'}"
-                for frame, match in enumerate(matches) if match and frame != first + 1]
-    assert lines[1:] == expected, (lines[:5], expected[:4])
-    report = json.loads(run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "pairs.csv",
-                            "--json"))
-    best = report["outcomes"]["best"]
-    assert best[:first + 2] == "U" * first + "cW", best[:9]
-    assert set(best[first + 2:]) == {"I"}, best
+    browser.press("a")  # without effect while the block is folded
+    browser.evaluate("document.getElementById('anchors').open = true")
+    assert browser.evaluate("document.getElementById('save-anchors').disabled")
     # Two anchors by the pointer, one of them undone, and one by the keyboard.
     for row, column in ((2, 3), (20, 21), (30, 34)):
         browser.click(*matrix_point(browser, row, column))
     browser.click(*matrix_point(browser, 20, 21))
-    browser.evaluate(f"window.page.go({first + 40})")
+    browser.evaluate(f"window.page.go({first + 39})")
+    browser.press("j")
     browser.press("a")
+    counts = browser.evaluate("document.getElementById('anchored').textContent")
+    assert counts == "3 anchors.", counts
     lines = saved(browser, folder, "save-anchors").splitlines()
     pixel = 1 + len(matches) // 400  # error in cells of a screen pixel
     assert lines[0] == "query,reference", lines
@@ -93,13 +83,68 @@ def label_without_truth(browser, folder, bin):
     letters = judged["outcomes"]["best"]  # there is a place between the first and the last anchor
     assert letters[begin:end + 1].islower() and set(letters[end + 1:]) == {"W"}, letters
     assert letters[end] == "c", letters
-    counts = browser.evaluate("document.getElementById('labeled').textContent")
-    assert counts.endswith("1 same, 1 different, 1 ignored, 3 anchors."), counts
+
+
+def label_frames(browser, folder, bin):
+    """Labels that a person gives judge the result they were made from, and another one, as the
+    ground truth does."""
+    truth = {}
+    for line in open(f"{folder}/world/query.ground_truth.csv").read().splitlines()[1:]:
+        query, sequence, reference, label = line.split(",")
+        if sequence == "corridor" and label == "same":
+            truth.setdefault(int(query), set()).add(int(reference))
+
+    def judge(result, labels):
+        return json.loads(run(bin, folder, "vpr-eval", result, "--ground-truth", labels, "--json"))
+
+    run(bin, folder, "vpr-eval", "result.json", "--ask-frames", "label.html", "--quiet")
+    browser.open(f"{folder}/label.html")
+    questions = browser.evaluate("window.data.questions")
+    assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
+    assert len({one["row"] for one in questions}) == len(questions) > 80, len(questions)
+    asked = [int(one["row"].split(",")[0]) for one in questions]
+    assert asked[:50] == sorted(asked[:50]) and asked[49] - asked[0] > 70, asked
+    browser.evaluate("document.getElementById('tolerance').value = 3")
+    for one in questions:
+        query, reference = map(int, one["row"].split(","))
+        browser.press("y" if reference in truth.get(query, ()) else "n")
+    lines = saved(browser, folder, "save", "labels.csv").splitlines()
+    assert lines[0] == "query,reference,label,tolerance", lines[0]
+    expected = []
+    for one in questions:
+        query, reference = map(int, one["row"].split(","))
+        answer = "same,3" if reference in truth.get(query, ()) else "different,0"
+        expected.append(f"{query},{reference},{answer}")
+    assert lines[1:] == expected, (lines[:4], expected[:4])
+    correct = sum("same" in line for line in expected)
+    own = judge("result.json", "labels.csv")
+    assert own["best_match"]["correct"] == correct, (own["best_match"], correct)
+    assert own["best_match"]["frames"] == len(questions), own["best_match"]
+    text = run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "labels.csv")
+    text = " ".join(text.split())
+    assert f"over {len(questions)} of 90 frames that are labeled" in text, text
+    assert "Caution: the labels were made from this result." in text, text
+    # Another result: matches without a label are unknown.
+    with open(f"{folder}/rows.csv", "w") as pairs:
+        pairs.write("query,reference\n")
+        pairs.writelines(f"{query},{one}\n" for query in sorted(truth) for one in sorted(truth[query])
+                         if query < 90)
+    other, known = judge("other.json", "labels.csv"), judge("other.json", "rows.csv")
+    same = {int(line.split(",")[0]) for line in expected if "same" in line}
+    for frame, (by_label, by_truth) in enumerate(zip(other["outcomes"]["best"], known["outcomes"]["best"])):
+        assert by_label != "w" or by_truth in "wW", (frame, by_label, by_truth)
+        assert by_label != "c" or frame in same, (frame, by_label)
+    assert "Caution" not in run(bin, folder, "vpr-eval", "other.json", "--ground-truth", "labels.csv")
+    # Only the matches that are not labeled are asked.
+    run(bin, folder, "vpr-eval", "other.json", "--ground-truth", "labels.csv", "--ask-frames",
+        "more.html", "--quiet")
+    browser.open(f"{folder}/more.html")
+    assert len(browser.evaluate("window.data.questions")) == other["outcomes"]["best"].lower().count("i")
 
 
 def answer_places(browser, folder, bin):
     """Answers by keys and buttons, with one undone, then evaluates the saved file."""
-    run(bin, folder, "vpr-eval", "result.json", "--query", "world/query@0:90", "--train", "world/corridor",
+    run(bin, folder, "vpr-eval", "result.json",
         "--ask-places", "places.html", "-o", "totals.json", "--quiet")
     totals = json.load(open(f"{folder}/totals.json"))
     places = totals["recognized_places"]
@@ -118,6 +163,7 @@ def answer_places(browser, folder, bin):
     browser.press("n")
     browser.evaluate("document.getElementById('yes').click()")
     browser.open(f"{folder}/places.html")  # answers remain
+    assert browser.questions == 1, "the page may be left without a question"
     assert text("where").endswith(f"2 yes, 1 no, {count - 3} open."), text("where")
     browser.press("u")
     for _ in range(count):  # without effect at the end
@@ -147,7 +193,7 @@ def relabel_with_truth(browser, folder, bin):
     lines = saved(browser, folder, "save-disagreements").splitlines()
     assert lines[0] == "query,reference,score,recognized,ground_truth", lines[0]
     assert [int(line.split(",")[0]) for line in lines[1:]] == wrong
-    browser.evaluate("document.getElementById('labels').open = true")
+    browser.evaluate("document.getElementById('anchors').open = true")
     browser.press("n")
     said = browser.evaluate("document.getElementById('said').textContent")
     assert said.startswith(f"Frame {wrong[0]}: "), said
@@ -172,9 +218,12 @@ def main(source, bin):
         run(bin, folder, "vpr-train", "fastable", "--train", "world/corridor", "-o", "w.vprdb", "--quiet")
         run(bin, folder, "vpr-query", "w.vprdb", "--query", "world/query@0:90", "--c-l", "3",
             "--t-r", "0.4", "-o", "result.json", "--quiet")
+        run(bin, folder, "vpr-query", "w.vprdb", "--query", "world/query@0:90", "-o", "other.json",
+            "--quiet")
         with Chromium(f"{folder}/profile") as browser:
             browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
-            label_without_truth(browser, folder, bin)
+            set_anchors(browser, folder, bin)
+            label_frames(browser, folder, bin)
             answer_places(browser, folder, bin)
             relabel_with_truth(browser, folder, bin)
 

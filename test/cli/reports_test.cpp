@@ -213,10 +213,10 @@ TEST_CASE("results of several window lengths are shown over the same frames") {
   CHECK(of_frames[0] == of_frames[1]);
 }
 
-TEST_CASE("results instead of reports, and pages of several reports, are refused with advice") {
+TEST_CASE("results without ground truth, and pages of several reports, are refused with advice") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
-  check_failure("vpr-eval", {"compare", result, result}, 2, "Make one first: vpr-eval " + result);
+  check_failure("vpr-eval", {"compare", result, result}, 2, "Add --ground-truth or --dataset");
   check_failure("vpr-eval", {result, result, "--ground-truth", "aligned", "--html", out / "p.html"},
                 2, "vpr-eval report FOLDER --html");
 }

@@ -1,6 +1,7 @@
 // Two reports for vpr-eval compare.
 #include <stdexcept>
 
+#include "base/error.h"
 #include "base/json.h"
 #include "files/report_json.h"
 #include "fuzz.h"
@@ -9,6 +10,10 @@
 using namespace vpr;
 
 namespace {
+
+Report read_report(const std::filesystem::path& path) {
+  return parse_report(read_json(path, ErrorKind::data), path.string());
+}
 
 void compare(const std::vector<Report>& reports) {
   for (const bool only_common : {false, true}) {

@@ -42,7 +42,8 @@ TEST_CASE("a name in a table can neither control a terminal nor leave its cell")
 
 TEST_CASE("long names are cut between letters") {
   const std::string begin(18, 'x');
-  CHECK(short_text({"", {"name"}, {{begin + "\xc3\xa4 and more"}}}).ends_with(begin + "...\n"));
+  CHECK(
+      short_text({"", {"name"}, {{begin + "\xc3\xa4 and more"}}}, true).ends_with(begin + "...\n"));
 }
 
 TEST_CASE("CSV quotes fields if necessary and has no title") {

@@ -11,16 +11,6 @@ using namespace vpr;
 using namespace vpr::test;
 namespace fs = std::filesystem;
 
-namespace {
-
-std::vector<std::string> file_names(const SequenceSource& sequence) {
-  std::vector<std::string> names;
-  for (const fs::path& file : sequence.files) names.push_back(file.filename().string());
-  return names;
-}
-
-}  // namespace
-
 TEST_CASE("runs of digits compare by value, other characters by byte") {
   std::vector<std::string> names = {"10.jpg", "2.jpg", "a10b2",   "a2b10",  "1.jpg",
                                     "B",      "a",     "010.jpg", "a10b10", "\xc3\xa4"};

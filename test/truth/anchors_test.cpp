@@ -25,7 +25,8 @@ TEST_CASE("frames between two anchors are interpolated, and frames outside have 
   CHECK(files.read(GroundTruthArgument{"anchors", "half.csv"}, 51, 26).substr(29 * 27, 26) ==
         "...............S..........");
   files.text("none.csv", "query,reference\n");
-  CHECK(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2) == ".. ..");
+  CHECK_THROWS_WITH(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2),
+                    Catch::Contains("has no anchors"));
 }
 
 TEST_CASE("anchors are detected by the file's name, and are pairs under any other name") {

@@ -1,9 +1,8 @@
-// Labels of best matches and anchors on the matrix, saved as files.
+// Anchors on the matrix, and a list of disagreements, saved as files.
 (() => {
   const { data, count, charts, at, go, axis, pixel, set, place, frameAt } = window.page;
   const byId = (id) => document.getElementById(id);
-  const words = { s: "same", d: "different", i: "ignore" };
-  const labels = new Map();  // by query
+  let isSaved = true;
   let anchors = [];  // [query frame, sequence, frame]
   const several = data.sequences.length > 1;
 
@@ -15,15 +14,6 @@
       recorded(data.train_sources?.[sequence], reference), ...more].join(",");
   const header = several ? "query,sequence,reference" : "query,reference";
   const file = (lines) => lines.join("\n") + "\n";
-  // Best matches without a label are written as ignore; pairs without a line are different.
-  const pairs = () => {
-    const lines = [`${header},label`];
-    for (let i = 0; i < count; ++i) {
-      const label = labels.get(i) ?? "ignore";
-      if (data.matches[i] && label !== "different") lines.push(row(i, ...data.matches[i], label));
-    }
-    return file(lines);
-  };
   const sorted = () => [...anchors].sort((a, b) => a[1] - b[1] || a[0] - b[0]);
   const isWrong = (i) => data.matches[i] && "wW".includes(data.best[i]);
   const disagreements = () => {
@@ -42,7 +32,7 @@
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   };
 
-  const block = byId("labels");
+  const block = byId("anchors");
   const matrices = charts("matrix");
   const make = (name) => document.createElementNS(matrices[0].namespaceURI, name);
   const layers = matrices.map((svg) => svg.appendChild(make("g")));
@@ -57,18 +47,12 @@
         cy: pixel(axis(matrices[i], "y"), positionOf(data.rows, 0, query)) });
       return circle;
     })));
-    for (const card of document.querySelectorAll(".card")) {
-      const label = labels.get(Number(card.dataset.at));
-      if (label) card.dataset.label = label;
-      else delete card.dataset.label;
-    }
-    const here = labels.get(at());
-    const of = (word) => [...labels.values()].filter((label) => label === word).length;
-    byId("labeled").textContent = `Frame ${at()}: ${here ?? "not labeled"}. `
-      + `${of("same")} same, ${of("different")} different, ${of("ignore")} ignored, ${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
+    byId("anchored").textContent = `${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
+    byId("save-anchors").disabled = anchors.length === 0;
   };
   // A query frame has at most one anchor per sequence.
   const anchor = (query, sequence, frame) => {
+    isSaved = false;
     anchors = [...anchors.filter((one) => one[0] !== query || one[1] !== sequence), [query, sequence, frame]];
     refresh();
   };
@@ -92,30 +76,25 @@
     for (let step = 1; step <= count; ++step)
       if (isWrong((at() + step) % count)) return go((at() + step) % count);
   };
-  // The query of the focused card, or the selected query.
-  const chosen = (target) => Number(target.closest?.(".card")?.dataset.at ?? at());
-  const press = (key, target) => {
-    const i = chosen(target);
-    if (words[key] && data.matches[i]) labels.set(i, words[key]);
-    else if (key === "u") labels.delete(i);
-    else if (key === "a" && data.matches[i]) anchor(i, ...data.matches[i]);
+  const press = (key) => {
+    const i = at();
+    if (key === "a" && data.matches[i]) anchor(i, ...data.matches[i]);
     else if (key === "j" || key === "k") go(at() + (key === "j" ? 1 : -1));
     else if (key === "n" && data.judged) nextWrong();
-    else return;
-    refresh();
   };
   if (!count) return;
   document.addEventListener("keydown", (event) => {
     if (!block.open || event.ctrlKey || event.metaKey || event.altKey) return;
-    press(event.key, event.target);
+    press(event.key);
   });
   for (const button of document.querySelectorAll("#tools [data-key]"))
-    button.addEventListener("click", () => press(button.dataset.key, document.body));
-  byId("at").addEventListener("input", refresh);
-  byId("save-pairs").addEventListener("click", () => save("pairs.csv", pairs()));
-  byId("save-anchors").addEventListener("click", () =>
-    save("anchors.csv", file([header, ...sorted().map((one) => row(...one))])));
-  byId("next-disagreement")?.addEventListener("click", () => press("n", document.body));
+    button.addEventListener("click", () => press(button.dataset.key));
+  byId("save-anchors").addEventListener("click", () => {
+    isSaved = true;
+    save("anchors.csv", file([header, ...sorted().map((one) => row(...one))]));
+  });
+  window.addEventListener("beforeunload", (event) => { if (!isSaved) event.preventDefault(); });
+  byId("next-disagreement")?.addEventListener("click", () => press("n"));
   byId("save-disagreements")?.addEventListener("click", () => save("disagreements.csv", disagreements()));
   byId("tools").hidden = false;
   refresh();

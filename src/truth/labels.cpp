@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "truth/builder.h"
+#include "truth/readers.h"
+#include "truth/text_file.h"
+
+namespace vpr {
+namespace {
+
+/// The labels of one query frame and one training sequence.
+struct RowLabels {
+  std::vector<LabelStretch> same;  ///< pairs with their surroundings
+  std::vector<size_t> different;
+};
+
+size_t read_number(const NamedRows& rows, const char* column) {
+  const auto number = parse_frame(rows.text(column));
+  if (!number || !number->in_range || number->value > kMaxGrownFrames)
+    rows.fail(fmt::format("{} \"{}\" is not a frame number", column, rows.text(column)));
+  return number->value;
+}
+
+void require_consistent(const GroundTruthBuilder& builder, size_t query, const RowLabels& labels) {
+  for (const size_t reference : labels.different)
+    for (const LabelStretch& run : labels.same)
+      if (run.first <= reference && reference <= run.last)
+        builder.fail(fmt::format("query {} and reference {} are labeled both same and different",
+                                 query, reference));
+}
+
+// Adds the pairs of the same place, and all pairs without a label as pairs to ignore.
+void add_row(GroundTruthBuilder& builder, size_t query, size_t sequence, RowLabels labels) {
+  const size_t frames = builder.train(sequence).frames;
+  std::vector<LabelStretch> known = std::move(labels.same);
+  for (const size_t reference : labels.different)
+    known.push_back({reference, reference, PlaceLabel::different});
+  std::ranges::sort(known, {}, &LabelStretch::first);
+  size_t next = 0;  // after the known pairs
+  for (const LabelStretch& run : known) {
+    if (run.first > next) builder.add(query, sequence, next, run.first - 1, PlaceLabel::ignore);
+    const size_t first = std::max(run.first, next);
+    if (run.label == PlaceLabel::same && first <= run.last)
+      builder.add(query, sequence, first, run.last, run.label);
+    next = std::max(next, run.last + 1);
+  }
+  if (next < frames) builder.add(query, sequence, next, frames - 1, PlaceLabel::ignore);
+}
+
+}  // namespace
+
+bool is_labels_csv(const FileStart& start) {
+  return is_pairs_csv(start) && start.first_line.find(",label,tolerance") != std::string::npos;
+}
+
+std::string read_labels(GroundTruthBuilder& builder) {
+  const std::string name = builder.argument().path.string();
+  if (builder.argument().tolerance_frames != 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: each label has its own tolerance. Omit --tolerance", name));
+  if (builder.query().grows)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: labels need the numbers of frames. Pass --result, or --query-frames "
+                    "and --train-frames",
+                    name));
+  NamedRows rows(builder.argument().path, name, {"query", "reference", "label", "tolerance"});
+  if (rows.size() == 0)
+    rows.fail("has no labels. Answer the page of vpr-eval --ask-frames and save it again");
+  const size_t only = rows.has("sequence") ? 0 : builder.only_searched(name);
+  std::map<std::pair<size_t, size_t>, RowLabels> labels;
+  std::vector<std::vector<GroundTruth::Pair>> asked(builder.query().frames);
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    builder.at("line", rows.line());
+    const size_t sequence =
+        rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
+    const size_t query = read_number(rows, "query");
+    const size_t reference = read_number(rows, "reference");
+    const size_t frames = builder.train(sequence).frames;
+    if (query >= asked.size())
+      builder.report_out_of_range("query", rows.text("query"), builder.query());
+    if (reference >= frames)
+      builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
+    if (query >= asked.size() || reference >= frames) continue;
+    const size_t reach = read_number(rows, "tolerance");
+    const std::string& label = rows.text("label");
+    RowLabels& known = labels[{query, sequence}];
+    if (label == "same")
+      known.same.push_back({reference - std::min(reach, reference),
+                            std::min(reference + reach, frames - 1), PlaceLabel::same});
+    else if (label == "different")
+      known.different.push_back(reference);
+    else
+      rows.fail(fmt::format("label \"{}\" is neither same nor different", label));
+    require_consistent(builder, query, known);
+    asked[query].push_back({static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
+  }
+  for (size_t query = 0; query < asked.size(); ++query)
+    for (size_t s = 0; s < builder.scope().sequences.size(); ++s)
+      if (builder.scope().sequences[s].searched) add_row(builder, query, s, labels[{query, s}]);
+  const auto labeled = asked.size() - static_cast<size_t>(std::ranges::count_if(
+                                          asked, [](const auto& pairs) { return pairs.empty(); }));
+  builder.set_asked(std::move(asked));
+  return fmt::format("labels of {} in {} of {}; all other pairs are unknown",
+                     counted(rows.size(), "pair"), labeled,
+                     counted(builder.query().frames, "query frame"));
+}
+
+}  // namespace vpr

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""For one result of each method, all commands that show it print the same numbers, over the same
+frames.   agreement.py SOURCE BIN"""
+import csv
+import io
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+source, bin = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+NAMES = ("R@1", "AP", "R@100P", "correct", "incorrect")
+
+
+def run(*words):
+    done = subprocess.run([bin / words[0], *map(str, words[1:])], cwd=folder, text=True, capture_output=True)
+    assert done.returncode == 0, (words, done.stderr)
+    return done.stdout
+
+
+def cells(values):
+    return tuple("-" if value is None else f"{value:.4f}" if isinstance(value, float) else str(value)
+                 for value in values)
+
+
+def of_report(report):
+    """R@1, AP, R@100P, correct and incorrect of a report, and its number of frames. Without a threshold of
+    the user, no frame is counted as recognized."""
+    best, path = report["best_match"], report["localization"]
+    curve = report["metrics"]["single_best"]
+    assert best["rate"] == report["metrics"]["recall_at"]["1"] == best["correct"] / best["frames"]
+    assert best["frames"] == curve["positives"] == path["frames_with_match"]
+    assert best["frames"] == sum(best[key] for key in ("correct", "incorrect", "ignored", "no_answer"))
+    letters = report["outcomes"]["best"]
+    assert letters.count("c") == best["correct"] and sum(map(str.islower, letters)) == best["frames"]
+    recognized = report["outcomes"]["recognized"]
+    assert (recognized.count("r"), recognized.count("w")) == (path["correct"], path["incorrect"])
+    is_oracle = "oracle" in report.get("settings", {}) or report.get("oracle", False)
+    counts = (None, None) if is_oracle else (path["correct"], path["incorrect"])
+    return cells((best["rate"], curve.get("average_precision"), curve.get("recall_at_100_precision"),
+                  *counts)), best["frames"]
+
+
+def row(text, name):
+    """The cells of a method in a table with NAMES among its columns; text or LaTeX."""
+    table = [re.split(r"\s*&\s*|\s{2,}", re.sub(r"\\textbf\{|[}\\]", "", line).strip())
+             for line in text.splitlines()]
+    head = next(line for line in table if "R@1" in line)
+    found = next(line for line in table if line[0] == name)
+    values = dict(zip(head, (cell.rstrip("*") for cell in found)))
+    return tuple(values[column] for column in NAMES)
+
+
+def frames_of(text):
+    return int(re.search(r"over ([0-9]+) frames", " ".join(text.split()))[1])
+
+
+def check(name, result, truth):
+    """`result`: the words that name it for vpr-eval."""
+    run("vpr-eval", *result, *truth, "--name", name, "-o", f"{name}.report.json", "--quiet")
+    report = json.loads((folder / f"{name}.report.json").read_text())
+    numbers, frames = of_report(report)
+    text = " ".join(run("vpr-eval", *result, *truth).split())
+    if result[0] != "matrix":
+        stated = re.search(r"correct in ([0-9]+) of ([0-9]+) frames", text)
+        assert stated[1] == str(report["best_match"]["correct"]) and stated[2] == str(frames), text
+        stated = re.match(r"([0-9]+|None) of ([0-9]+) frames", text)
+        path = report["localization"]
+        on_map = path["recognized"] - path["off_map"]
+        assert stated[1] == (str(on_map) if on_map else "None") and stated[2] == str(frames), text
+    stated = re.search(r"R@1 ([0-9.]+)", text)
+    assert stated[1] == numbers[0], text
+    rows = list(csv.DictReader(io.StringIO(run("vpr-eval", *result, *truth, "--format", "csv"))))
+    assert len(rows) == 1 and rows[0]["R@1"] == numbers[0] and rows[0]["of frames"] == str(frames), rows
+    assert (rows[0]["best AP"], rows[0]["best R@100P"]) == numbers[1:3], rows
+    outcomes = f"{name}.outcomes.csv"
+    run("vpr-eval", *result, *truth, "--outcomes-csv", outcomes, "--quiet")
+    per_frame = list(csv.DictReader((folder / outcomes).open()))
+    assert len(per_frame) == len(report["outcomes"]["best"]), per_frame[:2]
+    return numbers, frames
+
+
+def compare(names, numbers, frames, more=()):
+    """The reports next to each other."""
+    reports = [f"{name}.report.json" for name in names]
+    text = run("vpr-eval", "compare", *reports, *more)
+    latex = run("vpr-eval", "compare", *reports, *more, "--format", "latex")
+    assert frames_of(text) == frames_of(latex) == frames, (text, latex)
+    for name in names:
+        assert row(text, name) == numbers[name], (text, numbers[name])
+        assert row(latex, name) == numbers[name], (latex, numbers[name])
+
+
+with tempfile.TemporaryDirectory() as made:
+    folder = pathlib.Path(made)
+    run("vpr-synth", source / "configs/worlds/small.json", "-o", "world", "--quiet")
+    truth = ("--dataset", "world/dataset.json")
+    run("vpr-train", "fastable", *truth, "--c-l", 20, "-o", "s.vprdb", "--quiet")
+    run("vpr-train", "fabmap", *truth, "--words", 300, "-o", "f.vprdb", "--quiet")
+    windows = ("--c-l", 20, "--score", "zscore", "--decide", "margin", "--margin", 0.5)
+    for name, words in {"filter": (), "windows": windows, "fastable": ("--c-l", 20, "--t-r", 0.6),
+                        "fabmap": ("--c-w", 3, "--t-p", 0.99)}.items():
+        database = "f.vprdb" if name == "fabmap" else "s.vprdb"
+        run("vpr-query", database, *truth, *words, "-o", f"{name}.json", "--quiet")
+    numbers, frames = {}, {}
+    for name in ("filter", "windows", "fastable", "fabmap"):
+        numbers[name], frames[name] = check(name, (f"{name}.json",), truth)
+    sequences = ("filter", "windows", "fastable")
+    assert len({frames[name] for name in sequences}) == 1, frames
+    together = run("vpr-eval", *(f"{name}.json" for name in sequences), *truth)
+    assert frames_of(together) == frames["filter"], together
+    for name in sequences:
+        assert row(together, name) == numbers[name], (together, numbers[name])
+    compare(sequences, numbers, frames["filter"])
+    (folder / "all").mkdir()
+    for name in sequences:
+        (folder / f"all/{name}.json").write_text((folder / f"{name}.report.json").read_text())
+    overview = run("vpr-eval", "report", "all")
+    for name in sequences:
+        assert row(overview, name) == numbers[name], (overview, numbers[name])
+
+    # A matrix of one training sequence, and lists made from it.
+    run("vpr-train", "fastable", "--train", "world/corridor", "-o", "c.vprdb", "--quiet")
+    run("vpr-query", "c.vprdb", "--query", "world/query", "--c-l", 1, "--t-r", 0.4, "--save-matrix", "S.npy", "-o", "one.json",
+        "--quiet")
+    labeled = csv.DictReader((folder / "world/query.ground_truth.csv").open())
+    pairs = ["query,reference"] + [f"{one['query']},{one['reference']}" for one in labeled
+                                   if one["sequence"] == "corridor" and one["label"] == "same"]
+    (folder / "pairs.csv").write_text("\n".join(pairs) + "\n")
+    truth = ("--ground-truth", "pairs.csv")
+    names = ("--query", "world/query", "--train", "world/corridor")
+    numbers["single"], frames["single"] = check("single", ("one.json",), truth)
+    run("vpr-eval", "matrix", "S.npy", "--distance", *names, "--top-k", 5, "--pairs", "list.txt")
+    matrix, list_ = ("matrix", "S.npy", "--distance"), ("matrix", "list.txt", *names)
+    numbers["matrix"], frames["matrix"] = check("matrix", matrix, truth)
+    numbers["list"], frames["list"] = check("list", list_, truth)
+    assert frames["matrix"] == frames["list"] == frames["single"], frames
+    assert numbers["matrix"][:3] == numbers["single"][:3], numbers
+    assert numbers["list"][:3] == (numbers["matrix"][0], "-", "-"), numbers
+    compare(("single", "matrix"), numbers, frames["matrix"])
+
+    # Loops within the query: frames of the way back through the corridor have none.
+    run("vpr-query", "loops", "--query", "world/query", "--gap", 40, "--c-l", 10, "--score", "zscore", "--t-r", -1.5,
+        "-o", "loops.json", "--quiet")
+    (folder / "loops.csv").write_text("query,reference\n" + "".join(f"{150 + i},{20 + i}\n" for i in range(40)))
+    numbers["loops"], frames["loops"] = check("loops", ("loops.json",), ("--ground-truth", "loops.csv"))
+    assert frames["loops"] == 40, frames
+print("the commands agree on", ", ".join(f"{name} {frames[name]}" for name in frames))
