@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
@@ -18,6 +19,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/mapped_file.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
@@ -42,7 +44,23 @@ void on_signal(int number) {
   std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
 }
 
+// A mapped file has become shorter: the thread that reads it cannot go on.
+void on_bus_error(int, siginfo_t* info, void*) {
+  const fs::path* file = mapped_file_at(info->si_addr);
+  remove_temporaries();
+  const std::string text = fmt::format(
+      "error: {}: became shorter while it was read. Repeat the command when the file "
+      "is complete\n",
+      file == nullptr ? "an input" : printable_line(file->string()));
+  (void)!::write(STDERR_FILENO, text.data(), text.size());
+  ::_exit(exit_code(ErrorKind::input));
+}
+
 void set_up_process() {
+  struct sigaction bus_error {};
+  bus_error.sa_sigaction = on_bus_error;
+  bus_error.sa_flags = SA_SIGINFO | SA_RESETHAND;
+  ::sigaction(SIGBUS, &bus_error, nullptr);
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
@@ -73,12 +91,25 @@ constexpr const char* kExitCodes =
     "  5    an expectation was not met\n"
     "  130  interrupted";
 
+// Cuts words that no reader needs whole, such as a cell of a damaged file.
+std::string with_short_words(std::string_view text) {
+  constexpr size_t kLongWord = 400;
+  std::string result;
+  bool is_first = true;
+  for (const std::string_view word : split(text, ' ')) {
+    if (!std::exchange(is_first, false)) result += ' ';
+    result += word.size() <= kLongWord ? std::string(word) : shortened(word);
+  }
+  return result;
+}
+
 // Line feeds before indented lines are part of the message; all others are escaped.
 void print_error(const std::string& program, const std::string& sentence) {
   std::string text;
   for (size_t begin = 0; begin <= sentence.size();) {
     const size_t end = std::min(sentence.find("\n  ", begin), sentence.size());
-    text += (begin == 0 ? "" : "\n") + printable_line(sentence.substr(begin, end - begin));
+    text += (begin == 0 ? "" : "\n") +
+            with_short_words(printable_line(sentence.substr(begin, end - begin)));
     begin = end + 1;
   }
   fmt::print(stderr, "{}: {}\n", program, text);
@@ -192,6 +223,14 @@ struct Inputs {
   }
 };
 
+void refuse_empty(const std::vector<GivenFlag>& given) {
+  for (const GivenFlag& flag : given)
+    if (std::ranges::any_of(flag.values, &std::string::empty))
+      throw Error(ErrorKind::usage,
+                  fmt::format("{} is empty. Is a variable of the shell unset?",
+                              flag.names.empty() ? "an argument" : "--" + flag.names.back()));
+}
+
 }  // namespace
 
 void Session::print_line(const Json& json) const { print_json(progress, to_line(json) + "\n"); }
@@ -262,6 +301,11 @@ void Program::add_common_flags(const Command& command) {
   group(add_setting(command, "--threads", common_.threads,
                     fmt::format("number of threads; 0: all cores (default: {})", common_.threads)));
   group(add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)"));
+  group(
+      add_setting(command, "--order", common_.order,
+                  "order of the images in folders: natural, name (as bytes), time (names are "
+                  "numbers), auto (natural, but decimal numbers by value), or rows (auto, but UTM "
+                  "names as bytes) (default: auto; rows for vpr-eval matrix)"));
   group(add_setting(command, "--max-megapixels", common_.max_megapixels,
                     fmt::format("largest size of images and video frames, in megapixels (default: "
                                 "{})",
@@ -314,8 +358,10 @@ void Program::run_session(int argc, char** argv) {
                                               kMostThreads, common_.threads));
   const ThreadLimit limit(common_.threads);
   const MegapixelLimit pixels(common_.max_megapixels);
+  const FrameOrderScope order(common_.order);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
+  refuse_empty(parser_.given());
   Outputs outputs(common_.force ? Existing::replace : Existing::refuse);
   if (common_.force) Inputs{outputs}.add(parser_.given());  // without it, no file is replaced
   Session session{common_, chosen_, monitor, {}, select_kernels(), progress, outputs};

@@ -17,6 +17,7 @@
 #include "match/row_kernels.h"
 #include "parser.h"
 #include "sequence/decode.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -60,13 +61,14 @@ struct CommonOptions {
   uint64_t threads = 0;                  ///< 0: all cores
   uint64_t seed = 1;
   uint64_t max_megapixels = kDefaultMegapixels;
+  FrameOrder order = FrameOrder::automatic;
   bool quiet = false;
   bool verbose = false;
   bool force = false;
   bool json = false;
 };
 
-VPR_FIELDS(CommonOptions, threads, seed, max_megapixels)
+VPR_FIELDS(CommonOptions, threads, seed, max_megapixels, order)
 
 /// The settings of a command together with the common options, as one JSON object.
 template <class S>

@@ -27,6 +27,7 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
   };
   override_number(options.radius_m, given.radius_m);
   override_number(options.angle_deg, given.angle_deg);
+  override_number(options.ignore_radius_m, given.ignore_radius_m);
   override_number(options.train_step, given.train_step);
   override_number(options.max_difference_s, given.max_difference_s);
   override_number(options.offset_s, given.offset_s);
@@ -151,6 +152,8 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   add_number("--radius", options.radius_m,
              "largest distance of the same place in meters, for poses, tum, kitti, euroc, gps, utm "
              "and anchors (default for utm: 25)");
+  add_number("--ignore-radius", options.ignore_radius_m,
+             "pairs farther apart than --radius, up to this distance in meters, are ignored");
   add_number("--angle", options.angle_deg,
              "largest difference of headings of the same place in degrees, with --radius "
              "(default: any)");

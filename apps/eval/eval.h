@@ -33,12 +33,13 @@ struct ScoreInputs {
   ScoreFlags matrix;
   std::string query_npy;
   std::string train_npy;
-  DescriptorMetric metric = DescriptorMetric::cosine;
+  std::optional<DescriptorMetric> metric;
   std::vector<uint64_t> recall_at;
   std::optional<double> threshold;
   uint64_t window_length = 1;
   std::string speed;
   std::optional<uint64_t> query_frames;  ///< before --speed
+  std::optional<uint64_t> train_frames;  ///< of a list of numbers
 
   bool is_list() const;
   /// The path of the scores or of the descriptors; empty without any.

@@ -146,9 +146,11 @@ void check_scores(const ScoreInputs& inputs) {
            "is for SCORES; rows of descriptors are frames. For windows of N frames, use vpr-train "
            "descriptors and vpr-query --query-npy --c-l N");
   }
-  refuse(inputs.metric != DescriptorMetric::cosine && !has_descriptors, "--metric",
+  refuse(inputs.metric && !has_descriptors, "--metric",
          "is for descriptors. Pass them with --query-npy");
   if (inputs.query_frames) check_range("--query-frames", *inputs.query_frames, kMaxFrames);
+  if (inputs.train_frames) check_range("--train-frames", *inputs.train_frames, kMaxFrames);
+  refuse(inputs.train_frames && !inputs.is_list(), "--train-frames", "is for lists of numbers");
   check_range(kWindowFlag, inputs.window_length, kMaxWindow);
   for (const uint64_t k : inputs.recall_at) check_range("--recall-at", k, kMaxFrames);
   if (inputs.speed.empty()) return;
@@ -264,6 +266,11 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
   command
       .add_option("--query-frames", scores.query_frames,
                   "frames of the query before --speed: required by --speed, otherwise checked")
+      .group(rows)
+      .type_name("NUMBER");
+  command
+      .add_option("--train-frames", scores.train_frames,
+                  "training frames of a list of numbers (default: --train, or the largest number)")
       .group(rows)
       .type_name("NUMBER");
   add_speed_flag(command, scores.speed,

@@ -20,6 +20,8 @@ struct LoopInputs {
   std::string poses;
   std::string times;
   std::optional<double> radius_m;
+  std::optional<double> angle_deg;
+  std::optional<double> ignore_radius_m;
   std::string gap;
   LoopFrames frames = LoopFrames::automatic;
   std::optional<double> max_difference_s;
@@ -34,7 +36,8 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
   const std::filesystem::path path = inputs.path;
   LoopsEvaluation found;
   found.name = inputs.name.empty() ? path.stem().string() : inputs.name;
-  found.rules = {*inputs.radius_m, parse_loop_gap(inputs.gap, "--gap"),
+  found.rules = {{*inputs.radius_m, inputs.angle_deg, inputs.ignore_radius_m},
+                 parse_loop_gap(inputs.gap, "--gap"),
                  inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
   found.trajectory = read_trajectory(inputs.poses, inputs.times);
   LoopListRules rules;
@@ -132,6 +135,14 @@ void add_loops(Program& program) {
       .add_option("--pose-times", inputs->times,
                   "times of --poses without times (KITTI's times.txt), one per line")
       .type_name("FILE")
+      .group(more);
+  command
+      .add_option("--angle", inputs->angle_deg,
+                  "largest difference of the two headings of a correct loop, in degrees")
+      .group(more);
+  command
+      .add_option("--ignore-radius", inputs->ignore_radius_m,
+                  "loops farther apart than --radius, up to this distance in meters, are ignored")
       .group(more);
   add_setting(command, "--frames-by", inputs->frames,
               "meaning of frames in LIST: auto (time stamps if any has a decimal point, or if all "

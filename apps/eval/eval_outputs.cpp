@@ -144,10 +144,19 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
                             "of the database, with --train",
                             sequences));
   train.resize(std::max(train.size(), sequences));
+  const auto has_blank = [](const std::vector<std::string>& names) {
+    return std::ranges::any_of(names, [](const std::string& name) {
+      return name.find_first_of(" ,\t") != std::string::npos;
+    });
+  };
+  const bool has_blanks = has_blank(query) || std::ranges::any_of(train, has_blank);
   std::string text;
-  for (const BestPair& pair : pairs)
-    text += fmt::format("{} {}\n", name_of(query, pair.query),
-                        name_of(train[pair.match.sequence], pair.match.reference));
+  for (const BestPair& pair : pairs) {
+    const std::string left = name_of(query, pair.query);
+    const std::string right = name_of(train[pair.match.sequence], pair.match.reference);
+    text +=
+        has_blanks ? csv_field(left) + "," + csv_field(right) + "\n" : left + " " + right + "\n";
+  }
   session.outputs.file(inputs.pairs).write(text);
   return pairs.size();
 }

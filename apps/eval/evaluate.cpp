@@ -114,17 +114,23 @@ ScoreMatrix open_scores(const EvalInputs& inputs) {
     return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),
                              open_sequence(parse_sequence_argument(scores.train_npy)),
                              scores.metric);
+  std::vector<std::string> references;
+  for (const auto& names : train_names(inputs))
+    references.insert(references.end(), names.begin(), names.end());
   if (!scores.is_list()) {
+    if (!references.empty() && is_index_array(scores.path, references.size())) {
+      refuse(scores.matrix.is_similarity || scores.matrix.train_first ||
+                 scores.matrix.missing.has_value(),
+             scores.path, "has indices of references, without scores; omit the flags of scores");
+      return index_scores(scores.path, references.size());
+    }
     require_order(scores.matrix);
     return {scores.path, scores.matrix.format()};
   }
   std::optional<ScoreOrder> kind;
   if (scores.matrix.has_order()) kind = scores.matrix.order();
-  std::vector<std::string> references;
-  for (const auto& names : train_names(inputs))
-    references.insert(references.end(), names.begin(), names.end());
   return prediction_scores(scores.path, FrameNames(query_names(inputs)), FrameNames(references),
-                           kind);
+                           kind, {scores.query_frames, scores.train_frames});
 }
 
 std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const StoredResult& stored,
@@ -163,6 +169,25 @@ ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix
   else
     settings.query.name = kUnnamedQuery;
   return settings;
+}
+
+// Warns if rows may belong to the images in another order.
+void warn_of_order(const Session& session, const EvalInputs& inputs) {
+  if (inputs.scores.is_list() || session.options.order != FrameOrder::automatic) return;
+  std::vector<std::vector<std::string>> sides;
+  try {
+    sides = train_names(inputs);
+    sides.push_back(query_names(inputs));
+  } catch (const Error&) {  // without names, as of a video
+  }
+  for (const std::vector<std::string>& names : sides)
+    if (!std::ranges::is_sorted(names))
+      return warn(
+          session.monitor,
+          fmt::format("rows belong to images in natural order ({} before {}). If the program "
+                      "that wrote them sorted names as text, add --order name",
+                      *(std::ranges::is_sorted_until(names) - 1),
+                      *std::ranges::is_sorted_until(names)));
 }
 
 // Warns if the opposite of --distance or --similarity is correct for more queries.
@@ -238,6 +263,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
     evaluation.fingerprint = stored->fingerprint;
     evaluated.run = stored->run;
   } else {
+    warn_of_order(session, inputs);
     check_rows(inputs.scores, matrix->queries(),
                inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
     const ScoreSettings settings = score_settings(inputs, *matrix, session.options.seed);

@@ -253,9 +253,13 @@ constexpr const char* kMatrixExamples =
 
 void add_matrix(Program& program) {
   const auto inputs = std::make_shared<EvalInputs>();
-  const Command command =
-      program.add_command("matrix", "Evaluate scores or descriptors of any program.",
-                          kMatrixExamples, [inputs](Session& session) { run(session, *inputs); });
+  const Command command = program.add_command(
+      "matrix", "Evaluate scores or descriptors of any program.", kMatrixExamples,
+      [inputs](Session& session) {
+        const bool is_automatic = session.options.order == FrameOrder::automatic;
+        const FrameOrderScope order(is_automatic ? FrameOrder::rows : session.options.order);
+        run(session, *inputs);
+      });
   add_matrix_flags(program, command, *inputs);
 }
 

@@ -159,8 +159,8 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   command.add_option("DB", options.database, "database of vpr-train");
   add_query_flags(command, options);
   add_method_flag(command, settings, false,
-                  "matching method, filter by default, which recognizes places at any speed; "
-                  "default: fastable if a flag of windows is set, fabmap for its databases");
+                  "matching method (default: filter, which recognizes places at 0.5 to 2 times the "
+                  "trained speed; fastable if a flag of windows is set; fabmap for its databases)");
   add_window_flags(command, options, settings.sequence);
   add_arrays_flag(command, options);
   add_selection_flags(command, options);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 #include <fmt/format.h>
 
@@ -36,21 +35,6 @@ bool is_image(const fs::path&, std::string_view start) {
                      [&](std::string_view signature) { return start.starts_with(signature); });
 }
 
-// Two or three integers, separated by commas, without a header.
-bool is_openseqslam(const fs::path&, std::string_view start) {
-  const auto lines = split_lines(start);
-  if (lines.empty()) return false;
-  const auto fields = split(lines.front(), ',');
-  return (fields.size() == 2 || fields.size() == 3) &&
-         std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
-           const auto words = split_words(field);
-           if (words.size() != 1) return false;
-           long value = 0;
-           const char* const last = words[0].data() + words[0].size();
-           return std::from_chars(words[0].data(), last, value).ptr == last;
-         });
-}
-
 constexpr Converter kConverters[] = {
     {"mat", "a MAT-file", "mat.py", true,
      [](const fs::path& path, std::string_view start) {
@@ -63,7 +47,7 @@ constexpr Converter kConverters[] = {
        return path.extension() == ".gpx" || start.find("<gpx") != std::string_view::npos;
      }},
     {"mask", "an image", "mask.py", false, is_image},
-    {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", false, is_openseqslam},
+    {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", false, nullptr},
     {"vpr-bench", "an array of Python objects", "vpr_bench.py", false,
      [](const fs::path&, std::string_view start) {
        const auto header = parse_npy_header(start);
@@ -74,7 +58,8 @@ constexpr Converter kConverters[] = {
 
 void refuse_convertible(const fs::path& path, std::string_view start, bool arrays_only) {
   for (const Converter& converter : kConverters)
-    if ((converter.makes_arrays || !arrays_only) && converter.reads(path, start))
+    if (converter.reads != nullptr && (converter.makes_arrays || !arrays_only) &&
+        converter.reads(path, start))
       throw Error(ErrorKind::usage, fmt::format("{} is {}: convert it with scripts/convert/{}",
                                                 path.string(), converter.what, converter.script));
 }

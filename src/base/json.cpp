@@ -25,8 +25,8 @@ std::optional<Json> parse_json(std::string_view text) {
 }
 
 Json read_json(const std::filesystem::path& path, ErrorKind kind) {
-  const MappedFile file(path);
-  std::optional<Json> json = parse_json(file.text());
+  const std::string file = read_whole_file(path);
+  std::optional<Json> json = parse_json(file);
   if (!json)
     throw Error(kind, fmt::format("{}: is not valid JSON; check its commas, quotes and brackets",
                                   path.string()));

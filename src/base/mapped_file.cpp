@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <limits>
+#include <map>
+#include <mutex>
 #include <utility>
 
 #include <fcntl.h>
@@ -27,12 +30,14 @@ struct InputFile {
     if (descriptor < 0) fail(path, errno);
     struct stat status {};
     int error_number = ::fstat(descriptor, &status) == 0 ? 0 : errno;
-    if (error_number == 0 && !S_ISREG(status.st_mode))
-      error_number = S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
+    const bool is_other = error_number == 0 && !S_ISREG(status.st_mode);
+    if (is_other && S_ISDIR(status.st_mode)) error_number = EISDIR;
     size = static_cast<size_t>(status.st_size);
-    if (error_number == 0) return;
+    if (error_number == 0 && !is_other) return;
     ::close(descriptor);
-    fail(path, error_number);
+    if (error_number != 0) fail(path, error_number);
+    throw Error(ErrorKind::input,
+                fmt::format("{}: is not a regular file. Save its content to one", path.string()));
   }
   ~InputFile() { ::close(descriptor); }
   InputFile(const InputFile&) = delete;
@@ -42,7 +47,47 @@ struct InputFile {
   size_t size = 0;
 };
 
+std::string read_bytes(const std::filesystem::path& path, size_t most) {
+  const InputFile file(path);
+  std::string bytes(std::min(file.size, most), '\0');
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(file.descriptor, bytes.data() + done, bytes.size() - done);
+    if (got == 0) break;
+    if (got > 0) done += static_cast<size_t>(got);
+    if (got < 0 && errno != EINTR) fail(path, errno);
+  }
+  bytes.resize(done);
+  return bytes;
+}
+
+/// Mapped files by their first address.
+struct Mappings {
+  struct File {
+    size_t size = 0;
+    std::filesystem::path path;
+  };
+  std::mutex mutex;
+  std::map<const std::byte*, File> files;
+};
+
+Mappings& mappings() {
+  static Mappings all;
+  return all;
+}
+
 }  // namespace
+
+const std::filesystem::path* mapped_file_at(const void* address) {
+  const std::unique_lock lock(mappings().mutex, std::try_to_lock);
+  if (!lock) return nullptr;
+  const auto& files = mappings().files;
+  const auto* const wanted = static_cast<const std::byte*>(address);
+  auto found = files.upper_bound(wanted);
+  if (found == files.begin()) return nullptr;
+  --found;
+  return wanted < found->first + found->second.size ? &found->second.path : nullptr;
+}
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const InputFile file(path);
@@ -51,10 +96,15 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   if (data == MAP_FAILED) fail(path, errno);
   data_ = static_cast<const std::byte*>(data);
   size_ = file.size;
+  const std::scoped_lock lock(mappings().mutex);
+  mappings().files[data_] = {size_, path};
 }
 
 MappedFile::~MappedFile() {
-  if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
+  if (data_ == nullptr) return;
+  const std::scoped_lock lock(mappings().mutex);
+  mappings().files.erase(data_);
+  ::munmap(const_cast<std::byte*>(data_), size_);
 }
 
 void MappedFile::forget(size_t first, size_t size) const {
@@ -74,17 +124,11 @@ MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
 }
 
 std::string read_whole_file(const std::filesystem::path& path) {
-  const InputFile file(path);
-  std::string bytes(file.size, '\0');
-  size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got = ::read(file.descriptor, bytes.data() + done, bytes.size() - done);
-    if (got == 0) break;
-    if (got > 0) done += static_cast<size_t>(got);
-    if (got < 0 && errno != EINTR) fail(path, errno);
-  }
-  bytes.resize(done);
-  return bytes;
+  return read_bytes(path, std::numeric_limits<size_t>::max());
+}
+
+std::string read_file_start(const std::filesystem::path& path, size_t most) {
+  return read_bytes(path, most);
 }
 
 }  // namespace vpr

@@ -34,5 +34,11 @@ class MappedFile {
 /// process that maps it. Returns at most as many bytes as the file had when it was opened. Throws
 /// as MappedFile does.
 std::string read_whole_file(const std::filesystem::path& path);
+/// At most its first `most` bytes.
+std::string read_file_start(const std::filesystem::path& path, size_t most);
+
+/// The mapped file that holds this address; null if there is none, or if another thread is mapping
+/// one. For handlers of SIGBUS: the file has become shorter since it was mapped.
+const std::filesystem::path* mapped_file_at(const void* address);
 
 }  // namespace vpr

@@ -72,8 +72,8 @@ double number(T value) {
   if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
     if (!std::cmp_less_equal(value, kMaxExact) || !std::cmp_greater_equal(value, -kMaxExact))
       throw Error(ErrorKind::data,
-                  "the file holds integers beyond 2^53, which float64 cannot represent; scale "
-                  "them down first");
+                  "there are integers beyond 2^53, which float64 cannot represent; scale them down "
+                  "first");
   }
   return static_cast<double>(value);
 }

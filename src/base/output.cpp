@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cerrno>
 #include <cstdio>
+#include <mutex>
 #include <optional>
 
 #include <fcntl.h>
@@ -183,7 +184,25 @@ std::optional<std::pair<uint64_t, uint64_t>> identity_of(const fs::path& path) {
   return std::pair<uint64_t, uint64_t>(found.st_dev, found.st_ino);
 }
 
+/// The temporaries of all outputs that are not complete.
+struct Temporaries {
+  std::mutex mutex;
+  std::set<fs::path> paths;
+};
+
+Temporaries& temporaries() {
+  static Temporaries all;
+  return all;
+}
+
 }  // namespace
+
+void remove_temporaries() {
+  const std::unique_lock lock(temporaries().mutex, std::try_to_lock);
+  std::error_code ignored;
+  if (lock)
+    for (const fs::path& path : temporaries().paths) fs::remove_all(path, ignored);
+}
 
 std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
   std::vector<fs::directory_entry> entries;
@@ -209,9 +228,9 @@ bool holds_only_files(const fs::path& folder,
 bool is_marked_folder(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(folder / kMark, error))) return false;
-  const MappedFile mark(folder / kMark);
+  const std::string mark = read_whole_file(folder / kMark);
   std::set<std::string> names = {kMark};
-  for (const std::string_view name : split(mark.text(), '\n')) names.emplace(name);
+  for (const std::string_view name : split(mark, '\n')) names.emplace(name);
   return holds_only_files(folder, [&](const std::string& name) { return names.contains(name); });
 }
 
@@ -252,21 +271,31 @@ Output::Output(const fs::path& target, Existing existing, FolderCheck is_ours)
     if (descriptor_ < 0) {
       const int error_number = errno;
       if (is_folder()) ::rmdir(temporary_.c_str());
-      if (error_number == EEXIST) continue;
+      // Another process may have removed the folder as abandoned before it was opened.
+      const bool was_removed =
+          error_number == ENOENT && is_folder() && fs::is_directory(folder_of(target_));
+      if (error_number == EEXIST || was_removed) continue;
       fail_to_write(target_, error_number);
     }
     retried([&] { return ::flock(descriptor_, LOCK_EX); });
     // Another process may have removed it as abandoned before it was locked.
     struct stat opened {};
     ::fstat(descriptor_, &opened);
-    if (identity_of(temporary_) == std::pair<uint64_t, uint64_t>(opened.st_dev, opened.st_ino))
+    if (identity_of(temporary_) == std::pair<uint64_t, uint64_t>(opened.st_dev, opened.st_ino)) {
+      const std::scoped_lock lock(temporaries().mutex);
+      temporaries().paths.insert(temporary_);
       return;
+    }
     ::close(descriptor_);
   }
 }
 
 Output::~Output() {
   std::error_code ignored;
+  {
+    const std::scoped_lock lock(temporaries().mutex);
+    temporaries().paths.erase(temporary_);
+  }
   if (!is_placed_) fs::remove_all(temporary_, ignored);
   ::close(descriptor_);
 }

@@ -22,6 +22,9 @@ enum class Existing { refuse, replace };
 /// Whether a folder holds nothing but one of our outputs. Other folders are never replaced.
 using FolderCheck = bool (*)(const std::filesystem::path& folder);
 
+/// Removes what incomplete outputs have written, before a process ends that cannot continue.
+void remove_temporaries();
+
 /// The entries of a folder, in the order of the file system. Throws Error(output) if it cannot be
 /// read.
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder);

@@ -1,6 +1,8 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -62,12 +64,13 @@ class CsvParser {
     skip_comments();
     while (at_ < text_.size()) {
       CsvRow row{line_, {}};
+      if (rows.empty()) find_separator();
       do row.fields.push_back(field());
-      while (take(','));
+      while (take(separator_));
       take('\r');
       if (at_ < text_.size() && !take('\n'))
         fail(text_[at_] == '"' ? "a quote is inside an unquoted field"
-                               : "expected a comma or a line feed after a field");
+                               : "expected a separator or a line feed after a field");
       ++line_;
       if (row.fields.size() > 1 || !row.fields.front().empty()) rows.push_back(std::move(row));
     }
@@ -83,6 +86,16 @@ class CsvParser {
     }
   }
 
+  // A comma or, if the first row has none, a semicolon or a tab.
+  void find_separator() {
+    const std::string_view line = text_.substr(at_, text_.find('\n', at_) - at_);
+    for (const char c : {',', ';', '\t'})
+      if (line.find(c) != std::string_view::npos) {
+        separator_ = c;
+        return;
+      }
+  }
+
   bool take(char c) {
     if (at_ >= text_.size() || text_[at_] != c) return false;
     ++at_;
@@ -90,11 +103,17 @@ class CsvParser {
   }
 
   std::string field() {
+    while (take(' ')) {
+    }
     if (take('"')) return quoted_field();
-    const size_t end = std::min(text_.find_first_of(",\r\n\"", at_), text_.size());
-    std::string value(text_.substr(at_, end - at_));
+    size_t end = at_;
+    while (end < text_.size() && text_[end] != separator_ &&
+           std::string_view("\r\n\"").find(text_[end]) == std::string_view::npos)
+      ++end;
+    std::string_view value = text_.substr(at_, end - at_);
+    while (value.ends_with(' ')) value.remove_suffix(1);
     at_ = end;
-    return value;
+    return std::string(value);
   }
 
   std::string quoted_field() {
@@ -116,6 +135,7 @@ class CsvParser {
   const std::string& where_;
   size_t at_ = 0;
   size_t line_ = 1;
+  char separator_ = ',';
 };
 
 }  // namespace
@@ -222,6 +242,13 @@ std::string wrapped_line(const std::string& line, size_t width, size_t indent,
   return text + rest;
 }
 
+std::string shortened(std::string_view text) {
+  constexpr size_t kShown = 60;
+  return text.size() <= kShown
+             ? std::string(text)
+             : fmt::format("{}... ({} characters)", text.substr(0, kShown), text.size());
+}
+
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural) {
   if (count == 1) return fmt::format("1 {}", noun);
   return plural.empty() ? fmt::format("{} {}s", count, noun) : fmt::format("{} {}", count, plural);
@@ -249,6 +276,25 @@ bool natural_less(std::string_view a, std::string_view b) {
   }
   if (a.empty() && b.empty()) return fewer_zeros;
   return a.empty();
+}
+
+std::optional<double> name_value(std::string_view name) {
+  name = name.substr(0, name.rfind('.'));
+  double value = 0;
+  const char* const last = name.data() + name.size();
+  const auto [end, error] = std::from_chars(name.data(), last, value, std::chars_format::fixed);
+  if (error != std::errc{} || end != last || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<double> decimal_name(std::string_view name) {
+  return name.find('.') == name.rfind('.') ? std::nullopt : name_value(name);
+}
+
+bool frame_name_less(std::string_view a, std::string_view b) {
+  const auto x = decimal_name(a);
+  const auto y = decimal_name(b);
+  return x != y ? x < y : natural_less(a, b);
 }
 
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -49,6 +50,9 @@ std::string printable_line(std::string_view text);
 /// formed with s.
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural = {});
 
+/// A value of the user for a message: at most 60 bytes of it.
+std::string shortened(std::string_view text);
+
 /// Breaks a line of more than `width` columns between words. Broken lines end with `end`, and the
 /// following ones are indented by `indent` columns. A longer word is a line of its own.
 std::string wrapped_line(const std::string& line, size_t width, size_t indent,
@@ -59,16 +63,24 @@ std::string wrapped_line(const std::string& line, size_t width, size_t indent,
 /// strings.
 bool natural_less(std::string_view a, std::string_view b);
 
+/// The value of a file name that is a number before its extension, as in "3082.08.jpg".
+std::optional<double> name_value(std::string_view name);
+/// The same, if the number has a decimal point.
+std::optional<double> decimal_name(std::string_view name);
+
+/// natural_less, but decimal names come after all others, by value.
+bool frame_name_less(std::string_view a, std::string_view b);
+
 /// One row of a CSV file: its fields as text, without quotes.
 struct CsvRow {
   size_t line = 0;  ///< one-based, where the row starts
   std::vector<std::string> fields;
 };
 
-/// Parses comma-separated values (RFC 4180): quoted fields, \n or \r\n. Skips empty lines, a byte
-/// order mark, and lines before the first row that begin with #. `where` names the file in errors.
-/// Throws Error(data) for an unterminated quote, and for a field without a comma or line end after
-/// it.
+/// Parses comma-separated values (RFC 4180): quoted fields, \n or \r\n. If the first row has no
+/// comma, semicolons or tabs separate. Skips empty lines, blanks around fields, a byte order mark,
+/// and lines before the first row that begin with #. `where` names the file in errors. Throws
+/// Error(data) for an unterminated quote, and for a field without a comma or line end after it.
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
 
 /// A field of CSV, quoted if necessary.

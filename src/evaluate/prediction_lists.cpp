@@ -1,6 +1,7 @@
 #include "evaluate/prediction_lists.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "base/checksum.h"
 #include "base/error.h"
+#include "base/npy.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "truth/text_file.h"
@@ -38,17 +40,60 @@ struct ScoredLists {
   std::vector<std::vector<ScoredReference>> queries;
 };
 
-std::vector<Prediction> read_list(const fs::path& path) {
-  const MappedFile file(path);
+/// The fields of one line.
+using Fields = std::pair<std::vector<std::string>, FileLocation>;
+
+// By commas, semicolons or tabs if the first line has one, otherwise by blanks.
+std::vector<Fields> read_fields(const fs::path& path) {
+  const std::string text = read_whole_file(path);
   FileLocation location{path.string()};
+  std::vector<Fields> all;
+  bool is_csv = false;
+  size_t number = 0;
+  for (const std::string_view line : split_lines(without_byte_order_mark(text))) {
+    ++number;
+    if (line.empty() || line.starts_with('#')) continue;
+    if (all.empty()) is_csv = line.find_first_of(",;\t") != std::string_view::npos;
+    location.at("line", number);
+    if (is_csv) break;
+    const auto words = split_words(line);
+    if (!words.empty()) all.push_back({{words.begin(), words.end()}, location});
+  }
+  if (!is_csv) return all;
+  for (CsvRow& row : parse_csv(text, path.string())) {
+    location.at("line", row.line);
+    if (!row.fields.front().starts_with('#')) all.push_back({std::move(row.fields), location});
+  }
+  return all;
+}
+
+// Also "nan" and "inf", which no score may be.
+bool is_number(const std::string& field) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  return error != std::errc::invalid_argument && end == field.data() + field.size();
+}
+
+// Pairs with or without a score, or one line per query: its name and its references, best first.
+std::vector<Prediction> read_list(const fs::path& path) {
+  std::vector<Fields> lines = read_fields(path);
+  if (!lines.empty() && lines.front().first.front() == "query") lines.erase(lines.begin());
+  const bool has_rankings = std::ranges::all_of(lines, [](const Fields& line) {
+    const auto& fields = line.first;
+    return fields.size() > 3 || (fields.size() == 3 && !is_number(fields[2]));
+  });
   std::vector<Prediction> all;
-  const auto add = [&](const std::vector<std::string>& fields, size_t line) {
-    location.at("line", line);
+  for (const auto& [fields, location] : lines) {
+    if (has_rankings) {
+      for (size_t i = 1; i < fields.size(); ++i)
+        all.push_back({fields[0], fields[i], std::nullopt, location});
+      continue;
+    }
     if (fields.size() != 2 && fields.size() != 3)
-      location.fail(
-          fmt::format("expected a query, a reference and optionally a score; found {} "
-                      "fields",
-                      fields.size()));
+      location.fail(fmt::format(
+          "expected a query, a reference and optionally a score; found {} fields. Names with "
+          "blanks need commas between the fields",
+          fields.size()));
     Prediction prediction{fields[0], fields[1], std::nullopt, location};
     if (fields.size() == 3) {
       prediction.score = parse_real(fields[2]);
@@ -58,30 +103,17 @@ std::vector<Prediction> read_list(const fs::path& path) {
     if (!all.empty() && all.front().score.has_value() != prediction.score.has_value())
       location.fail("either all lines or none must have a score");
     all.push_back(std::move(prediction));
-  };
-  if (path.extension() == ".csv") {
-    for (const CsvRow& row : parse_csv(file.text(), path.string()))
-      if (!(all.empty() && !row.fields.empty() && row.fields[0] == "query"))
-        add(row.fields, row.line);
-    return all;
-  }
-  size_t number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
-    ++number;
-    const auto words = split_words(line);
-    if (words.empty() || words.front().starts_with('#')) continue;
-    add({words.begin(), words.end()}, number);
   }
   return all;
 }
 
 void read_query_file(std::vector<Prediction>& all, const fs::path& path) {
-  const MappedFile file(path);
+  const std::string file = read_whole_file(path);
   FileLocation location{path.string()};
   std::string heading;
   std::optional<std::string> query;
   size_t number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
     location.at("line", ++number);
     if (line.empty()) continue;
     if (line == "Query path:" || line == "Predictions paths:" || line == "Positives paths:") {
@@ -118,36 +150,71 @@ std::vector<fs::path> text_files(const fs::path& folder) {
   return files;
 }
 
-size_t find_frame(const FrameNames& names, const std::string& name, const FileLocation& location,
-                  const char* side) {
-  if (const auto frame = names.find(name)) return *frame;
+/// The frames of one side of a list.
+struct ListSide {
+  const FrameNames& names;
+  const char* noun;
+  std::optional<size_t> frames;  ///< as stated, or by the names
+  bool has_numbers = false;      ///< its cells are numbers of frames
+};
+
+// Cells are numbers if all of them are, and not all of them are names.
+template <class Cell>
+ListSide side_of(const std::vector<Prediction>& all, const FrameNames& names, const char* noun,
+                 std::optional<size_t> stated, Cell cell) {
+  ListSide side{names, noun, names.count() ? names.count() : stated};
+  side.has_numbers =
+      std::ranges::all_of(
+          all, [&](const Prediction& one) { return parse_frame(cell(one)).has_value(); }) &&
+      (!names.count() || !std::ranges::all_of(all, [&](const Prediction& one) {
+        return names.find(cell(one)).has_value();
+      }));
+  return side;
+}
+
+size_t find_frame(const ListSide& side, const std::string& name, const FileLocation& location) {
+  if (side.has_numbers) {
+    const auto number = parse_frame(name);
+    if (!number->in_range || (side.frames && number->value >= *side.frames))
+      location.fail(side.frames ? fmt::format("the {} frame {} is out of range; there are {}",
+                                              side.noun, name, counted(*side.frames, "frame"))
+                                : fmt::format("{} is not a frame number", name));
+    return number->value;
+  }
+  if (const auto frame = side.names.find(name)) return *frame;
   location.fail(
-      names.count()
-          ? fmt::format("no {} frame, or more than one, is called {}", side, name)
+      side.names.count()
+          ? fmt::format("no {} frame, or more than one, is called {}", side.noun, name)
           : fmt::format("{} is not a frame number. Name the frames with --query and --train "
                         "(folders, or lists of names)",
                         name));
 }
 
 ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& queries,
-                    const FrameNames& references) {
-  constexpr uint64_t kMaxScores = uint64_t{1} << 31;
-  const bool is_bounded = queries.count() && references.count();  // not by the numbers in the file
-  ScoredLists lists{references.count().value_or(0), {}};
-  lists.queries.resize(queries.count().value_or(0));
+                    const FrameNames& references, const ListFrames& stated) {
+  constexpr uint64_t kMaxScores = uint64_t{1} << 28;  // if only the numbers in the file are known
+  const ListSide query_side = side_of(
+      all, queries, "query", stated.query,
+      [](const Prediction& one) -> auto& { return one.query; });
+  const ListSide train_side = side_of(
+      all, references, "training", stated.train,
+      [](const Prediction& one) -> auto& { return one.reference; });
+  const bool is_bounded = query_side.frames && train_side.frames;
+  ScoredLists lists{train_side.frames.value_or(0), {}};
+  lists.queries.resize(query_side.frames.value_or(0));
   for (const Prediction& prediction : all) {
     const FileLocation& location = prediction.location;
-    const size_t query = find_frame(queries, prediction.query, location, "query");
-    const size_t reference = find_frame(references, prediction.reference, location, "training");
+    const size_t query = find_frame(query_side, prediction.query, location);
+    const size_t reference = find_frame(train_side, prediction.reference, location);
     const size_t rows = std::max(lists.queries.size(), query + 1);
     lists.references = std::max(lists.references, reference + 1);
     if (!is_bounded && (uint64_t{rows} * lists.references > kMaxScores ||
                         std::max(rows, lists.references) > kMaxGrownFrames))
-      location.fail(
-          fmt::format("the frame numbers up to here need {} x {} scores; the limits are "
-                      "{} scores and {} frames. Name the frames with --query and --train "
-                      "(folders, or lists of names)",
-                      rows, lists.references, kMaxScores, kMaxGrownFrames));
+      location.fail(fmt::format(
+          "the frame numbers up to here need {} x {} scores; without stated numbers of "
+          "frames, the limits are {} scores and {} frames. Pass --query and --train, or "
+          "--query-frames and --train-frames",
+          rows, lists.references, kMaxScores, kMaxGrownFrames));
     lists.queries.resize(rows);
     auto& list = lists.queries[query];
     const double rank = static_cast<double>(list.size()) + 1;
@@ -156,33 +223,9 @@ ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& querie
   return lists;
 }
 
-}  // namespace
-
-ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
-                              const FrameNames& references, std::optional<ScoreOrder> kind) {
-  const std::string name = path.string();
-  std::error_code error;
-  std::vector<fs::path> files = {path};
-  std::vector<Prediction> all;
-  if (fs::is_directory(path, error)) {
-    files = text_files(path);
-    for (const fs::path& file : files) read_query_file(all, file);
-  } else {
-    all = read_list(path);
-  }
-  if (all.empty()) throw Error(ErrorKind::data, fmt::format("{}: lists no reference", name));
-  const bool has_scores = all.front().score.has_value();
-  if (has_scores && !kind)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: the list has scores. Add --distance (lower is better) or "
-                            "--similarity (higher is better)",
-                            name));
-  if (!has_scores && kind == ScoreOrder::similarity)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: the list has no scores, and ranks are distances. Omit "
-                            "--similarity",
-                            name));
-  const auto lists = std::make_shared<const ScoredLists>(collect(all, queries, references));
+ScoreMatrix scores_of(const std::shared_ptr<const ScoredLists>& lists,
+                      std::optional<ScoreOrder> kind, bool has_scores,
+                      const std::vector<fs::path>& files) {
   ComputedScores scores;
   scores.queries = scores.block = lists->queries.size();
   scores.references = lists->references;
@@ -205,6 +248,70 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
     return files.size() == 1 ? sums : checksum(std::as_bytes(std::span(sums)));
   };
   return ScoreMatrix(std::move(scores));
+}
+
+}  // namespace
+
+ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
+                              const FrameNames& references, std::optional<ScoreOrder> kind,
+                              const ListFrames& stated) {
+  const std::string name = path.string();
+  std::error_code error;
+  std::vector<fs::path> files = {path};
+  std::vector<Prediction> all;
+  if (fs::is_directory(path, error)) {
+    files = text_files(path);
+    for (const fs::path& file : files) read_query_file(all, file);
+  } else {
+    all = read_list(path);
+  }
+  if (all.empty()) throw Error(ErrorKind::data, fmt::format("{}: lists no reference", name));
+  const bool has_scores = all.front().score.has_value();
+  if (has_scores && !kind)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: the list has scores. Add --distance (lower is better) or "
+                            "--similarity (higher is better)",
+                            name));
+  if (!has_scores && kind == ScoreOrder::similarity)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: the list has no scores, and ranks are distances. Omit "
+                            "--similarity",
+                            name));
+  return scores_of(std::make_shared<const ScoredLists>(collect(all, queries, references, stated)),
+                   kind, has_scores, files);
+}
+
+bool is_index_array(const fs::path& path, size_t references) {
+  const NpyArray array(path);
+  const NumberType* type = find_number_type(array.type());
+  return type != nullptr && type->is_whole && type->bytes >= 4 && array.shape().size() == 2 &&
+         array.shape()[1] < references;
+}
+
+ScoreMatrix index_scores(const fs::path& path, size_t references) {
+  const NpyArray array(path);
+  const NumberType* type = find_number_type(array.type());
+  ScoredLists lists{references, {}};
+  lists.queries.resize(array.shape()[0]);
+  const size_t columns = array.shape()[1];
+  const size_t down = array.is_column_major() ? 1 : columns;
+  const size_t right = array.is_column_major() ? array.shape()[0] : 1;
+  const std::span<const std::byte> bytes = array.value_bytes();
+  std::vector<double> row(columns);
+  for (size_t query = 0; query < lists.queries.size(); ++query) {
+    type->read(bytes.data() + query * down * type->bytes, right * type->bytes, columns, row.data(),
+               1);
+    for (size_t k = 0; k < columns; ++k) {
+      if (row[k] == -1) continue;  // faiss found no further neighbor
+      if (!(row[k] >= 0 && row[k] < static_cast<double>(references)))
+        throw Error(
+            ErrorKind::data,
+            fmt::format("{}, row {}: the index {} is out of range; there are {}", path.string(),
+                        query, row[k], counted(references, "training frame")));
+      lists.queries[query].push_back({static_cast<size_t>(row[k]), static_cast<double>(k) + 1});
+    }
+  }
+  return scores_of(std::make_shared<const ScoredLists>(std::move(lists)), {}, false, {path});
 }
 
 std::vector<BestPair> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout, size_t most,

@@ -12,15 +12,30 @@ namespace vpr {
 ///   path, the paths of its predictions, best first, and those of its positives, which are skipped,
 ///   each after a line that ends in a colon;
 /// - a text file with one "query reference" pair per line (hloc), best first per query;
-/// - the same text file with a score as the third word of every line. The columns of a .csv are
-///   separated by commas; its header "query,reference[,score]" is optional.
+/// - the same with a score in every line;
+/// - a text file with one line per query: its name and those of its references, best first.
+/// Fields are separated by commas, semicolons or tabs (kapture, CSV) if the first line has one,
+/// otherwise by blanks; a header "query,..." and lines that begin with # are skipped.
 /// Without scores, the rank among the references of the query, from 1, is the distance; `kind`
 /// applies to listed scores. If a pair is repeated, the better score counts; other pairs have no
-/// score. If frames have numbers instead of names, the largest one determines how many there are.
-/// Throws Error(input) for a file that cannot be read; Error(data), with the line, for another
-/// format or an unknown name; Error(usage) for scores without `kind`.
+/// score. Fields that are all numbers, and not all names, are numbers of frames; if neither names
+/// nor `stated` tell how many there are, the largest one does. Throws Error(input) for a file that
+/// cannot be read; Error(data), with the line, for another format or an unknown name; Error(usage)
+/// for scores without `kind`.
+struct ListFrames {
+  std::optional<size_t> query;
+  std::optional<size_t> train;
+};
 ScoreMatrix prediction_scores(const std::filesystem::path& path, const FrameNames& queries,
-                              const FrameNames& references, std::optional<ScoreOrder> kind);
+                              const FrameNames& references, std::optional<ScoreOrder> kind,
+                              const ListFrames& stated = {});
+
+/// Whether a .npy file has rows of integers that are fewer than the references: the indices of the
+/// best references of each query, as faiss returns them.
+bool is_index_array(const std::filesystem::path& path, size_t references);
+
+/// The ranks of the indices; -1 is none. Throws Error(data) for an index out of range.
+ScoreMatrix index_scores(const std::filesystem::path& path, size_t references);
 
 /// A query frame and a frame of a training sequence: anchors of windows.
 struct BestPair {

@@ -97,7 +97,7 @@ ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& f
   scores_.references = file->references();
   scores_.kind = order_of(format);
   scores_.fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
-  scores_.compute = [file](size_t first, size_t count, std::span<double> scores) {
+  const auto read = [file](size_t first, size_t count, std::span<double> scores) {
     const size_t references = file->references();
     if (file->is_query_major()) {
       for (size_t q = 0; q < count; ++q)
@@ -110,6 +110,13 @@ ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& f
       for (size_t q = 0; q < count; ++q) scores[q * references + r] = column[q];
     }
     file->forget(0, references);
+  };
+  scores_.compute = [read, path](size_t first, size_t count, std::span<double> scores) {
+    try {
+      read(first, count, scores);
+    } catch (const Error& error) {
+      throw Error(error.kind(), fmt::format("{}: {}", path.string(), error.what()));
+    }
   };
 }
 
@@ -137,7 +144,8 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
 }
 
 ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
-                              DescriptorMetric metric) {
+                              std::optional<DescriptorMetric> metric_of_vectors) {
+  const DescriptorMetric metric = metric_of_vectors.value_or(DescriptorMetric::cosine);
   for (const SequenceSource* sequence : {&query, &reference})
     if (sequence->kind != SequenceKind::descriptors)
       throw Error(ErrorKind::data,
@@ -150,6 +158,12 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
         ErrorKind::data,
         fmt::format("{}: the values have type {}, but in {} they have type {}", queries->where(0),
                     queries->type(), references->where(0), references->type()));
+  if (metric_of_vectors && has_bits(*queries))
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has type {}, whose bits are compared by Hamming distances, so "
+                            "--metric has no effect. Omit it or, if the values are numbers, save "
+                            "them as float32",
+                            queries->where(0), queries->type()));
   if (queries->length() != references->length()) {
     const bool is_transposed = queries->count() == references->length() ||
                                queries->length() == references->count() ||

@@ -136,9 +136,9 @@ size_t first_own_place(const Result& result) {
 
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
                         const LoopListRules& rules) {
-  const MappedFile file(path);
+  const std::string file = read_whole_file(path);
   FileLocation location{path.string()};
-  const std::vector<LoopLine> lines = read_lines(location, file.text());
+  const std::vector<LoopLine> lines = read_lines(location, file);
   LoopList list;
   list.name = path.string();
   list.is_by_time = is_by_time(lines, trajectory, rules.frames);
@@ -193,6 +193,10 @@ uint64_t LoopJudgment::count(PlaceLabel label) const {
   return static_cast<uint64_t>(std::ranges::count(loops, label, &JudgedLoop::label));
 }
 
+uint64_t LoopJudgment::too_near() const {
+  return static_cast<uint64_t>(std::ranges::count(loops, true, &JudgedLoop::is_too_near));
+}
+
 uint64_t LoopJudgment::frames_with_loop() const {
   return static_cast<uint64_t>(std::ranges::count(has_loop, true));
 }
@@ -218,18 +222,28 @@ std::optional<Revisit> LoopJudgment::longest_missed() const {
 }
 
 double distance_between(const Trajectory& trajectory, size_t a, size_t b) {
-  double square = 0;
-  for (size_t k = 0; k < 3; ++k) {
-    const double difference = trajectory.poses[a]->position[k] - trajectory.poses[b]->position[k];
-    square += difference * difference;
-  }
-  return std::sqrt(square);
+  return std::sqrt(square_distance(*trajectory.poses[a], *trajectory.poses[b]));
 }
+
+namespace {
+
+PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
+                         const Nearness& nearness) {
+  const auto label = label_of(*trajectory.poses[a], *trajectory.poses[b], nearness);
+  if (!label)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: has no headings or orientations, which --angle needs", trajectory.name));
+  return *label;
+}
+
+}  // namespace
 
 std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
   // Frames are sorted into cubes, whose side is larger than the radius by more than rounding.
   using Cube = std::array<double, 3>;  // integers
-  const double side = rules.radius_m > 0 ? rules.radius_m * 1.000001 : 1;
+  const double radius_m = rules.nearness.radius_m;
+  const double side = radius_m > 0 ? radius_m * 1.000001 : 1;
   const auto cube_of = [&](size_t frame) {
     const auto& position = trajectory.poses[frame]->position;
     return Cube{std::floor(position[0] / side), std::floor(position[1] / side),
@@ -239,7 +253,7 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
   const auto is_near = [&](size_t query, const Cube& cube) {
     const auto frames = cubes.find(cube);
     return frames != cubes.end() && std::ranges::any_of(frames->second, [&](size_t frame) {
-             return distance_between(trajectory, query, frame) <= rules.radius_m;
+             return label_between(trajectory, query, frame, rules.nearness) == PlaceLabel::same;
            });
   };
   std::vector<bool> has_loop(trajectory.poses.size());
@@ -258,8 +272,7 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
 
 LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules) {
-  if (!(rules.radius_m >= 0 && std::isfinite(rules.radius_m)))
-    throw Error(ErrorKind::usage, "the radius of loops must be a number of meters, 0 or more");
+  check_nearness(rules.nearness);
   if (rules.gap.nanoseconds && trajectory.times_ns.empty())
     throw Error(
         ErrorKind::usage,
@@ -276,10 +289,10 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
       continue;
     }
     JudgedLoop judged{loop, distance_between(trajectory, loop.query, loop.match)};
-    judged.label = !is_past(rules.gap, trajectory.times_ns, loop.query, loop.match)
+    judged.is_too_near = !is_past(rules.gap, trajectory.times_ns, loop.query, loop.match);
+    judged.label = judged.is_too_near
                        ? PlaceLabel::ignore
-                   : judged.distance_m <= rules.radius_m ? PlaceLabel::same
-                                                         : PlaceLabel::different;
+                       : label_between(trajectory, loop.query, loop.match, rules.nearness);
     if (judged.label == PlaceLabel::same) judgment.is_found[loop.query] = true;
     judgment.loops.push_back(judged);
   }

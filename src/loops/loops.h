@@ -61,16 +61,17 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
 LoopGap parse_loop_gap(const std::string& text, const std::string& flag);
 
 struct LoopRules {
-  double radius_m = 0;  ///< maximum distance of the two positions, inclusive
+  Nearness nearness;  ///< of the two poses
   LoopGap gap;
   ScoreOrder order = ScoreOrder::similarity;  ///< of the list's scores
 };
 
-/// A listed loop; its label is ignore if the gap is too short.
+/// A listed loop. Its label is ignore if the gap is too short, or up to the ignore radius.
 struct JudgedLoop {
   ListedLoop loop;
-  double distance_m = 0;
+  double distance_m = 0;  ///< infinite between floors
   PlaceLabel label = PlaceLabel::different;
+  bool is_too_near = false;  ///< the gap is too short
 };
 
 /// Consecutive frames that are near an earlier one.
@@ -94,6 +95,7 @@ struct LoopJudgment {
   std::optional<Curve> curve;
 
   uint64_t count(PlaceLabel label) const;
+  uint64_t too_near() const;
   uint64_t frames_with_loop() const;
   uint64_t frames_found() const;
   uint64_t revisits_found() const;
@@ -104,11 +106,12 @@ struct LoopJudgment {
 /// Meters between the positions of two frames with poses.
 double distance_between(const Trajectory& trajectory, size_t a, size_t b);
 
-/// By frame, whether an earlier frame, by at least the gap, is within the radius. False for frames
+/// By frame, whether an earlier frame, by at least the gap, shows the same place. False for frames
 /// without a pose. Times must increase for a gap in time.
 std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules);
 
-/// Throws Error(usage) for an invalid radius, and for a gap in seconds if the trajectory has no
+/// Throws Error(usage) for invalid limits, Error(data) for an angle if a pose has no heading or
+/// orientation, and Error(usage) for a gap in seconds if the trajectory has no
 /// times.
 LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules);

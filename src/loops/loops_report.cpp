@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -49,18 +50,20 @@ std::string gap_words(const LoopGap& gap) {
 Json protocol_json(const LoopsEvaluation& evaluation) {
   const LoopRules& rules = evaluation.rules;
   Json protocol = {
-      {"radius_m", rules.radius_m},
+      {"radius_m", rules.nearness.radius_m},
       {"gap_s", rules.gap.nanoseconds ? seconds(*rules.gap.nanoseconds) : Json()},
       {"gap_frames", rules.gap.nanoseconds ? Json() : Json(rules.gap.frames)},
       {"loop",
        fmt::format("a loop is correct if its two positions are within {} m, and one is at least {} "
                    "before the other; closer in time it is omitted, neither correct nor incorrect",
-                   rules.radius_m, gap_words(rules.gap))},
+                   rules.nearness.radius_m, gap_words(rules.gap))},
       {"frames",
-       "a frame has a loop if an earlier frame, by at least the gap, is within the radius; recall "
+       "a frame has a loop if an earlier frame, by at least the gap, shows the same place; recall "
        "is the share of "
        "these frames of which a correct loop is listed, and precision the share of correct loops"},
       {"revisits", "consecutive frames with a loop are one revisit, found by one correct loop"}};
+  if (rules.nearness.angle_deg) protocol["angle_deg"] = *rules.nearness.angle_deg;
+  if (rules.nearness.ignore_radius_m) protocol["ignore_radius_m"] = *rules.nearness.ignore_radius_m;
   if (evaluation.judgment.curve) {
     protocol["score_order"] = enum_name(rules.order);
     protocol["curve"] =
@@ -90,10 +93,11 @@ std::vector<JudgedLoop> incorrect_loops(const LoopJudgment& judgment) {
 Json incorrect_loops_json(const LoopJudgment& judgment) {
   Json wrong = Json::array();
   for (const JudgedLoop& judged : incorrect_loops(judgment)) {
-    Json row = {{"line", judged.loop.line},
-                {"query", judged.loop.query},
-                {"match", judged.loop.match},
-                {"distance_m", judged.distance_m}};
+    Json row = {
+        {"line", judged.loop.line},
+        {"query", judged.loop.query},
+        {"match", judged.loop.match},
+        {"distance_m", std::isfinite(judged.distance_m) ? Json(judged.distance_m) : Json()}};
     if (judged.loop.score) row["score"] = *judged.loop.score;
     wrong.push_back(row);
   }
@@ -203,7 +207,8 @@ Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
   json["trajectory"] = trajectory_json(evaluation.trajectory);
   json["loops"] = {{"listed", evaluation.list.loops.size()},
                    {"repeated", judgment.repeated},
-                   {"too_near", judgment.count(PlaceLabel::ignore)},
+                   {"too_near", judgment.too_near()},
+                   {"ignored", judgment.count(PlaceLabel::ignore) - judgment.too_near()},
                    {"correct", judgment.count(PlaceLabel::same)},
                    {"incorrect", judgment.count(PlaceLabel::different)},
                    {"precision", or_null(precision(judgment))}};
@@ -241,14 +246,18 @@ std::string loops_sentence(const LoopsEvaluation& evaluation) {
 Table loops_table(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
   const LoopGap& gap = evaluation.rules.gap;
+  const Nearness& nearness = evaluation.rules.nearness;
   Table table;
   table.title = fmt::format(
-      "{} (within {} m, {} apart)", evaluation.name, Json(evaluation.rules.radius_m).dump(),
+      "{} (within {} m{}, {} apart)", evaluation.name, Json(nearness.radius_m).dump(),
+      nearness.angle_deg ? fmt::format(" and {:g} degrees", *nearness.angle_deg) : "",
       gap.nanoseconds ? seconds(*gap.nanoseconds).dump() + " s" : counted(gap.frames, "frame"));
   add_column(table, "listed", evaluation.list.loops.size());
   add_column(table, "correct", judgment.count(PlaceLabel::same));
   add_column(table, "incorrect", judgment.count(PlaceLabel::different));
-  add_column(table, "too near", judgment.count(PlaceLabel::ignore));
+  add_column(table, "too near", judgment.too_near());
+  if (nearness.ignore_radius_m)
+    add_column(table, "ignored", judgment.count(PlaceLabel::ignore) - judgment.too_near());
   add_column(table, "precision", share_text(precision(judgment)));
   add_column(table, "frames with a loop", judgment.frames_with_loop());
   add_column(table, "found", judgment.frames_found());
@@ -272,8 +281,10 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most) {
   };
   add(incorrect_loops(evaluation.judgment), "Incorrect loops:", [](const JudgedLoop& judged) {
     const ListedLoop& loop = judged.loop;
-    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
-                       loop.match, judged.distance_m);
+    return fmt::format("line {}: frame {} at frame {}, {}", loop.line, loop.query, loop.match,
+                       std::isfinite(judged.distance_m)
+                           ? fmt::format("{:.2f} m away", judged.distance_m)
+                           : "on another floor");
   });
   add(missed_revisits(evaluation.judgment),
       "Revisits without a correct loop:", [](const Revisit& revisit) {

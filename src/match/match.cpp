@@ -77,8 +77,9 @@ constexpr std::array<SequenceMethod, 5> kMethods = {{
     {"fastable-online", "as fastable, one query frame after the other as on a phone", false,
      nullptr, fastable_stage},
     {"openable", "every window distance by definition (slow)", false, nullptr, openable_stage},
-    {"filter", "follows a path at any speed; accepts matches that the path confirms", true, nullptr,
-     filter_stage},
+    {"filter",
+     "follows a path at 0.5 to 2 times the trained speed; accepts matches that the path confirms",
+     true, nullptr, filter_stage},
     {kLshMethod, "approximate hashing: some of the near windows", false, match_by_hashes, nullptr},
 }};
 

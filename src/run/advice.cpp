@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
+#include "run/open.h"
+#include "run/train_sequences.h"
 
 namespace vpr {
 
@@ -38,6 +40,28 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
   return run_query(plan_query(database, query, "", filter, unverified, silent), filter, unverified,
                    {}, silent)
       .result;
+}
+
+// The database with every `step`-th training frame.
+SequenceDatabase thinned(const SequenceDatabase& database, size_t step, const Monitor& monitor) {
+  SequenceDatabase thin;
+  thin.descriptor = database.descriptor;
+  thin.descriptors.kind = database.descriptors.kind;
+  thin.descriptors.unit = database.descriptors.unit;
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s) {
+    Sequence& sequence = thin.sequences.emplace_back().sequence;
+    sequence.name = database.sequences[s].sequence.name;
+    const std::vector<size_t>& unreadable = database.sequences[s].sequence.unreadable;
+    for (size_t frame = 0; frame < spans[s].rows.size(); frame += step) {
+      thin.descriptors.append(spans[s].rows.subspan(frame, 1));
+      if (std::ranges::binary_search(unreadable, frame))
+        sequence.unreadable.push_back(sequence.frames);
+      ++sequence.frames;
+    }
+  }
+  ensure_statistics(thin, monitor);
+  return thin;
 }
 
 }  // namespace
@@ -88,21 +112,46 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor) {
   constexpr double kSameSpeed = 1.2;  // and its inverse
+  const auto wrapped = [](const std::string& text) { return wrapped_line(text, 80, 0); };
   const auto found = [](const Result& result) {
     return fmt::format("{} of {}", recognized_windows(result),
                        counted(result.query.frames, "frame"));
   };
   const Result forward = filtered(database, query, settings, resources, monitor);
   if (needs_advice(forward)) {
-    const Result reversed =
-        filtered(database, selected(query, at_speed("reversed", query.rows().size(), 1)), settings,
-                 resources, monitor);
-    if (!needs_advice(reversed))
-      return fmt::format("In reverse order (--speed reversed), {} are recognized.",
-                         found(reversed));
-    return fmt::format(
-        "At any speed, {} are recognized: {} may show another place,\nor the opposite direction.",
-        found(forward), forward.recognitions.empty() ? "the query" : "the others");
+    const size_t keyframes = forward.keyframes ? forward.keyframes->query.size() : 0;
+    const uint64_t needed = settings.filter.path_keyframes;
+    if (keyframes < needed)
+      return wrapped(fmt::format(
+          "The query has {} (frames that differ clearly), and the filter needs a path of {}: "
+          "record a longer walk, or use windows (--c-l).",
+          counted(keyframes, "keyframe"), needed));
+    const size_t frames = query.rows().size();
+    const auto at = [&](const char* speed) {
+      return filtered(database, selected(query, at_speed(speed, frames, 1)), settings, resources,
+                      monitor);
+    };
+    if (const Result reversed = at("reversed"); !needs_advice(reversed))
+      return wrapped(
+          fmt::format("In reverse order (--speed reversed), {} are recognized.", found(reversed)));
+    if (const Result faster = at("3"); !needs_advice(faster))
+      return wrapped(
+          fmt::format("With every third query frame (--speed 3), {} are recognized: the query is "
+                      "slower than half "
+                      "the trained speed.",
+                      found(faster)));
+    const Monitor silent = {{}, {}, monitor.stop};
+    if (const Result slower =
+            filtered(thinned(database, 3, silent), query, settings, resources, monitor);
+        !needs_advice(slower))
+      return wrapped(fmt::format(
+          "With every third training frame, {} are recognized: the query is faster than twice the "
+          "trained speed. Train with fewer frames per second (--fps).",
+          found(slower)));
+    return wrapped(fmt::format(
+        "At 0.5 to 2 times the trained speed, {} are recognized, and no more in reverse order, or "
+        "with every third frame of either side: {} may show another place.",
+        found(forward), forward.recognitions.empty() ? "the query" : "the others"));
   }
   const auto rate = recognized_rate(forward);
   const bool is_same_speed = !rate || (*rate <= kSameSpeed && *rate >= 1 / kSameSpeed);

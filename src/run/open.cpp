@@ -154,11 +154,49 @@ void warn_of_rates(const SequenceDatabase& database, std::optional<double> query
   }
 }
 
+// Warns if the images have another shape than those of a searched training sequence.
+void warn_of_shapes(const SequenceDatabase& database, const Sequence& query,
+                    const SequenceQuerySettings& settings, const Monitor& monitor) {
+  constexpr double kAlike = 1.05;
+  for (const TrainSequence& train : database.sequences) {
+    const auto& size = train.sequence.size;
+    if (!query.size || !size || !is_searched(settings, train.sequence.name)) continue;
+    const double across = static_cast<double>(query.size->width) * size->height;
+    const double down = static_cast<double>(size->width) * query.size->height;
+    if (std::max(across, down) <= kAlike * std::min(across, down)) continue;
+    return warn(monitor,
+                fmt::format("the query's images are {} x {}, those of {} are {} x {}: views of "
+                            "different shape are hard to match. Is one of them rotated or cropped?",
+                            query.size->width, query.size->height, train.sequence.name, size->width,
+                            size->height));
+  }
+}
+
+// Warns if the query is a part of a training sequence, frame by frame.
+void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& query,
+                         const Monitor& monitor) {
+  const DescriptorRows rows = query.rows();
+  if (rows.empty()) return;
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s) {
+    const DescriptorRows& train = spans[s].rows;
+    for (size_t first = 0; first + rows.size() <= train.size(); ++first)
+      if (std::ranges::equal(train[first], rows[0]) &&
+          std::ranges::equal(train.subspan(first, rows.size()).bytes, rows.bytes))
+        return warn(monitor,
+                    fmt::format("the query has the same frames as the training sequence {}: this "
+                                "says nothing about another recording",
+                                database.sequences[s].sequence.name));
+  }
+}
+
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
                              const ResolvedSettings& settings, const Monitor& monitor) {
   DescriptorSet described =
       describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor);
   warn_of_rates(database, described.sequence.fps, *settings, monitor);
+  warn_of_shapes(database, described.sequence, *settings, monitor);
+  warn_of_same_frames(database, described, monitor);
   return described;
 }
 

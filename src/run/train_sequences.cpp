@@ -37,16 +37,6 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
   database.sequences.back().path = argument_text(argument.sequence);
 }
 
-void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
-                             const Monitor& monitor) {
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
-  for (size_t s = 0; s < spans.size(); ++s)
-    if (count_windows(readable_runs(spans[s]), window_length) == 0)
-      warn(monitor, fmt::format("{}: cannot be recognized with this c_l, because it has no {} "
-                                "consecutive readable frames",
-                                database.sequences[s].sequence.name, window_length));
-}
-
 // Warns if many consecutive frames with imported directions are closer than cosine distances
 // resolve.
 void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monitor) {
@@ -73,7 +63,6 @@ void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monito
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
                     const RowKernels& kernels, const Monitor& monitor) {
-  warn_of_short_sequences(database, window_length, monitor);
   const std::vector<DescribedFrames> spans = descriptor_spans(database);
   if (!is_left_to_queries(spans))
     database.thresholds.push_back(
@@ -226,6 +215,21 @@ const FusedViews* fused_views(const SequenceDatabase& database) {
   return database.statistics ? database.statistics->fused.get() : nullptr;
 }
 
+// Warns if nearly all frames have one descriptor, as in darkness or a range of pixels that was cut.
+void warn_of_uniform_frames(const DescriptorSet& set, const std::string& name,
+                            const Monitor& monitor) {
+  constexpr double kNearlyAll = 0.95;
+  constexpr size_t kEnough = 16;  // frames
+  const DescriptorRows rows = set.rows();
+  size_t equal = 0;
+  for (size_t i = 1; i < rows.size(); ++i) equal += std::ranges::equal(rows[i - 1], rows[i]);
+  const size_t pairs = rows.size() < 2 ? 0 : rows.size() - 1;
+  if (pairs >= kEnough && static_cast<double>(equal) >= kNearlyAll * static_cast<double>(pairs))
+    warn(monitor, fmt::format("{}: {} of {} frames look like the one before, so places cannot be "
+                              "told apart. Are the images uniform, or is the camera still?",
+                              name, equal, rows.size()));
+}
+
 DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor) {
   const DescriptorKind& kind = *database.descriptors.kind;
@@ -247,6 +251,7 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
   DescriptorSet set = fused != nullptr
                           ? describe_with_words(source, database, *fused, unreadable, monitor)
                           : kind.describe(source, settings, unreadable, monitor);
+  warn_of_uniform_frames(set, source.argument.path.string(), monitor);
   const Selection shown =
       at_speed(source.argument.speed, set.sequence.frames, source.argument.seed);
   return selected(std::move(set), shown);

@@ -1,5 +1,6 @@
 #include "sequence/decode.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cerrno>
@@ -9,12 +10,13 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <unistd.h>
 
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "sequence/image_header.h"
 
 namespace vpr {
 
@@ -112,7 +114,25 @@ ssize_t pass_on(void*, const char* bytes, size_t size) {
 
 }  // namespace
 
-cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
+namespace {
+
+PixelRange range_of(const cv::Mat& image) {
+  PixelRange range;
+  cv::minMaxIdx(image.reshape(1), &range.low, &range.high);
+  return range;
+}
+
+// EXIF orientation.
+void turn_upright(cv::Mat& image, int orientation) {
+  if (orientation >= 5) cv::transpose(image, image);
+  const bool flips_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+  const bool flips_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+  if (flips_x) cv::flip(image, image, 1);
+  if (flips_y) cv::flip(image, image, 0);
+}
+
+// With 16 bits per channel for 16-bit gray.
+cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
     throw Error(ErrorKind::input,
                 fmt::format("{}: can't be decoded: {}. Remove it, or use --skip-unreadable",
@@ -129,14 +149,22 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
     if (scans.count == 0 || end == std::string::npos || end < scans.first)
       fail("the JPEG is truncated");
   }
+  const ImageHeader header = read_image_header(file);
+  check_frame_size(path, header.tile_width, header.tile_height);
+  if (header.is_float)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: has floating-point pixels, which are not supported. Convert it to "
+                            "16-bit gray, in units that matter",
+                            path.string()));
   if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
   const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
   cv::Mat image;
   try {
     const CodecScope scope(path);
-    image =
-        cv::imdecode(bytes, format == PixelFormat::gray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+    const int depth = header.is_gray_16 ? cv::IMREAD_ANYDEPTH : 0;
+    image = cv::imdecode(
+        bytes, depth | (format == PixelFormat::gray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR));
   } catch (const cv::Exception& error) {
     // Larger than any limit of check_frame_size; OpenCV does not report the size.
     if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos)
@@ -147,7 +175,25 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
     fail(error.err);
   }
   if (image.empty()) fail("it is damaged");
+  if (header.orientation != 1) turn_upright(image, header.orientation);
   return image;
+}
+
+}  // namespace
+
+cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
+                     const std::optional<PixelRange>& range) {
+  cv::Mat image = decode_pixels(path, format);
+  if (image.depth() != CV_16U) return image;
+  const auto [low, high] = range ? *range : range_of(image);
+  const double scale = 255 / std::max(1.0, high - low);
+  image.convertTo(image, CV_8U, scale, -scale * low);
+  return image;
+}
+
+std::optional<PixelRange> pixel_range(const std::filesystem::path& path) {
+  if (!read_image_header(read_whole_file(path)).is_gray_16) return std::nullopt;
+  return range_of(decode_pixels(path, PixelFormat::gray));
 }
 
 MegapixelLimit::MegapixelLimit(uint64_t megapixels) : before_(most_megapixels) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 namespace cv {
 class Mat;
@@ -13,12 +14,24 @@ namespace vpr {
 /// The format of decoded frames: 8 bits, one channel; or blue, green and red.
 enum class PixelFormat { gray, bgr };
 
+/// The 16-bit values that become 0 and 255.
+struct PixelRange {
+  double low = 0;
+  double high = 65535;
+};
+
 /// 8 bits per channel, as decoded by OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR, with EXIF
-/// orientation applied. Throws Error(input), with the file, if it is missing, empty, damaged, or
-/// not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is
-/// truncated (OpenCV itself fills the missing part with gray) or has more than 100 scans;
-/// Error(usage) if it is larger than the MegapixelLimit, before memory is allocated for its pixels.
-cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format);
+/// orientation applied. 16-bit gray is scaled by `range` or, without one, by the range of the
+/// image. Throws Error(input), with the file, if it is missing, empty, damaged, or not a JPEG, PNG,
+/// TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is truncated (OpenCV
+/// itself fills the missing part with gray) or has more than 100 scans; Error(usage) if it is
+/// larger than the MegapixelLimit, before memory is allocated for its pixels.
+cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
+                     const std::optional<PixelRange>& range = {});
+
+/// The range of the values of a 16-bit gray image; nullopt for other images. Throws as decode_image
+/// does.
+std::optional<PixelRange> pixel_range(const std::filesystem::path& path);
 
 /// The default limit of a frame.
 constexpr uint64_t kDefaultMegapixels = 100;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -12,11 +13,21 @@
 #include <opencv2/videoio.hpp>
 
 #include "base/error.h"
+#include "base/mapped_file.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "sequence/image_header.h"
 
 namespace vpr {
 namespace {
+
+// Of FFmpeg's formats, those of videos that need no other file. OpenCV reads the variable when it
+// opens a video.
+[[maybe_unused]] const bool kFormatsAreLimited =
+    ::setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS",
+             "format_whitelist;mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpeg,mpegts,mpegvideo,"
+             "flv,live_flv,asf,ogg,yuv4mpegpipe,h264,hevc,m4v,mjpeg,mxf,ivf,gif,dv,nut,wtv,rm",
+             0) == 0;
 
 cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
   if (format != PixelFormat::gray || image.channels() != 3) return image.clone();
@@ -48,18 +59,41 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
                    name(other), other->width, other->height));
 }
 
+// The range of all 16-bit gray images; nullopt if the first image is of another kind. Images that
+// cannot be decoded are reported later.
+std::optional<PixelRange> find_pixel_range(const SequenceSource& source, const Monitor& monitor) {
+  const auto range_at = [&](size_t i) -> std::optional<PixelRange> {
+    try {
+      return pixel_range(source.files[i]);
+    } catch (const Error&) {
+      return std::nullopt;
+    }
+  };
+  if (source.files.empty() || !range_at(0)) return std::nullopt;
+  std::vector<std::optional<PixelRange>> ranges(source.files.size());
+  parallel_for(ranges.size(), monitor, [&](size_t i) { ranges[i] = range_at(i); });
+  PixelRange all = *ranges[0];
+  for (const auto& range : ranges) {
+    if (!range) continue;
+    all.low = std::min(all.low, range->low);
+    all.high = std::max(all.high, range->high);
+  }
+  return all;
+}
+
 Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
                         const Monitor& monitor, const FrameVisitor& body) {
   const size_t count = source.files.size();
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
   std::vector<cv::Size> sizes(count);
+  const std::optional<PixelRange> range = find_pixel_range(source, monitor);
   StepCounter counter(monitor, "describe", count);
   parallel_for(count, monitor, [&](size_t i) {
     if (i > lowest_failed.load()) return;
     cv::Mat image;
     try {
-      image = decode_image(source.files[i], format);
+      image = decode_image(source.files[i], format, range);
     } catch (const Error& error) {
       problems[i] = error;
       const bool is_skipped = unreadable == Unreadable::skip && error.kind() == ErrorKind::input;
@@ -76,6 +110,10 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
     sequence.frame_names.push_back(source.files[i].filename().string());
     if (problems[i]) sequence.unreadable.push_back(i);
   }
+  const auto first =
+      std::ranges::find_if(sizes, [](const cv::Size& size) { return !size.empty(); });
+  if (first != sizes.end())
+    sequence.size = {static_cast<uint32_t>(first->width), static_cast<uint32_t>(first->height)};
   warn_of_sizes(source, sizes, monitor);
   return sequence;
 }
@@ -147,17 +185,55 @@ bool open_capture(cv::VideoCapture& capture, const std::filesystem::path& path, 
   return true;
 }
 
+namespace {
+
+// A playlist makes FFmpeg open other files, of which some never end.
+void refuse_text(const std::filesystem::path& path, std::string_view start) {
+  const auto is_text = [](char c) { return (c >= ' ' && c <= '~') || (c >= '\t' && c <= '\r'); };
+  start = without_byte_order_mark(start);
+  if (start.starts_with("YUV4MPEG2") || !std::ranges::all_of(start, is_text)) return;
+  throw Error(ErrorKind::input,
+              fmt::format("{}: is a text file, not a video; playlists are not read. Pass the video "
+                          "that it names or, for a list of images, a file that ends in .txt",
+                          path.string()));
+}
+
+// Turns off OpenCV's own rotation, whose direction depends on its version, and returns the rotation
+// that shows frames upright: clockwise degrees.
+int upright_rotation(cv::VideoCapture& capture, const MappedFile& file) {
+  capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
+  const int stated = video_rotation(file.text());
+  if (stated >= 0) return stated;
+  const int angle = static_cast<int>(capture.get(cv::CAP_PROP_ORIENTATION_META));
+  const bool is_reversed = cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6;
+  return ((is_reversed ? -angle : angle) % 360 + 360) % 360;
+}
+
+cv::Mat rotated(const cv::Mat& image, int rotation) {
+  cv::Mat upright;
+  if (rotation == 90) cv::rotate(image, upright, cv::ROTATE_90_CLOCKWISE);
+  if (rotation == 180) cv::rotate(image, upright, cv::ROTATE_180);
+  if (rotation == 270) cv::rotate(image, upright, cv::ROTATE_90_COUNTERCLOCKWISE);
+  return upright.empty() ? image : upright;
+}
+
+}  // namespace
+
 VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
     : argument_(argument),
       format_(format),
       capture_(std::make_unique<cv::VideoCapture>()),
       sequence_(argument.sequence) {
   const std::string path = argument.path.string();
+  const MappedFile file(argument.path);
+  constexpr size_t kSignature = 64;
+  refuse_text(argument.path, file.text().substr(0, kSignature));
   if (!open_capture(*capture_, argument.path, cv::CAP_FFMPEG))
     throw Error(ErrorKind::input,
                 fmt::format("{}: is neither a folder of images, a list (.txt) nor a video that "
                             "can be decoded",
                             path));
+  rotation_ = upright_rotation(*capture_, file);
 }
 
 VideoReader::~VideoReader() = default;
@@ -181,7 +257,10 @@ bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   const CodecScope scope(argument_.path);  // the frame may be larger than the first one
   cv::Mat image;
   if (capture_->retrieve(image) && !image.empty()) {
-    frame.image = in_format(image, format_);
+    frame.image = rotated(in_format(image, format_), rotation_);
+    if (!sequence_.size)
+      sequence_.size = {static_cast<uint32_t>(frame.image.cols),
+                        static_cast<uint32_t>(frame.image.rows)};
   } else {
     sequence_.unreadable.push_back(frame.index);
     frame.image = cv::Mat();

@@ -75,6 +75,7 @@ class VideoReader {
   PixelFormat format_;
   std::unique_ptr<cv::VideoCapture> capture_;
   Sequence sequence_;
+  int rotation_ = 0;  // clockwise degrees
   uint64_t position_ = 0;
   bool ended_ = false;
 };

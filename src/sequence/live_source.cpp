@@ -120,6 +120,7 @@ class Camera {
 };
 
 constexpr std::chrono::seconds kReadEvery(1);  // for folders without events
+constexpr int kPatience = 10;  // times the rest, for which later images wait for an incomplete one
 
 Error gone(const fs::path& folder, const std::string& why) {
   return {ErrorKind::input, fmt::format("{}: can't be read: {}", folder.string(), why)};
@@ -220,7 +221,7 @@ void GrowingFolder::read_folder() {
 }
 
 bool GrowingFolder::is_later(const std::string& name) const {
-  return last_.empty() || natural_less(last_, name);
+  return last_.empty() || frame_name_less(last_, name);
 }
 
 void GrowingFolder::handle_event(const std::string& name, uint32_t event, const Monitor& monitor) {
@@ -228,8 +229,11 @@ void GrowingFolder::handle_event(const std::string& name, uint32_t event, const 
   if (is_later(name)) {
     pending_.insert(name);
     if ((event & IN_MOVED_TO) != 0) renamed_.insert(name);
-    if ((event & IN_CLOSE_WRITE) != 0) closed_.insert(name);
-  } else if (natural_less(name, last_) && (event & IN_CLOSE_WRITE) == 0) {
+    if ((event & IN_CLOSE_WRITE) != 0) {
+      closed_.insert(name);
+      refused_.reset();
+    }
+  } else if (frame_name_less(name, last_) && (event & IN_CLOSE_WRITE) == 0) {
     warn(monitor, fmt::format("{}: arrived after {}, which was already used, and is omitted",
                               (folder_ / name).string(), last_));
   }
@@ -250,37 +254,46 @@ void GrowingFolder::read_events(const Monitor& monitor) {
   }
 }
 
-bool GrowingFolder::has_rested(const std::string& name) {
+void GrowingFolder::observe(const std::string& name) {
   std::error_code error;
   const uintmax_t size = fs::file_size(folder_ / name, error);
-  const Clock::time_point now = Clock::now();
-  if (error) {  // it no longer exists
-    pending_.erase(name);
-    resting_.reset();
-    return false;
-  }
-  if (!resting_ || resting_->name != name || resting_->size != size) resting_ = {name, size, now};
-  return size > 0 && now - resting_->since >= rest_for_;
+  if (!error && (!resting_ || resting_->name != name || resting_->size != size))
+    resting_ = {name, size, Clock::now()};
+  if (!error) return;
+  pending_.erase(name);  // it no longer exists
+  resting_.reset();
+}
+
+bool GrowingFolder::has_rested(const std::string& name, Clock::duration time) const {
+  std::error_code error;
+  const fs::file_time_type written = fs::last_write_time(folder_ / name, error);
+  if (error || resting_->size == 0) return false;
+  return Clock::now() - resting_->since >= time ||
+         fs::file_time_type::clock::now() - written >= time;
 }
 
 bool GrowingFolder::can_be_decoded(const std::string& name, const Monitor& monitor) {
+  if (refused_ && refused_->name == name && refused_->size == resting_->size) return false;
   try {
     decode_image(folder_ / name, PixelFormat::gray);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) return true;
-    closed_.erase(name);
-    resting_.reset();
+    refused_ = resting_;
     if (std::exchange(incomplete_, name) != name)
-      warn(monitor, fmt::format("{}: is incomplete. Waiting for its rest or a later image",
-                                (folder_ / name).string()));
+      warn(monitor,
+           fmt::format("{}: is incomplete. Later images wait for it", (folder_ / name).string()));
     return false;
   }
   return true;
 }
 
 bool GrowingFolder::is_complete(const std::string& name, const Monitor& monitor) {
-  if (renamed_.contains(name) || pending_.size() > 1) return true;
-  return (closed_.contains(name) || has_rested(name)) && can_be_decoded(name, monitor);
+  if (renamed_.contains(name)) return true;
+  observe(name);
+  if (!resting_) return false;
+  if ((closed_.contains(name) || has_rested(name, rest_for_)) && can_be_decoded(name, monitor))
+    return true;
+  return pending_.size() > 1 && Clock::now() - resting_->since >= kPatience * rest_for_;
 }
 
 fs::path GrowingFolder::next(const Monitor& monitor) {
@@ -288,8 +301,9 @@ fs::path GrowingFolder::next(const Monitor& monitor) {
     check_stop(monitor);
     read_events(monitor);
     read_folder();
-    if (!pending_.empty() && is_complete(*pending_.begin(), monitor)) {
-      last_ = *pending_.begin();
+    if (const std::string first = pending_.empty() ? "" : *pending_.begin();
+        !first.empty() && is_complete(first, monitor)) {
+      last_ = first;
       pending_.erase(last_);
       renamed_.erase(last_);
       closed_.erase(last_);

@@ -54,11 +54,12 @@ std::unique_ptr<LiveSource> open_live_pipe(int descriptor);
 std::unique_ptr<LiveSource> follow_camera(std::unique_ptr<cv::VideoCapture> capture,
                                           const SequenceArgument& argument);
 
-/// The images of a folder in natural order, each as soon as it is complete: it was renamed into the
-/// folder, a later one has arrived, or it can be decoded after its writer closed it or after its
-/// size has been stable for some time (a file that existed before, or a file system without events,
-/// which is read every second). An image that arrives after a later one was returned is omitted,
-/// with a warning if there are events.
+/// The images of a folder in the order of their names, each as soon as it is complete: it was
+/// renamed into the folder, or it can be decoded after its writer closed it or after it has not
+/// changed for some time (a file that existed before, or a file system without events, which is
+/// read every second). Later images wait for an incomplete one until it has not changed for ten
+/// times that time. An image that arrives after a later one was returned is omitted, with a warning
+/// if there are events.
 class GrowingFolder {
  public:
   /// `rest`: how long a size must be stable. Throws Error(input) for an unreadable folder.
@@ -74,8 +75,10 @@ class GrowingFolder {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct NaturalLess {
-    bool operator()(const std::string& a, const std::string& b) const { return natural_less(a, b); }
+  struct NameLess {
+    bool operator()(const std::string& a, const std::string& b) const {
+      return frame_name_less(a, b);
+    }
   };
   /// The stability of the first pending file: its size, and since when it has not changed.
   struct Rest {
@@ -88,7 +91,8 @@ class GrowingFolder {
   void read_events(const Monitor& monitor);
   void handle_event(const std::string& name, uint32_t event, const Monitor& monitor);
   bool is_later(const std::string& name) const;
-  bool has_rested(const std::string& name);
+  void observe(const std::string& name);
+  bool has_rested(const std::string& name, Clock::duration time) const;
   bool can_be_decoded(const std::string& name, const Monitor& monitor);
   bool is_complete(const std::string& name, const Monitor& monitor);
 
@@ -96,13 +100,14 @@ class GrowingFolder {
   Clock::duration rest_for_;
   int events_ = -1;  ///< events of the folder; -1: none
   std::optional<Clock::time_point> read_at_;
-  std::filesystem::file_time_type changed_;     ///< at the last check
-  std::set<std::string, NaturalLess> pending_;  ///< names that were not returned yet
-  std::set<std::string> renamed_;               ///< pending names that were renamed into the folder
-  std::set<std::string> closed_;                ///< pending names whose writer closed them
-  std::string last_;                            ///< the last returned name
+  std::filesystem::file_time_type changed_;  ///< at the last check
+  std::set<std::string, NameLess> pending_;  ///< names that were not returned yet
+  std::set<std::string> renamed_;            ///< pending names that were renamed into the folder
+  std::set<std::string> closed_;             ///< pending names whose writer closed them
+  std::string last_;                         ///< the last returned name
   std::optional<Rest> resting_;
-  std::string incomplete_;  ///< named in a warning
+  std::optional<Rest> refused_;  ///< could not be decoded, and has not been closed since
+  std::string incomplete_;       ///< named in a warning
 };
 
 }  // namespace vpr

@@ -292,8 +292,9 @@ std::optional<double> median_fps(std::span<const int64_t> times_ns) {
 }
 
 Sequence without_frame_names(const Sequence& sequence) {
-  return {sequence.name,       sequence.frames, {},
-          sequence.unreadable, sequence.fps,    sequence.selection};
+  Sequence copy = sequence;
+  copy.frame_names.clear();
+  return copy;
 }
 
 Sequence selected(Sequence sequence, const Selection& selection) {

@@ -1,7 +1,10 @@
 #include "sequence/sequence_source.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <charconv>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -61,13 +64,74 @@ std::vector<fs::path> folder_entries(const fs::path& folder,
   return found;
 }
 
+std::atomic<FrameOrder> frame_order{FrameOrder::automatic};
+
+FrameOrder chosen_order(const std::vector<std::string>& names) {
+  const FrameOrder wanted = frame_order;
+  if (wanted != FrameOrder::automatic && wanted != FrameOrder::rows) return wanted;
+  const auto is_utm = [](const std::string& name) { return name.starts_with('@'); };
+  if (wanted == FrameOrder::rows && std::ranges::all_of(names, is_utm)) return FrameOrder::name;
+  std::set<double> values;
+  for (const std::string& name : names) {
+    const auto value = decimal_name(name);
+    if (!value || !values.insert(*value).second) return FrameOrder::natural;
+  }
+  return FrameOrder::time;
+}
+
+void sort_frames(std::vector<fs::path>& files, const fs::path& folder) {
+  const auto name_of = [](const fs::path& path) { return path.filename().string(); };
+  std::vector<std::string> names;
+  for (const fs::path& file : files) names.push_back(name_of(file));
+  switch (chosen_order(names)) {
+    case FrameOrder::name:
+      std::ranges::sort(files, {}, name_of);
+      return;
+    case FrameOrder::time:
+      for (const std::string& name : names)
+        if (!name_value(name))
+          throw Error(ErrorKind::usage,
+                      fmt::format("{}: the name {} is not a number, which --order time needs",
+                                  folder.string(), name));
+      std::ranges::stable_sort(files, {},
+                               [&](const fs::path& path) { return *name_value(name_of(path)); });
+      return;
+    default:
+      return;  // natural, as read
+  }
+}
+
 // The files in a folder with one of the extensions.
 std::vector<fs::path> folder_files(const fs::path& folder,
                                    std::span<const std::string_view> extensions) {
-  return folder_entries(folder, [&](const fs::path& path) {
+  std::vector<fs::path> files = folder_entries(folder, [&](const fs::path& path) {
     std::error_code ignored;
     return has_extension(path, extensions) && !fs::is_directory(path, ignored);
   });
+  sort_frames(files, folder);
+  return files;
+}
+
+// Images that cameras write, but OpenCV does not read, with the command that converts them.
+void refuse_unread_images(const fs::path& folder) {
+  struct Unread {
+    std::string_view extension;
+    std::string_view name;
+    std::string_view command;
+  };
+  constexpr std::array<Unread, 4> kUnread = {
+      {{".heic", "HEIC", "for f in *.heic *.HEIC; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
+       {".heif", "HEIF", "for f in *.heif; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
+       {".avif", "AVIF", "for f in *.avif; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
+       {".gif", "GIF", "mogrify -format png *.gif"}}};
+  for (const auto& [extension, name, command] : kUnread) {
+    const auto files = folder_files(folder, {&extension, 1});
+    if (files.empty()) continue;
+    throw Error(ErrorKind::input,
+                fmt::format("{}: {} images are not supported. Convert and remove them, or frame "
+                            "numbers would shift: {}",
+                            files.front().string(), name, command));
+  }
 }
 
 bool is_array(const fs::path& path) { return has_extension(path, kArrayExtensions); }
@@ -75,8 +139,8 @@ bool is_array(const fs::path& path) { return has_extension(path, kArrayExtension
 // The lines of a list of images, which need not exist.
 std::vector<std::string> read_list(const fs::path& list) {
   std::vector<std::string> names;
-  const MappedFile file(list);
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+  const std::string file = read_whole_file(list);
+  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
     if (line.empty() || line.starts_with('#')) continue;
     if (line.find('\0') != std::string_view::npos)
       throw Error(
@@ -220,6 +284,10 @@ bool is_frame_name(const fs::path& path) {
   return !is_hidden(path) && has_extension(path, kImageExtensions);
 }
 
+FrameOrderScope::FrameOrderScope(FrameOrder order) : before_(frame_order) { frame_order = order; }
+
+FrameOrderScope::~FrameOrderScope() { frame_order = before_; }
+
 SequenceSource open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;
   std::error_code error;
@@ -231,6 +299,7 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
   SequenceSource sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {
+    refuse_unread_images(path);
     files = folder_files(path, kImageExtensions);
     if (files.empty()) files = folder_files(path, kArrayExtensions);
     if (files.empty())

@@ -2,6 +2,7 @@
 // descriptors.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "sequence/sequence.h"
 
 namespace cv {
@@ -59,11 +61,33 @@ struct SequenceSource {
   }
 };
 
-/// Folder: its images by extension, without hidden and other files, not recursive, in natural
-/// order. Text file (.txt, .lst, .csv): one image per line, in the file's order, relative to the
-/// file; empty lines and lines that start with # are skipped. A .npy file, a folder of them without
-/// images, or a list of them: descriptors. Anything else: a video. Throws Error(input) for a
-/// missing path or an empty sequence, Error(usage) for a range that does not fit the frames.
+/// The order of the files in folders. `automatic`: by value if all names are decimal numbers, none
+/// equal; otherwise natural. `name`: as bytes. `time`: by value, which every name must have.
+/// `rows`: as automatic, but names that all begin with @ (UTM) as bytes, as the programs that write
+/// rows for such names read them.
+enum class FrameOrder { automatic, natural, name, time, rows };
+template <>
+inline constexpr std::array<std::string_view, 5> kEnumNames<FrameOrder> = {"auto", "natural",
+                                                                           "name", "time", "rows"};
+
+/// Sets the order in the whole process during its lifetime.
+class FrameOrderScope {
+ public:
+  explicit FrameOrderScope(FrameOrder order);
+  ~FrameOrderScope();
+  FrameOrderScope(const FrameOrderScope&) = delete;
+  FrameOrderScope& operator=(const FrameOrderScope&) = delete;
+
+ private:
+  FrameOrder before_;
+};
+
+/// Folder: its images by extension, without hidden and other files, not recursive, in the order of
+/// the FrameOrderScope. Images of formats that cannot be read are an error, since they would shift
+/// frame numbers. Text file (.txt, .lst, .csv): one image per line, in the file's order, relative
+/// to the file; empty lines and lines that start with # are skipped. A .npy file, a folder of them
+/// without images, or a list of them: descriptors. Anything else: a video. Throws Error(input) for
+/// a missing path or an empty sequence, Error(usage) for a range that does not fit the frames.
 SequenceSource open_sequence(const SequenceArgument& argument);
 
 /// Whether a file in a folder is one of its frames by its name: it has the extension of an image

@@ -64,18 +64,22 @@ void ArchiveWriter::finish(Json manifest) {
 
 Archive::Archive(fs::path path) : path_(std::move(path)), name_(path_.string()) {
   std::error_code error;
-  if (!fs::exists(path_, error))
+  if (!fs::exists(path_, error) && !error)
     throw Error(ErrorKind::input, fmt::format("{}: no such database", path_.string()));
   const fs::path file_name = path_ / kManifestName;
-  if (!fs::exists(file_name, error))
+  const bool has_manifest = fs::exists(file_name, error);
+  if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: can't be read: {}", path_.string(), error.message()));
+  if (!has_manifest)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not a database (a folder with {}, written by vpr-train)",
                             path_.string(), kManifestName));
-  const MappedFile file(file_name);
-  const auto json = parse_json(file.text());
+  const std::string file = read_whole_file(file_name);
+  const auto json = parse_json(file);
   if (!json) fail("it is not valid JSON");
   require_schema(*json, "database", file_name.string(), ErrorKind::data);
-  if (!is_intact(file.text())) fail("its checksum does not match its text");
+  if (!is_intact(file)) fail("its checksum does not match its text");
   manifest_ = *json;
 }
 

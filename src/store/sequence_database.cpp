@@ -16,6 +16,7 @@
 namespace vpr {
 namespace {
 
+constexpr uint64_t kMaxImageSide = uint64_t{1} << 20;  // pixels, as OpenCV decodes
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
 constexpr const char* kSourcesFile = "selected_frames.npy";  // selected frames of recordings
@@ -25,6 +26,7 @@ Json train_json(const TrainSequence& train) {
   Json own = {{"unreadable", train.sequence.unreadable}};
   if (train.typical_distance) own["typical_distance"] = *train.typical_distance;
   if (train.exclusion_radius) own["exclusion_radius"] = *train.exclusion_radius;
+  if (const auto& size = train.sequence.size) own["size"] = {size->width, size->height};
   return sequence_json(train.sequence, own);
 }
 
@@ -76,6 +78,13 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
       if (before.sequence.name == sequence.name) archive.fail("two sequences have the same name");
     train.typical_distance = read_typical_distance(fields, shape);
     train.exclusion_radius = fields.count("exclusion_radius", sequence.frames);
+    if (fields.has("size")) {
+      std::vector<uint64_t> size;
+      fields_from_json(json["size"], size, fields, "size");
+      if (size.size() != 2 || std::max(size[0], size[1]) > kMaxImageSide)
+        archive.fail("\"size\" is not a width and a height");
+      sequence.size = {static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])};
+    }
     if (train.exclusion_radius == 0U) archive.fail("\"exclusion_radius\" is out of range");
     const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
     sequence.frame_names.assign(first, end);
@@ -161,8 +170,8 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
 void read_paths(const std::filesystem::path& file, std::vector<TrainSequence>& sequences) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return;
-  const MappedFile mapped(file);
-  const auto lines = split_lines(mapped.text());
+  const std::string mapped = read_whole_file(file);
+  const auto lines = split_lines(mapped);
   for (size_t s = 0; s < std::min(lines.size(), sequences.size()); ++s)
     sequences[s].path = lines[s];
 }

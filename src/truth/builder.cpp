@@ -97,7 +97,7 @@ void GroundTruthBuilder::report_out_of_range(std::string_view what, std::string_
                                                              side.frames, side.frames - 1);
   note(FindingKind::out_of_range, 1,
        fmt::format(
-           "{} {} is out of range{}{}", what, text, there,
+           "{} {} is out of range{}{}", what, shortened(text), there,
            &side == &query_ && inconsistent_ == InconsistentPairs::refuse ? query_hint_ : ""));
 }
 

@@ -34,7 +34,8 @@ struct GroundTruthOptions {
   /// Poses and file names: maximum distance of the same place in meters, inclusive. Required for
   /// poses; nullopt with file names: 25, as in the benchmark.
   std::optional<double> radius_m = {};
-  std::optional<double> angle_deg = {};  ///< maximum difference of their headings, inclusive
+  std::optional<double> angle_deg = {};        ///< maximum difference of their headings, inclusive
+  std::optional<double> ignore_radius_m = {};  ///< pairs up to this distance are not judged
   /// Aligned: query frame i is training frame `train_step` * i, rounded. Nullopt: 1.
   std::optional<double> train_step = {};
   MatrixRows matrix_rows = MatrixRows::automatic;
@@ -69,8 +70,8 @@ void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
 }
 
 /// The other options, with their keys in data set descriptions.
-VPR_FIELDS(GroundTruthOptions, radius_m, angle_deg, train_step, matrix_rows, max_difference_s,
-           offset_s, train_offset_s)
+VPR_FIELDS(GroundTruthOptions, radius_m, angle_deg, ignore_radius_m, train_step, matrix_rows,
+           max_difference_s, offset_s, train_offset_s)
 
 /// The path and the format of a ground truth, with its options.
 struct GroundTruthArgument {

@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "truth/positions.h"
 #include "truth/readers.h"
+#include "truth/text_file.h"
 
 namespace vpr {
 namespace {
@@ -46,6 +47,14 @@ uint32_t step_for(const GroundTruthPreset& preset, const GroundTruthScope& scope
   return 1;
 }
 
+// Two or three integers, as in a list of pairs without a header.
+bool has_only_numbers(std::string_view line) {
+  const std::vector<std::string> cells = header_names(line);
+  return (cells.size() == 2 || cells.size() == 3) &&
+         std::ranges::all_of(cells,
+                             [](const std::string& cell) { return parse_frame(cell).has_value(); });
+}
+
 }  // namespace
 
 FileStart open_start(const std::filesystem::path& path) {
@@ -54,8 +63,7 @@ FileStart open_start(const std::filesystem::path& path) {
   std::error_code error;
   start.is_folder = std::filesystem::is_directory(start.path, error);
   if (start.is_folder) return start;
-  start.file = MappedFile(start.path);
-  start.bytes = start.file.text().substr(0, kStartBytes);
+  start.bytes = read_file_start(start.path, kStartBytes);
   for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes)))
     if (start.first_line.empty() && !line.starts_with('#')) start.first_line = line;
   return start;
@@ -63,14 +71,15 @@ FileStart open_start(const std::filesystem::path& path) {
 
 std::span<const GroundTruthFormat> ground_truth_formats() {
   using Options = std::vector<std::string_view>;
-  static const Options kPoseOptions = {"path", "range", "reference", "radius_m", "angle_deg"};
-  static const Options kTimedOptions = {"path",     "range",     "reference",
-                                        "radius_m", "angle_deg", "times"};
+  static const Options kPoseOptions = {"path",     "range",     "reference",
+                                       "radius_m", "angle_deg", "ignore_radius_m"};
+  static const Options kTimedOptions = {"path",      "range",           "reference", "radius_m",
+                                        "angle_deg", "ignore_radius_m", "times"};
   static const std::vector<GroundTruthFormat> kFormats = {
       {"aligned", "query frame i is training frame i", {"train_step"}, nullptr, read_aligned},
       {"anchors",
-       "CSV query,reference of a few frames, with linear interpolation",
-       {"path", "range", "reference", "radius_m", "times"},
+       "CSV query,anchor of a few frames, with linear interpolation",
+       {"path", "range", "reference", "radius_m", "ignore_radius_m", "times"},
        is_anchors_csv,
        read_anchors},
       {"labels",
@@ -97,7 +106,8 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        read_trajectories},
       {"gps",
        "latitude and longitude: CSV lat,lon",
-       {"path", "range", "reference", "radius_m", "angle_deg", "times", "images"},
+       {"path", "range", "reference", "radius_m", "angle_deg", "ignore_radius_m", "times",
+        "images"},
        [](const FileStart& start) { return is_gps_header(start.first_line); },
        read_gps},
       {"utm", "images named @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
@@ -136,6 +146,18 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
   const FileStart start = open_start(path);
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.recognize != nullptr && format.recognize(start)) return format;
+  if (has_only_numbers(start.first_line))
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has no header. If its numbers are frames that count from 0, add "
+                            "the line query,reference. The CSV of OpenSeqSLAM2, which counts from "
+                            "1, is converted by scripts/convert/openseqslam2.py",
+                            path.string()));
+  if (has_columns(start.first_line, {"x", "y"}))
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: has positions, but its header has no column frame. Add one with the "
+                    "number of each frame, from 0",
+                    path.string()));
   refuse_convertible(start.path, start.bytes);
   if (start.path.extension() == ".csv") return find_format("pairs");
   throw Error(ErrorKind::usage,
@@ -150,28 +172,30 @@ void require_options(const GroundTruthFormat& format, const GroundTruthArgument&
   if (uses(format, "path") && argument.path.empty())
     throw Error(ErrorKind::usage,
                 fmt::format("the ground truth format {} needs a path", format.name));
-  const auto refuse_unused = [&](std::string_view option, bool is_set) {
+  const auto refuse_unused = [&](std::string_view option, bool is_set, std::string_view flag = {}) {
     if (!is_set || uses(format, option)) return;
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{} has no effect on a ground truth of format {}. {}", option, format.name,
-                    option == "range"
-                        ? "Convert it to pairs, which accept a range (vpr-eval convert)"
-                        : "It belongs to " + format_names([&](const auto& other) {
-                            return uses(other, option);
-                          })));
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has no effect on a ground truth of format {}. {}",
+                            flag.empty() ? option : flag, format.name,
+                            option == "range"
+                                ? "Convert it to pairs, which accept a range (vpr-eval convert)"
+                                : "It belongs to " + format_names([&](const auto& other) {
+                                    return uses(other, option);
+                                  })));
   };
   refuse_unused("path", !argument.path.empty());
   refuse_unused("range", !parse_sequence_argument(argument.path.string()).range.is_all());
-  refuse_unused("reference", !options.reference.empty());
-  refuse_unused("soft", !options.soft.empty());
-  refuse_unused("radius_m", options.radius_m.has_value());
-  refuse_unused("angle_deg", options.angle_deg.has_value());
-  refuse_unused("train_step", options.train_step.has_value());
-  refuse_unused("times", options.max_difference_s || options.offset_s || options.train_offset_s ||
-                             !options.query_times.empty() || !options.train_times.empty() ||
-                             !options.query_pose_times.empty() ||
-                             !options.train_pose_times.empty());
+  refuse_unused("reference", !options.reference.empty(), "--ground-truth-train");
+  refuse_unused("soft", !options.soft.empty(), "--soft");
+  refuse_unused("radius_m", options.radius_m.has_value(), "--radius");
+  refuse_unused("angle_deg", options.angle_deg.has_value(), "--angle");
+  refuse_unused("ignore_radius_m", options.ignore_radius_m.has_value(), "--ignore-radius");
+  refuse_unused("train_step", options.train_step.has_value(), "--train-step");
+  refuse_unused("times",
+                options.max_difference_s || options.offset_s || options.train_offset_s ||
+                    !options.query_times.empty() || !options.train_times.empty() ||
+                    !options.query_pose_times.empty() || !options.train_pose_times.empty(),
+                "an option of times (--offset, --max-difference, --query-times, ...)");
   refuse_unused("images", !options.query_images.empty() || !options.train_images.empty());
   refuse_unused("matrix_rows", options.matrix_rows != MatrixRows::automatic);
 }

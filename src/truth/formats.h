@@ -17,14 +17,13 @@ namespace vpr {
 
 class GroundTruthBuilder;
 
-/// An open file (for a folder only its name) and its beginning, by which its format is detected.
+/// A file (for a folder only its name) and its beginning, by which its format is detected.
 struct FileStart {
-  MappedFile file;
   std::filesystem::path path;
   bool is_folder = false;
-  std::string_view bytes;  ///< the file's first 64 KiB
+  std::string bytes;  ///< the first 64 KiB
   /// the first line that is neither empty nor a comment (#), without its end
-  std::string_view first_line;
+  std::string first_line;
 };
 
 /// `path` may end in a range. Throws Error(input) if the file cannot be read.
@@ -35,8 +34,8 @@ struct GroundTruthFormat {
   std::string_view name;
   std::string_view summary;  ///< for help texts
   /// The options that it uses: "path", "range" (of frames, after the path), "reference", "soft",
-  /// "radius_m", "angle_deg", "train_step", "matrix_rows"; "times": all options with times of
-  /// frames and poses; "images": the images named in a list.
+  /// "radius_m", "angle_deg", "ignore_radius_m", "train_step", "matrix_rows"; "times": all options
+  /// with times of frames and poses; "images": the images named in a list.
   std::vector<std::string_view> options;
   bool (*recognize)(const FileStart& start);         ///< null: selected only by its name
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol as text

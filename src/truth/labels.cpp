@@ -56,7 +56,7 @@ void add_row(GroundTruthBuilder& builder, size_t query, size_t sequence, RowLabe
 }  // namespace
 
 bool is_labels_csv(const FileStart& start) {
-  return is_pairs_csv(start) && start.first_line.find(",label,tolerance") != std::string::npos;
+  return has_columns(start.first_line, {"query", "reference", "label", "tolerance"});
 }
 
 std::string read_labels(GroundTruthBuilder& builder) {

@@ -28,6 +28,7 @@ struct PairSide {
   const FrameCount& frames;
   const NameReader& reader;
   std::optional<FrameNames>& names;
+  bool digits_are_names = false;
 };
 
 size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const std::string& text) {
@@ -35,18 +36,18 @@ size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const 
     builder.fail(
         fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, pass the "
                     "sequences: --query and --train",
-                    side.what, text));
+                    side.what, shortened(text)));
   if (!side.names) side.names.emplace(side.reader());
   const size_t count = side.names->count().value_or(0);
   if (!side.frames.grows && count != side.frames.frames)
     builder.fail(fmt::format(
         "{} \"{}\" is one of {}, but the result has {}. Use the sequence that was evaluated",
-        side.what, text, counted(count, "name"), counted(side.frames.frames, "frame")));
+        side.what, shortened(text), counted(count, "name"), counted(side.frames.frames, "frame")));
   const auto frame = side.names->find(text);
   if (!frame)
     builder.fail(
         fmt::format("{} \"{}\" is neither a frame number nor the name of exactly one of {}",
-                    side.what, text, counted(count, "frame")));
+                    side.what, shortened(text), counted(count, "frame")));
   return *frame;
 }
 
@@ -55,17 +56,50 @@ size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const 
 std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
                                  const PairSide& side, const FrameRange& range) {
   const auto frame = parse_frame(text);
-  if (!frame) return find_name(builder, side, text);
+  if (!frame || side.digits_are_names) return find_name(builder, side, text);
   if (frame->in_range) return frame_in_range(range, frame->value);
   builder.report_out_of_range(side.what, text, side.frames);
   return std::nullopt;
 }
 
-/// Names of the query's frames, and of the frames of each training sequence.
-struct PairNames {
-  std::optional<FrameNames> query;
-  std::map<size_t, std::optional<FrameNames>> train;
+/// Names of the frames of a sequence, and whether a cell of digits is one of them.
+struct SideNames {
+  std::optional<FrameNames> names;
+  bool digits_are_names = false;
 };
+
+struct PairNames {
+  SideNames query;
+  std::map<size_t, SideNames> train;
+};
+
+// Digits are names if every cell of the column is the name of a frame. Warns if they are also
+// numbers of other frames.
+void decide_digits(const GroundTruthBuilder& builder, const std::vector<std::string>& cells,
+                   const FrameCount& frames, const NameReader& reader, SideNames& side) {
+  const auto is_number = [](const std::string& cell) { return parse_frame(cell).has_value(); };
+  if (!reader || cells.empty() || !std::ranges::all_of(cells, is_number)) return;
+  try {
+    side.names.emplace(reader());
+  } catch (const Error&) {  // the frames have moved, or have no names
+    return;
+  }
+  if (!frames.grows && side.names->count().value_or(0) != frames.frames) return;
+  const std::string* other = nullptr;  // the number of another frame
+  bool are_surely_names = false;
+  for (const std::string& cell : cells) {
+    const auto frame = side.names->find(cell);
+    if (!frame) return;
+    if (other == nullptr && *frame != parse_frame(cell)->value) other = &cell;
+    are_surely_names = are_surely_names || (cell.size() > 1 && cell.front() == '0');
+  }
+  side.digits_are_names = true;
+  if (other != nullptr && !are_surely_names)
+    builder.warn_user(fmt::format(
+        "{}: {} is read as the name of frame {}, because every cell of its column is a name. If "
+        "it is the number of a frame, use numbers that are not names, or other names",
+        builder.argument().path.string(), *other, *side.names->find(*other)));
+}
 
 // Whether the query frame of the current row is in the range. `only_sequence`: of a file without a
 // column for sequences.
@@ -75,11 +109,14 @@ bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, size_t only_se
       rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence;
   const GroundTruthScope& scope = builder.scope();
   const auto query = read_frame(builder, rows.text("query"),
-                                {"query", builder.query(), scope.query_names, names.query}, range);
-  const auto reference = read_frame(builder, rows.text("reference"),
-                                    {"reference", builder.train(sequence),
-                                     scope.sequences[sequence].names, names.train[sequence]},
-                                    {});
+                                {"query", builder.query(), scope.query_names, names.query.names,
+                                 names.query.digits_are_names},
+                                range);
+  const auto reference =
+      read_frame(builder, rows.text("reference"),
+                 {"reference", builder.train(sequence), scope.sequences[sequence].names,
+                  names.train[sequence].names, names.train[sequence].digits_are_names},
+                 {});
   const std::string& label = rows.text("label");
   if (label != "same" && label != "ignore" && !label.empty())
     builder.fail(fmt::format("label \"{}\" is neither same nor ignore", label));
@@ -104,7 +141,7 @@ void warn_of_anchors(const GroundTruthBuilder& builder, NamedRows& rows) {
   }
   builder.warn_user(fmt::format(
       "{} labels {} of {}, and recognitions of the other frames count as incorrect. If the pairs "
-      "are anchors of a route, add --ground-truth-format anchors",
+      "are anchors of a route, name the column anchor instead of reference",
       builder.argument().path.string(), rows.size(),
       counted(builder.query().frames, "query frame")));
 }
@@ -126,7 +163,10 @@ size_t read_frame(const NamedRows& rows, const char* column) {
 
 Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path) {
   const std::string name = builder.argument().path.string();
-  NamedRows rows(path, name, {"query", "reference"});
+  NamedRows rows(path, name, {"query"});
+  rows.allow({"query", "sequence", "reference", "anchor"});
+  const char* column = rows.has("anchor") ? "anchor" : "reference";
+  if (!rows.has(column)) rows.fail("its header has no column anchor");
   const bool has_sequences = rows.has("sequence");
   const size_t only = has_sequences ? 0 : builder.only_searched(name);
   if (rows.size() == 0) rows.fail("has no anchors. Set at least one");
@@ -135,7 +175,7 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
     rows.go_to(row);
     builder.at("line", rows.line());
     const size_t sequence = has_sequences ? builder.find_sequence(rows.text("sequence")) : only;
-    const Anchor anchor{read_frame(rows, "query"), read_frame(rows, "reference")};
+    const Anchor anchor{read_frame(rows, "query"), read_frame(rows, column)};
     const FrameCount& train = builder.train(sequence);
     if (!train.grows && anchor.reference >= train.frames)
       rows.fail(fmt::format("reference {} is out of range; there are {} frames", anchor.reference,
@@ -230,7 +270,7 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
 }  // namespace
 
 bool is_pairs_csv(const FileStart& start) {
-  return start.first_line.starts_with("query,") || start.first_line.starts_with("\"query\",");
+  return has_columns(start.first_line, {"query", "reference"});
 }
 
 std::string read_pairs_csv(GroundTruthBuilder& builder) {
@@ -242,15 +282,27 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
     builder.fail(fmt::format("its range has {}, but the query has {}", counted(*in_range, "frame"),
                              builder.query().frames));
   if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
-  if (fmt::format("{}", fmt::join(rows.header(), ",")) !=
-      fmt::format("query,{}reference{}", rows.has("sequence") ? "sequence," : "",
-                  rows.has("label") ? ",label" : ""))
+  if (!rows.has("query") || !rows.has("reference"))
     rows.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
+  rows.allow({"query", "sequence", "reference", "label"});
   const size_t only_sequence =
       rows.has("sequence")
           ? 0
           : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
   PairNames names;
+  std::vector<std::string> queries;
+  std::map<size_t, std::vector<std::string>> references;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    queries.push_back(rows.text("query"));
+    references[rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence]
+        .push_back(rows.text("reference"));
+  }
+  const GroundTruthScope& scope = builder.scope();
+  decide_digits(builder, queries, builder.query(), scope.query_names, names.query);
+  for (const auto& [sequence, cells] : references)
+    decide_digits(builder, cells, builder.train(sequence), scope.sequences[sequence].names,
+                  names.train[sequence]);
   size_t pairs = 0;
   for (size_t row = 0; row < rows.size(); ++row) {
     rows.go_to(row);
@@ -326,7 +378,7 @@ std::string read_anchors(GroundTruthBuilder& builder) {
 }
 
 bool is_anchors_csv(const FileStart& start) {
-  return start.path.filename().string().ends_with("anchors.csv") && is_pairs_csv(start);
+  return has_columns(start.first_line, {"query", "anchor"});
 }
 
 std::string read_aligned(GroundTruthBuilder& builder) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -59,26 +60,6 @@ constexpr double kLargeShare = 0.1;
 /// Limit of pairs of the same place, each of which is compared.
 constexpr uint64_t kMaxPairs = uint64_t{1} << 27;
 
-/// The limits of the same place.
-struct Nearness {
-  double radius_m = 0;
-  std::optional<double> angle_deg;
-};
-
-bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
-             const GroundTruthBuilder& builder) {
-  double square = 0;
-  for (size_t k = 0; k < 3; ++k) {
-    const double difference = b.position[k] - a.position[k];
-    square += difference * difference;
-  }
-  if (!(square <= nearness.radius_m * nearness.radius_m)) return false;
-  if (!nearness.angle_deg) return true;
-  const auto angle = angle_between(a, b);
-  if (!angle) builder.fail("an angle is set, but a pose has no heading");
-  return *angle <= *nearness.angle_deg;
-}
-
 /// Frames with a pose, sorted by the coordinate with the largest extent, and runs of frames without
 /// a pose.
 struct SortedPoses {
@@ -112,7 +93,7 @@ bool is_everything_near(const Poses& query, const Poses& train, const Nearness& 
   Poses all = query;
   all.insert(all.end(), train.begin(), train.end());
   const auto [x, y, z] = extents_of(all);
-  return !nearness.angle_deg && std::hypot(x, y, z) <= nearness.radius_m;
+  return !nearness.angle_deg && std::hypot(x, y, z) <= nearness.farthest_m();
 }
 
 [[noreturn]] void refuse_pairs(const GroundTruthBuilder& builder, const Nearness& nearness) {
@@ -122,20 +103,29 @@ bool is_everything_near(const Poses& query, const Poses& train, const Nearness& 
                   kMaxPairs, nearness.radius_m));
 }
 
-std::vector<size_t> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
-                                const Nearness& nearness, const GroundTruthBuilder& builder) {
+/// A training frame near a query frame.
+struct NearFrame {
+  size_t frame = 0;
+  PlaceLabel label = PlaceLabel::same;
+};
+
+std::vector<NearFrame> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
+                                   const Nearness& nearness, const GroundTruthBuilder& builder) {
   const auto offset = [&](size_t frame) {
     return train[frame]->position[sorted.axis] - query.position[sorted.axis];
   };
-  const auto first =
-      std::partition_point(sorted.known.begin(), sorted.known.end(),
-                           [&](size_t frame) { return offset(frame) < -nearness.radius_m; });
-  const auto end = std::partition_point(
-      first, sorted.known.end(), [&](size_t frame) { return offset(frame) <= nearness.radius_m; });
-  std::vector<size_t> frames;
-  for (auto frame = first; frame != end; ++frame)
-    if (is_near(query, *train[*frame], nearness, builder)) frames.push_back(*frame);
-  std::sort(frames.begin(), frames.end());
+  const double reach = nearness.farthest_m();
+  const auto first = std::partition_point(sorted.known.begin(), sorted.known.end(),
+                                          [&](size_t frame) { return offset(frame) < -reach; });
+  const auto end = std::partition_point(first, sorted.known.end(),
+                                        [&](size_t frame) { return offset(frame) <= reach; });
+  std::vector<NearFrame> frames;
+  for (auto frame = first; frame != end; ++frame) {
+    const auto label = label_of(query, *train[*frame], nearness);
+    if (!label) builder.fail("an angle is set, but a pose has no heading");
+    if (*label != PlaceLabel::different) frames.push_back({*frame, *label});
+  }
+  std::ranges::sort(frames, {}, &NearFrame::frame);
   return frames;
 }
 
@@ -149,11 +139,8 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
                     "\"radius_m\" in a data set",
                     builder.argument().path.string()));
   const Nearness nearness{options.radius_m ? *options.radius_m : *default_radius_m,
-                          options.angle_deg};
-  const auto is_length = [](double value) { return value >= 0 && std::isfinite(value); };
-  if (!is_length(nearness.radius_m) || !is_length(nearness.angle_deg.value_or(0)))
-    throw Error(ErrorKind::usage,
-                "radius and angle of a ground truth must be finite and at least 0");
+                          options.angle_deg, options.ignore_radius_m};
+  check_nearness(nearness);
   return nearness;
 }
 
@@ -205,7 +192,7 @@ std::string read_gps(GroundTruthBuilder& builder) {
   return fmt::format("gps positions{}: {}", describe_times(argument, kFixDifference), matched);
 }
 
-std::optional<UtmName> parse_utm_name(std::string_view file_name) {
+std::optional<Pose> parse_utm_name(std::string_view file_name) {
   const auto dot = file_name.rfind('.');
   const auto last_at = file_name.rfind('@');
   // "@1.5@2.5.jpg": the last dot starts the extension, but "@1.5@2.5@" has no extension.
@@ -216,16 +203,17 @@ std::optional<UtmName> parse_utm_name(std::string_view file_name) {
   const auto east = parse_real(fields[kEast]);
   const auto north = parse_real(fields[kNorth]);
   if (!east || !north) return std::nullopt;
-  UtmName name;
-  name.pose.position = {*east, *north, 0};
-  if (fields.size() > kZone && is_zone(fields[kZone])) name.zone = fields[kZone];
-  if (fields.size() > kHeading) name.pose.heading_deg = parse_real(fields[kHeading]);
-  return name;
+  Pose pose;
+  pose.position = {*east, *north, 0};
+  if (fields.size() > kZone && is_zone(fields[kZone]))
+    pose.area = fmt::format("{:g}", *parse_real(fields[kZone]));
+  if (fields.size() > kHeading) pose.heading_deg = parse_real(fields[kHeading]);
+  return pose;
 }
 
 std::string read_utm_names(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
-  std::string zone;
+  std::map<double, std::string> zones;  // by number, a file name
   const auto read = [&](PoseSide side, const FrameCount&) {
     const SequenceSource sequence =
         open_sequence(parse_sequence_argument(side_options(argument, side).poses.string()));
@@ -234,19 +222,24 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
     Poses poses;
     for (const auto& file : sequence.files) {
       const std::string text = file.filename().string();
-      const auto name = parse_utm_name(text);
-      if (!name)
+      const auto pose = parse_utm_name(text);
+      if (!pose)
         builder.fail(
             fmt::format("{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
                         "positions of JPEG images",
                         text));
-      if (zone.empty()) zone = name->zone;
-      if (!name->zone.empty() && name->zone != zone)
-        builder.fail(
-            fmt::format("{} lies in UTM zone {}, but other images in {}. Distances "
-                        "between zones are unknown",
-                        text, name->zone, zone));
-      poses.emplace_back(name->pose);
+      if (!pose->area.empty()) {
+        const double zone = *parse_real(pose->area);
+        zones.emplace(zone, text);
+        for (const double next :
+             {zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})
+          if (const auto touching = zones.find(next); touching != zones.end())
+            builder.fail(fmt::format(
+                "{} lies in UTM zone {}, and {} in zone {}, which touches it. Distances "
+                "between them are unknown; use latitudes and longitudes (gps)",
+                text, zone, touching->second, next));
+      }
+      poses.push_back(pose);
     }
     return poses;
   };
@@ -280,9 +273,9 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       continue;
     }
     ++known;
-    for (const size_t reference : near_frames(*query[frame], train, sorted, nearness, builder)) {
-      builder.add(frame, sequence, reference, reference, PlaceLabel::same);
-      ++same;
+    for (const NearFrame& near : near_frames(*query[frame], train, sorted, nearness, builder)) {
+      builder.add(frame, sequence, near.frame, near.frame, near.label);
+      same += near.label == PlaceLabel::same;
     }
     if (same > kMaxPairs) refuse_pairs(builder, nearness);
     for (const LabelStretch& run : sorted.unknown)
@@ -297,6 +290,8 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
                     100 * static_cast<double>(same) / pairs));
   std::string protocol = fmt::format("within {} m", nearness.radius_m);
   if (nearness.angle_deg) protocol += fmt::format(" and {} degrees", *nearness.angle_deg);
+  if (nearness.ignore_radius_m)
+    protocol += fmt::format(", ignored up to {} m", *nearness.ignore_radius_m);
   if (const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames))
     protocol += fmt::format(", and {} more", counted(tolerance, "frame"));
   if (const size_t unknown_train = count_unknown(train); unknown + unknown_train > 0)

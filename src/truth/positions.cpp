@@ -33,16 +33,11 @@ struct GpsColumns {
   std::string longitude;
 };
 
-// The first column with one of the names, which are in lower case; empty if there is none.
+// The first column with one of the names; empty if there is none.
 std::string find_column(const std::vector<std::string>& header,
                         const std::vector<std::string>& names) {
-  for (const std::string& column : header) {
-    std::string lower = column;
-    for (char& c : lower)
-      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (std::ranges::find(names, lower) != names.end()) return column;
-  }
-  return "";
+  const auto found = std::ranges::find_first_of(header, names);
+  return found == header.end() ? "" : *found;
 }
 
 // Nullopt if a column is missing.
@@ -62,11 +57,12 @@ double read_degrees(const NamedRows& rows, const char* what, const std::string& 
   return *value;
 }
 
-// Nullopt if both fields are empty: the receiver had no fix.
+// Nullopt if both fields are missing, or 0: the receiver had no fix.
 std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& columns) {
   const std::string& latitude = rows.text(columns.latitude);
   const std::string& longitude = rows.text(columns.longitude);
-  if (latitude.empty() && longitude.empty()) return std::nullopt;
+  if (is_missing(latitude) && is_missing(longitude)) return std::nullopt;
+  if (parse_real(latitude) == 0 && parse_real(longitude) == 0) return std::nullopt;
   const Geographic place{read_degrees(rows, "latitude", columns.latitude),
                          read_degrees(rows, "longitude", columns.longitude)};
   if (std::abs(place.latitude_deg) > 90)
@@ -86,10 +82,11 @@ std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColu
     if (!place) return std::nullopt;
     pose.position = earth_position(*place);
   } else {
-    pose.position = {rows.real("x"), rows.real("y"), 0};
+    if (is_missing(rows.text("x")) && is_missing(rows.text("y"))) return std::nullopt;
+    pose.position = {rows.real("x"), rows.real("y"), rows.has("z") ? rows.real("z") : 0};
   }
-  if (gps ? !rows.text("heading").empty() : rows.has("heading"))
-    pose.heading_deg = rows.real("heading");
+  if (!is_missing(rows.text("heading"))) pose.heading_deg = rows.real("heading");
+  pose.area = rows.text("floor");
   return pose;
 }
 
@@ -175,12 +172,7 @@ std::array<double, 3> LocalPlane::local(const std::array<double, 3>& earth) cons
   return position;
 }
 
-bool is_pose_header(std::string_view line) {
-  const std::vector<std::string> names = header_names(line);
-  return std::ranges::all_of(std::array{"frame", "x", "y"}, [&](const char* column) {
-    return std::ranges::find(names, column) != names.end();
-  });
-}
+bool is_pose_header(std::string_view line) { return has_columns(line, {"frame", "x", "y"}); }
 
 bool is_gps_header(std::string_view line) {
   return find_gps_columns(header_names(line)).has_value();
@@ -195,6 +187,8 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
     if (!gps)
       rows.fail(
           fmt::format("its header has no column {} (or lat and lon)", rows.has("x") ? "y" : "x"));
+  } else {
+    rows.allow({"frame", "time", "timestamp", "x", "y", "z", "heading", "floor"});
   }
   const auto in_range = frame_count(source.range);
   if (in_range && rules.frames && *in_range != *rules.frames)
@@ -219,9 +213,7 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
                             source.range.is_all() ? range_hint(source.path) : ""));
     if (!listed.insert(*frame).second) rows.fail(fmt::format("frame {} is listed twice", text));
     found.poses.resize(std::max<size_t>(found.poses.size(), *frame + 1));
-    found.floors.resize(found.poses.size());
     found.poses[*frame] = read_pose(rows, gps);
-    found.floors[*frame] = rows.text("floor");
   }
   return found;
 }
@@ -294,7 +286,7 @@ Routes read_routes(const std::vector<fs::path>& paths) {
         if (!plane) plane.emplace(position);
         position = plane->local(position);
       }
-      route.back() = {position[0], position[1], read.floors[frame]};
+      route.back() = {position[0], position[1], read.poses[frame]->area};
     }
   }
   found.is_gps = plane.has_value();
@@ -303,6 +295,7 @@ Routes read_routes(const std::vector<fs::path>& paths) {
 
 std::vector<RoutePoint> read_place_positions(const fs::path& path) {
   NamedRows rows(path, path.string(), {"place", "x", "y"});
+  rows.allow({"place", "view", "x", "y", "heading", "floor"});
   std::vector<RoutePoint> places;
   std::set<std::string> seen;
   for (size_t row = 0; row < rows.size(); ++row) {
@@ -315,6 +308,7 @@ std::vector<RoutePoint> read_place_positions(const fs::path& path) {
 
 std::vector<WallLine> read_walls(const fs::path& path) {
   NamedRows rows(path, path.string(), {"x0", "y0", "x1", "y1"});
+  rows.allow({"x0", "y0", "x1", "y1", "floor", "kind"});
   std::vector<WallLine> walls;
   for (size_t row = 0; row < rows.size(); ++row) {
     rows.go_to(row);

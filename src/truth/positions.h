@@ -54,9 +54,10 @@ struct PoseCsvRules {
   size_t most_frames = size_t{1} << 22;
 };
 
-/// A CSV with a column `frame`, x and y or latitude and longitude, and optionally heading and
-/// floor; other columns are ignored. One pose per frame, on the earth for latitudes; nullopt for a
-/// frame without a line, or without a fix. `path` may end in a range (poses.csv@100:200): frames
+/// A CSV with a column `frame`, x and y or latitude and longitude, and optionally z, heading and
+/// floor. Columns other than these and time are refused, except next to latitudes. One pose per
+/// frame, on the earth for latitudes; nullopt for a frame without a line, or without a position:
+/// empty, NaN, or latitude and longitude 0. `path` may end in a range (poses.csv@100:200): frames
 /// are then counted from its first frame with its step, and others are skipped. Frames may be in
 /// any order. Throws Error(input) if the file cannot be read; Error(data), with the line, if it is
 /// damaged, a frame is out of range or listed twice, or the range has another number of frames.
@@ -71,10 +72,10 @@ Trajectory read_pose_csv(const std::filesystem::path& path, const PoseCsvRules& 
 ///   an image of the sequence, which may have images without a line;
 /// - or the time in its column `time` (or timestamp), as numbers or as dates (UTC by default);
 /// - otherwise line i belongs to frame i.
-/// A line with neither latitude nor longitude has no pose. `frames`: the number of frames of the
-/// sequence, if known, for lines with frame numbers. A range after the path selects lines, or
-/// frames by their numbers. Throws Error(input) if a file cannot be read, Error(usage) for images
-/// by name without `images`, Error(data), with the line, if it is damaged.
+/// A line with neither latitude nor longitude, or with 0 for both, has no pose. `frames`: the
+/// number of frames of the sequence, if known, for lines with frame numbers. A range after the path
+/// selects lines, or frames by their numbers. Throws Error(input) if a file cannot be read,
+/// Error(usage) for images by name without `images`, Error(data), with the line, if it is damaged.
 Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::path& images = {},
                       std::optional<size_t> frames = std::nullopt);
 

@@ -13,7 +13,8 @@ namespace vpr {
 
 /// Header query,reference[,label] or query,sequence,reference[,label]; label "same" (default) or
 /// "ignore"; unlisted pairs are different. A frame is a number or, if the scope has names, the name
-/// of its file, with or without extension; digits alone are a number. Requires exactly one searched
+/// of its file, with or without extension. Digits are numbers, unless every cell of the column is
+/// the name of a frame. Requires exactly one searched
 /// sequence if there is no sequence column. The path may end in a range (pairs.csv@60:111), which
 /// selects the query's frames with its step; other pairs are skipped. Throws Error(data), with the
 /// line.
@@ -35,18 +36,17 @@ std::string read_labels(GroundTruthBuilder& builder);
 
 bool is_labels_csv(const FileStart& start);
 
-/// A CSV query,reference or query,sequence,reference: anchors, with increasing query frames for
-/// each training sequence. A query frame between two neighboring anchors of a sequence is at the
-/// training frame found by linear interpolation, rounded (ties up); before the first and after the
-/// last anchor it has no place. `same` are training frames within the tolerance and, if the
-/// argument has a `reference` (poses of the training sequence, a CSV frame,x,y or a trajectory) and
-/// a radius, all frames within that many meters of the interpolated position; training frames
-/// without a pose are then ignored. A range after the path is the range of the query. Throws
-/// Error(data), with the line, for query frames that do not increase and for frames out of range;
-/// Error(usage) for a radius without poses, or poses without a radius.
+/// A CSV query,anchor or query,sequence,anchor (or reference for anchor): anchors, with increasing
+/// query frames for each training sequence. A query frame between two neighboring anchors of a
+/// sequence is at the training frame found by linear interpolation, rounded (ties up); before the
+/// first and after the last anchor it has no place. `same` are training frames within the tolerance
+/// and, if the argument has a `reference` (poses of the training sequence, a CSV frame,x,y or a
+/// trajectory) and a radius, all frames within that many meters of the interpolated position;
+/// training frames without a pose are then ignored. A range after the path is the range of the
+/// query. Throws Error(data), with the line, for query frames that do not increase and for frames
+/// out of range; Error(usage) for a radius without poses, or poses without a radius.
 std::string read_anchors(GroundTruthBuilder& builder);
 
-/// Whether the file name ends in anchors.csv and the file has the header of pairs.
 bool is_anchors_csv(const FileStart& start);
 
 /// Query frame i is training frame step * i (argument: train_step, default 1), rounded to
@@ -105,18 +105,15 @@ std::string read_gps(GroundTruthBuilder& builder);
 
 /// A name in the format of the field's data sets:
 /// @east@north@zone@letter@latitude@longitude@pano@tile@heading@..., of which east and north (UTM,
-/// meters) are required and the rest may be empty or missing. Nullopt for other names. `zone`: the
-/// UTM zone, 1 to 60; empty if missing or invalid.
-struct UtmName {
-  Pose pose;
-  std::string zone;
-};
-std::optional<UtmName> parse_utm_name(std::string_view file_name);
+/// meters) are required and the rest may be empty or missing. Nullopt for other names. The area is
+/// the UTM zone, 1 to 60; empty if missing or invalid.
+std::optional<Pose> parse_utm_name(std::string_view file_name);
 
 /// The argument's path is the query, its `reference` the training sequence: folders or lists, as
 /// passed to vpr-query and vpr-train, with positions as names. Images within a radius (default 25
-/// m) show the same place. Throws Error(data) for a name without coordinates, for different zones,
-/// or if the numbers of images and frames differ.
+/// m) show the same place; images in zones that do not touch show different places. Throws
+/// Error(data) for a name without coordinates, for zones that touch, or if the numbers of images
+/// and frames differ.
 std::string read_utm_names(GroundTruthBuilder& builder);
 
 /// A folder, or a list whose first image has a UTM name.

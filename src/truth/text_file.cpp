@@ -1,10 +1,12 @@
 #include "truth/text_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -36,6 +38,11 @@ std::optional<double> parse_real(std::string_view text) {
   return value;
 }
 
+bool is_missing(std::string_view cell) {
+  constexpr std::array<std::string_view, 4> kMissing = {"", "nan", "NaN", "NAN"};
+  return std::ranges::find(kMissing, cell) != kMissing.end();
+}
+
 std::vector<std::string_view> cells_of(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return split_words(line);
   std::vector<std::string_view> cells;
@@ -46,22 +53,40 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   return cells;
 }
 
+namespace {
+
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+}  // namespace
+
 std::vector<std::string> header_names(std::string_view line) {
-  std::vector<std::string> names;
-  for (std::string_view name : split(line, ',')) {
-    while (name.ends_with('\r')) name.remove_suffix(1);
-    if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
-      name = name.substr(1, name.size() - 2);
-    names.emplace_back(name);
+  try {
+    std::vector<CsvRow> rows = parse_csv(line, "");
+    if (rows.size() != 1) return {};
+    for (std::string& name : rows[0].fields) name = lower_case(name);
+    return std::move(rows[0].fields);
+  } catch (const Error&) {  // it is not a CSV
+    return {};
   }
-  return names;
+}
+
+bool has_columns(std::string_view first_line, const std::vector<std::string_view>& columns) {
+  const std::vector<std::string> names = header_names(first_line);
+  return std::ranges::all_of(columns, [&](std::string_view column) {
+    return std::ranges::find(names, column) != names.end();
+  });
 }
 
 NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,
                      const std::vector<std::string>& needed)
-    : file_(path), location_{name} {
-  rows_ = parse_csv(file_.text(), location_.file);
+    : location_{name} {
+  rows_ = parse_csv(read_whole_file(path), location_.file);
   if (rows_.empty()) rows_.emplace_back();  // a file without a header
+  for (std::string& column : rows_[0].fields) column = lower_case(column);
   for (const std::string& column : needed)
     if (!has(column)) fail(fmt::format("its header has no column {}", column));
 }
@@ -87,6 +112,15 @@ double NamedRows::real(std::string_view column) const {
   const auto value = parse_real(text(column));
   if (!value) fail(fmt::format("\"{}\" is not a number", text(column)));
   return *value;
+}
+
+void NamedRows::allow(const std::vector<std::string>& columns) const {
+  for (const std::string& name : header())
+    if (std::ranges::find(columns, name) == columns.end())
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: has an unknown column \"{}\". Known columns are {}; remove or "
+                              "rename it",
+                              location_.file, name, fmt::join(columns, ", ")));
 }
 
 }  // namespace vpr

@@ -37,15 +37,20 @@ std::optional<FrameText> parse_frame(std::string_view text);
 /// otherwise.
 std::optional<double> parse_real(std::string_view text);
 
+/// Whether a cell stands for a missing value: it is empty or NaN.
+bool is_missing(std::string_view cell);
+
 /// The cells of a line, separated by commas and without surrounding blanks, or separated by blanks
 /// if the line has no comma.
 std::vector<std::string_view> cells_of(std::string_view line);
 
-/// The column names in the first line of a CSV, without quotes.
+/// The column names in the first line of a CSV, in lower case. Empty if it is not a CSV.
 std::vector<std::string> header_names(std::string_view line);
 
-/// The rows of a CSV with access by column name; columns may have any order, and unused ones are
-/// ignored.
+/// Whether the first line of a CSV names all of these columns.
+bool has_columns(std::string_view first_line, const std::vector<std::string_view>& columns);
+
+/// The rows of a CSV with access by column name, in lower case; columns may have any order.
 class NamedRows {
  public:
   /// `name`: the file in errors. Throws Error(input) if the file cannot be read, Error(data) if it
@@ -59,6 +64,8 @@ class NamedRows {
   /// header.
   void go_to(size_t row);
   bool has(std::string_view column) const;
+  /// Throws Error(data) for a column that is not among these.
+  void allow(const std::vector<std::string>& columns) const;
   const std::vector<std::string>& header() const { return rows_[0].fields; }
   const FileLocation& location() const { return location_; }
   /// The line in the file at which the current row starts, counted from 1.
@@ -71,7 +78,6 @@ class NamedRows {
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
 
  private:
-  MappedFile file_;
   FileLocation location_;
   std::vector<CsvRow> rows_;
   const CsvRow* row_ = nullptr;

@@ -223,7 +223,7 @@ int64_t TimeReader::read_next(const FileLocation& location, std::string_view tex
 
 std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   const SequenceArgument source = parse_sequence_argument(path.string());
-  const MappedFile file(source.path);
+  const std::string file = read_whole_file(source.path);
   FileLocation location{path.string()};
   TimeReader reader;
   std::vector<int64_t> times;
@@ -231,7 +231,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   size_t column = 0;
   size_t line_number = 0;
   size_t index = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
     ++line_number;
     const auto cells = cells_of(line);
     if (cells.empty() || cells[0].starts_with('#')) continue;
@@ -253,8 +253,7 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const M
   std::error_code error;
   if (std::filesystem::is_directory(source.path, error))
     return times_of_names(open_sequence(source));
-  const MappedFile file(source.path);
-  const bool is_text = file.text().substr(0, kStartBytes).find('\0') == std::string_view::npos;
+  const bool is_text = read_file_start(source.path, kStartBytes).find('\0') == std::string::npos;
   return is_text ? read_time_list(path) : read_video_times(source, monitor);
 }
 

@@ -230,6 +230,42 @@ std::optional<double> angle_between(const Pose& a, const Pose& b) {
   return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
+void check_nearness(const Nearness& nearness) {
+  const auto is_limit = [](double value) { return value >= 0 && std::isfinite(value); };
+  if (!is_limit(nearness.radius_m) || !is_limit(nearness.angle_deg.value_or(0)) ||
+      !is_limit(nearness.ignore_radius_m.value_or(0)))
+    throw Error(ErrorKind::usage,
+                "radius and angle of the same place must be finite and at least 0");
+  if (nearness.ignore_radius_m && *nearness.ignore_radius_m < nearness.radius_m)
+    throw Error(ErrorKind::usage,
+                fmt::format("--ignore-radius {} is less than the radius, {}: pairs between the two "
+                            "are ignored",
+                            *nearness.ignore_radius_m, nearness.radius_m));
+}
+
+double square_distance(const Pose& a, const Pose& b) {
+  if (!a.area.empty() && !b.area.empty() && a.area != b.area)
+    return std::numeric_limits<double>::infinity();
+  double square = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const double difference = b.position[k] - a.position[k];
+    square += difference * difference;
+  }
+  return square;
+}
+
+std::optional<PlaceLabel> label_of(const Pose& a, const Pose& b, const Nearness& nearness) {
+  const double square = square_distance(a, b);
+  const auto is_within = [&](double radius_m) { return square <= radius_m * radius_m; };
+  if (!is_within(nearness.farthest_m())) return PlaceLabel::different;
+  if (nearness.angle_deg) {
+    const auto angle = angle_between(a, b);
+    if (!angle) return std::nullopt;
+    if (*angle > *nearness.angle_deg) return PlaceLabel::different;
+  }
+  return is_within(nearness.radius_m) ? PlaceLabel::same : PlaceLabel::ignore;
+}
+
 std::string_view pose_line_format(std::string_view first_line) {
   const auto cells = cells_of(first_line);
   for (const LineFormat& format : kLineFormats) {
@@ -249,14 +285,14 @@ Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view f
                            bool with_times) {
   const LineFormat& format = find_named(kLineFormats, "format of poses", format_name);
   const SequenceArgument source = parse_sequence_argument(path.string());
-  const MappedFile file(source.path);
+  const std::string file = read_whole_file(source.path);
   FileLocation location{path.string()};
   Trajectory found;
   found.name = path.string();
   TimeReader times(format.unit);
   size_t index = 0;
   size_t line_number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
     ++line_number;
     const auto words = cells_of(line);
     if (words.empty() || words.front().starts_with('#')) continue;
@@ -264,13 +300,17 @@ Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view f
     if (words.size() < format.columns || (!format.may_have_more && words.size() > format.columns))
       location.fail(fmt::format("expected {} numbers, found {}", format.columns, words.size()));
     std::vector<double> values;
+    bool is_known = true;
     for (const std::string_view word : std::span(words).first(format.columns)) {
       const auto value = parse_real(word);
-      if (!value) location.fail(fmt::format("\"{}\" is not a number", word));
-      values.push_back(*value);
+      const bool is_time = format.has_times && values.empty();
+      if (!value && (is_time || !is_missing(word)))
+        location.fail(fmt::format("\"{}\" is not a number", word));
+      is_known = is_known && value;
+      values.push_back(value.value_or(0));
     }
     if (!frame_in_range(source.range, index++)) continue;
-    found.poses.emplace_back(format.pose(location, values));
+    found.poses.push_back(is_known ? std::optional(format.pose(location, values)) : std::nullopt);
     found.lines.push_back(line_number);
     if (with_times && format.has_times) found.times_ns.push_back(times.read(location, words[0]));
   }

@@ -2,6 +2,7 @@
 // time, as in evo.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 
 #include "base/monitor.h"
 #include "truth/dataset.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
 
@@ -21,6 +23,8 @@ struct Pose {
   std::array<double, 3> position{};
   std::optional<double> heading_deg;
   std::optional<std::array<double, 9>> orientation;
+  /// A floor, or a zone of coordinates: other areas are other places. Empty: unknown.
+  std::string area = {};
 };
 
 /// One entry per frame; nullopt if the pose is unknown.
@@ -37,6 +41,26 @@ std::array<double, 3> extents_of(const Poses& poses);
 /// rotation between two rotation matrices. Nullopt if the two poses have different kinds.
 std::optional<double> angle_between(const Pose& a, const Pose& b);
 
+/// The limits of the same place.
+struct Nearness {
+  double radius_m = 0;                   ///< of the same place, inclusive
+  std::optional<double> angle_deg = {};  ///< larger differences of headings are different places
+  std::optional<double> ignore_radius_m =
+      {};  ///< beyond the radius, up to this one, pairs are ignored
+
+  double farthest_m() const { return std::max(radius_m, ignore_radius_m.value_or(0)); }
+};
+
+/// Throws Error(usage) for limits that are negative or not finite, and for an ignore radius below
+/// the radius.
+void check_nearness(const Nearness& nearness);
+
+/// The square of the distance in meters; infinite between different areas.
+double square_distance(const Pose& a, const Pose& b);
+
+/// Nullopt if an angle is needed, but not known.
+std::optional<PlaceLabel> label_of(const Pose& a, const Pose& b, const Nearness& nearness);
+
 /// The poses of one file, by frame.
 struct Trajectory {
   std::string name;           ///< of the file, for errors
@@ -44,8 +68,6 @@ struct Trajectory {
   std::vector<size_t> lines;  ///< line of each pose in the file, counted from 1; empty for a CSV
   std::vector<int64_t> times_ns;  ///< one per pose, or empty if the file has no times
   bool is_on_earth = false;       ///< positions are those of earth_position()
-  /// of each frame of a CSV (read_pose_csv), empty for unknown floors; empty for other files
-  std::vector<std::string> floors;
 };
 
 /// The format of a file with one pose per line and this first line; empty for other files.

@@ -121,7 +121,7 @@ TEST_CASE("invalid arguments of convert and check are refused") {
   check_failure(convert_to("matrix", {"--query-frames", "8", "--result", walk().path("r.json")}), 2,
                 "Use one");
   check_failure(convert_to("matrix", {"--from", "tum"}), 2, "--ground-truth-train");
-  check_failure(convert_to("matrix", {"--radius", "3"}), 2, "radius_m");
+  check_failure(convert_to("matrix", {"--radius", "3"}), 2, "--radius has no effect");
   check_failure(convert_to("matrix", {"--matrix-rows", "rows"}), 2, "matrix-rows");
   check_failure("vpr-eval", {"convert", pairs, "--to", "matrix"}, 2, "-o");
   check_failure("vpr-eval", {"convert", out / "no", "--to", "matrix", "-o", out / "x"}, 3, "no");
@@ -225,7 +225,7 @@ TEST_CASE("poses by time and anchors are accepted as flags and in data sets") {
   check_failure(check("late.txt", "0"), 4,
                 "they cover 50 to 51 s, but " + path + " covers 100 to 101 s");
   // Flags that a format does not use are refused.
-  write_text(folder / "walk.anchors.csv", "query,reference\n0,0\n4,8\n");
+  write_text(folder / "walk.anchors.csv", "query,anchor\n0,0\n4,8\n");
   const std::string anchors = folder / "walk.anchors.csv";
   CHECK(run_program("vpr-eval", {"check", anchors, "--offset", "3"}).exit_code == 2);
   CHECK(printed_json("vpr-eval", {"check", anchors, "--tolerance", "1",

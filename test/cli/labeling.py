@@ -71,7 +71,7 @@ def set_anchors(browser, folder, bin):
     assert counts == "3 anchors.", counts
     lines = saved(browser, folder, "save-anchors").splitlines()
     pixel = 1 + len(matches) // 400  # error in cells of a screen pixel
-    assert lines[0] == "query,reference", lines
+    assert lines[0] == "query,anchor", lines
     assert len(lines) == 4, lines
     found = [tuple(map(int, line.split(","))) for line in lines[1:]]
     for (query, reference), (row, column) in zip(found, ((2, 3), (30, 34))):

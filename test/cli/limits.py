@@ -123,7 +123,7 @@ def huge_numbers(folder):
     header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2147483648, 0), }".ljust(117) + "\n"
     shape = file("shape.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode())
     pairs = file("pairs.csv", "query,reference\n4194303,4194303\n")
-    anchors = file("anchors.csv", "query,sequence,reference\n" + "".join(
+    anchors = file("anchors.csv", "query,sequence,anchor\n" + "".join(
         f"0,s{s},0\n4194303,s{s},4194303\n" for s in range(16)))
     poses = file("poses.csv", "frame,x,y\n" + "".join(f"{i},0,0\n" for i in range(70_000)))
     lists = file("lists.txt", "9999999 9999999\n")

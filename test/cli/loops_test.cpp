@@ -96,7 +96,7 @@ TEST_CASE("loops reports missing inputs, and refuses invalid lists with file and
   refused({"--radius", "1", "--gap", "3"}, 2, "--similarity (higher is better)");
   refused({"--radius", "1", "--gap", "3", "--ground-truth", "aligned"}, 2, "not expected");
   for (const char* number : {"nan", "inf", "-1"}) {
-    refused({"--radius", number, "--gap", "3", "--similarity"}, 2, "0 or more");
+    refused({"--radius", number, "--gap", "3", "--similarity"}, 2, "at least 0");
     refused({"--radius", "1", "--gap", "3", "--similarity", "--max-difference", number}, 2,
             "0 to 1e9 seconds");
   }

@@ -21,11 +21,12 @@ TEST_CASE("automatic thresholds of the tower equal equation (5), and a large one
                                 out / "r.json"})
         .err;
   };
-  CHECK(query(*tower / "floor18").empty());
+  CHECK(has(query(*tower / "floor18"), "the same frames as the training sequence floor18"));
   const auto corridor = real_data("data/corridor");  // looks different from every floor
   if (!corridor) return;
   run_ok("vpr-train",
          {"add", out / "t.vprdb", "--train", *corridor / "ref", "-o", out / "t.vprdb", "--force"});
-  CHECK(query(*corridor / "query") ==
-        "warning: t_r accepts 100 % of the window pairs of ref: too many to tell places apart\n");
+  const std::string warnings = query(*corridor / "query");
+  CHECK(has(warnings, "are 160 x 120, those of floor5 are 640 x 360"));
+  CHECK(has(warnings, "t_r accepts 100 % of the window pairs of ref: too many to tell"));
 }

@@ -31,8 +31,8 @@ void fuzz::run(std::string_view input) {
         rules.frames = frames;
         refuses([&] {
           const LoopList list = read_loop_list(folder / "loops", trajectory, rules);
-          judge(list, trajectory, {1, {{}, 2}});
-          judge(list, trajectory, {0, {kSecond, 0}});
+          judge(list, trajectory, {{1}, {{}, 2}});
+          judge(list, trajectory, {{0}, {kSecond, 0}});
         });
       }
     });

@@ -24,7 +24,7 @@ Trajectory along(const std::vector<double>& xs) {
   return trajectory;
 }
 
-LoopRules within(double radius_m, size_t gap_frames) { return {radius_m, {{}, gap_frames}}; }
+LoopRules within(double radius_m, size_t gap_frames) { return {{radius_m}, {{}, gap_frames}}; }
 
 /// Compares every frame with every earlier one.
 std::vector<bool> reference_frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
@@ -33,7 +33,7 @@ std::vector<bool> reference_frames_with_loop(const Trajectory& trajectory, const
     for (size_t match = 0; match < query; ++match)
       if (trajectory.poses[query] && trajectory.poses[match] &&
           is_past(rules.gap, trajectory.times_ns, query, match) &&
-          distance_between(trajectory, query, match) <= rules.radius_m)
+          distance_between(trajectory, query, match) <= rules.nearness.radius_m)
         has_loop[query] = true;
   return has_loop;
 }
@@ -73,7 +73,7 @@ TEST_CASE("bounds of radius and gap are inclusive, and small distances may be go
   rules.gap = {3'000'000'000, 0};
   CHECK(frames_with_loop(trajectory, rules) ==
         std::vector<bool>{false, false, false, true, true, true});
-  rules.radius_m = 0.49;
+  rules.nearness.radius_m = 0.49;
   CHECK(frames_with_loop(trajectory, rules) ==
         std::vector<bool>{false, false, false, false, true, true});
   rules.gap.nanoseconds = 3'000'000'001;

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "present/report_tables.h"
+#include "present/result_text.h"
 
 using namespace vpr;
 
@@ -64,4 +65,20 @@ TEST_CASE("without a ground truth nothing is judged, and answers to places may b
         "1 of 2 frames recognized (50.0 %). Nothing is judged without a ground truth.");
   evaluation.judgment.by = JudgedBy::places;
   CHECK(summary_sentence(evaluation, 10.0) == "1 of 2 frames recognized, 1 without an answer.");
+}
+
+TEST_CASE("speeds are in time if the rates differ") {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 1;
+  result.settings = settings;
+  result.query = {"query", 40};
+  result.sequences.emplace_back().sequence = {"walk", 40};
+  result.clusters = Clusters{{{0, 10, 0, 20, 10, 0, 20, 1, 0}}, {0}};
+  const auto text = [&] { return range_text(result, recognized_ranges(result).front()); };
+  CHECK(text() == "query 0-20 = walk 0-20, 1.0x");
+  result.query.fps = 30;
+  CHECK(text() == "query 0-20 = walk 0-20, 1.0x");
+  result.sequences[0].sequence.fps = 8;
+  CHECK(text() == "query 0-20 = walk 0-20, 3.8x in time; 1.00 frames per frame");
 }

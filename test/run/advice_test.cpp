@@ -90,6 +90,8 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
   CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
-        "At any speed, 0 of 100 frames are recognized: the query may show another place,\nor the "
-        "opposite direction.");
+        "At 0.5 to 2 times the trained speed, 0 of 100 frames are recognized, and no more\nin "
+        "reverse order, or with every third frame of either side: the query may show\nanother "
+        "place.");
+  CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
 }

@@ -15,8 +15,8 @@ namespace {
 
 // Writes a file under another name and renames it, as other programs do.
 void put(const fs::path& folder, const std::string& name) {
-  write_text(folder / ".part", "x");
-  fs::rename(folder / ".part", folder / name);
+  write_image(folder / ".part.png", 1);
+  fs::rename(folder / ".part.png", folder / name);
 }
 
 std::future<fs::path> next_of(GrowingFolder& folder) {
@@ -31,11 +31,10 @@ TEST_CASE("images arrive in natural order, as soon as they are renamed into a fo
   put(folder.path(), "9.png");
   put(folder.path(), "notes.txt");
   put(folder.path(), ".hidden.png");
-  GrowingFolder growing(folder.path(), 1h);
-  CHECK(growing.next({}) == folder / "9.png");  // a later one has arrived
-  auto waiting = next_of(growing);  // waits for an image later than 10.png, or for a stable size
+  GrowingFolder growing(folder.path(), 20ms);
+  CHECK(growing.next({}) == folder / "9.png");  // it existed, and has not changed
+  CHECK(growing.next({}) == folder / "10.png");
   put(folder.path(), "11.png");
-  CHECK(waiting.get() == folder / "10.png");
   CHECK(growing.next({}) == folder / "11.png");  // renamed: returned at once
   for (int i = 12; i < 40; ++i) {
     auto next = next_of(growing);
@@ -82,13 +81,36 @@ TEST_CASE("an image whose writer pauses is awaited, and a warning names it once"
   CHECK(warnings == 1);
 }
 
-TEST_CASE("a damaged image is returned after a later one has arrived, or after a rename") {
+TEST_CASE("later images wait for an incomplete one, for a bounded time") {
   const TemporaryFolder folder;
-  write_text(folder / "1.png", "x");
-  GrowingFolder growing(folder.path(), 1h);
+  GrowingFolder growing(folder.path(), 50ms);
+  write_image(folder / ".whole.png", 1);
+  const std::string image = read_text(folder / ".whole.png");
+  std::ofstream file(folder / "1.png", std::ios::binary);
+  file << image.substr(0, 50) << std::flush;
   put(folder.path(), "2.png");
-  CHECK(growing.next({}) == folder / "1.png");
+  auto next = next_of(growing);
+  CHECK(next.wait_for(150ms) == std::future_status::timeout);
+  file << image.substr(50) << std::flush;
+  file.close();
+  CHECK(next.get() == folder / "1.png");
   CHECK(growing.next({}) == folder / "2.png");
+  write_text(folder / "3.png", "x");  // never complete
+  put(folder.path(), "4.png");
+  CHECK(growing.next({}) == folder / "3.png");
+  CHECK(growing.next({}) == folder / "4.png");
+}
+
+TEST_CASE("a broken image with a late name does not make earlier ones be used too soon") {
+  const TemporaryFolder folder;
+  write_text(folder / "9999.png", "x");
+  GrowingFolder growing(folder.path(), 20ms);
+  put(folder.path(), "1.png");
+  CHECK(growing.next({}) == folder / "1.png");
+  auto next = next_of(growing);
+  CHECK(next.wait_for(300ms) == std::future_status::timeout);
+  put(folder.path(), "2.png");
+  CHECK(next.get() == folder / "2.png");
 }
 
 TEST_CASE("an existing file is returned when its size is stable") {

@@ -10,13 +10,13 @@ using test::Files;
 
 TEST_CASE("frames between two anchors are interpolated, and frames outside have no place") {
   const Files files;
-  files.text("anchors.csv", "query,reference\n1,0\n3,3\n");
+  files.text("anchors.csv", "query,anchor\n1,0\n3,3\n");
   // Query 2 is at 1.5, rounded up to 2.
   CHECK(files.read("anchors.csv", 5, 4) == ".... S... ..S. ...S ....");
   GroundTruthArgument wider{"", "anchors.csv", 1};
   CHECK(files.read(wider, 5, 4) == ".... SS.. .SSS ..SS ....");
   // Backward as well.
-  files.text("back.anchors.csv", "# walked back\nquery,reference\n0,3\n3,0\n");
+  files.text("back.anchors.csv", "# walked back\nquery,anchor\n0,3\n3,0\n");
   CHECK(files.read("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
   files.text("one.csv", "query,reference\n1,2\n");
   CHECK(files.read(GroundTruthArgument{"anchors", "one.csv"}, 3, 3) == "... ..S ...");
@@ -31,7 +31,7 @@ TEST_CASE("frames between two anchors are interpolated, and frames outside have 
 
 TEST_CASE("anchors are detected by the file's name, and are pairs under any other name") {
   const Files files;
-  files.text("anchors.csv", "query,reference\n0,0\n2,2\n");
+  files.text("anchors.csv", "query,anchor\n0,0\n2,2\n");
   files.text("pairs.csv", "query,reference\n0,0\n2,2\n");
   CHECK(files.read("anchors.csv", 3, 3) == "S.. .S. ..S");
   CHECK(files.read("pairs.csv", 3, 3) == "S.. ... ..S");
@@ -64,7 +64,7 @@ TEST_CASE("pairs that may be anchors cause a warning") {
 
 TEST_CASE("a tolerance of anchors in meters uses the poses of the training sequence") {
   const Files files;
-  files.text("anchors.csv", "query,reference\n0,0\n2,3\n");
+  files.text("anchors.csv", "query,anchor\n0,0\n2,3\n");
   // Half a meter between 1 and 2, so the middle, 1.5, is at 1.25 meters.
   files.text("r.csv", "frame,x,y\n0,0,0\n1,1,0\n2,1.5,0\n3,4,0\n5,1.25,0.25\n");
   GroundTruthArgument argument{"", "anchors.csv"};
@@ -94,7 +94,7 @@ TEST_CASE("a tolerance of anchors in meters uses the poses of the training seque
 
 TEST_CASE("anchors may name several sequences and have the query's range") {
   const Files files;
-  files.text("anchors.csv", "query,sequence,reference\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
+  files.text("anchors.csv", "query,sequence,anchor\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
   const GroundTruth truth =
       read_ground_truth({"", files.folder / "anchors.csv"}, {{"", 3}, {{"a", 3}, {"b", 3}}});
   CHECK(truth.label(1, 0, 1) == PlaceLabel::same);
@@ -116,7 +116,7 @@ TEST_CASE("anchors may name several sequences and have the query's range") {
 TEST_CASE("anchors that decrease, repeat or are out of range are refused with the line") {
   const Files files;
   const auto refused = [&](const std::string& lines, const std::string& words) {
-    files.text("anchors.csv", "query,reference\n" + lines);
+    files.text("anchors.csv", "query,anchor\n" + lines);
     CHECK(test::error_kind([&] { files.read("anchors.csv", 5, 5); }) == ErrorKind::data);
     const std::string text = test::error_text([&] { files.read("anchors.csv", 5, 5); });
     INFO(text);
@@ -129,7 +129,7 @@ TEST_CASE("anchors that decrease, repeat or are out of range are refused with th
   refused("-1,2\n", "line 2");
   refused("1,2,3\n", "line 2");
   // Without known numbers of frames, as many as the anchors need.
-  files.text("anchors.csv", "query,reference\n1,2\n3,4\n");
+  files.text("anchors.csv", "query,anchor\n1,2\n3,4\n");
   const auto found = inspect_ground_truth({"", files.folder / "anchors.csv"},
                                           {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
   CHECK(found.scope.query.frames == 4);

@@ -83,7 +83,7 @@ TEST_CASE("an unknown format, or an option without effect, is a usage error") {
   files.text("g.csv", "query,reference\n");
   GroundTruthArgument argument{"", "g.csv"};
   argument.options.radius_m = 3;
-  CHECK(test::error_text([&] { files.read(argument, 2, 2); }).find("radius_m") !=
+  CHECK(test::error_text([&] { files.read(argument, 2, 2); }).find("--radius") !=
         std::string::npos);
 }
 

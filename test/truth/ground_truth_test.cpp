@@ -126,9 +126,9 @@ TEST_CASE("several sequences need a sequence column") {
 
 TEST_CASE("damaged pairs are refused with the line") {
   const std::string csv = GENERATE(
-      "", "reference,query\n1,1\n", "query,reference\n1\n", "query,reference\n1,1,1\n",
+      "", "reference,other\n1,1\n", "query,reference\n1\n", "query,reference\n1,1,1\n",
       "query,reference\n5,1\n", "query,reference\n1,10\n", "query,reference\n-1,1\n",
-      "query,reference\n1,x\n", "query,reference\n1,1.5\n", "query,reference\n1, 2\n",
+      "query,reference\n1,x\n", "query,reference\n1,1.5\n", "query,reference\n1,2 3\n",
       "query,reference\n1,99999999999999999999999\n", "query,reference,label\n1,1,maybe\n",
       "query,sequence,reference\n1,zzz,1\n", "query,reference,label\n1,1,same\n1,1,ignore\n");
   CHECK(test::error_kind([&] { read(csv, kOne); }) == ErrorKind::data);

@@ -196,13 +196,13 @@ TEST_CASE("the angle between orientations equals values computed by hand") {
 TEST_CASE("names of images have UTM coordinates") {
   const auto name = parse_utm_name("@543256.96@4178906.70@10@S@037.75@-122.5@pano@2@90@@@@.jpg");
   REQUIRE(name.has_value());
-  CHECK(name->pose.position == std::array<double, 3>{543256.96, 4178906.70, 0});
-  CHECK(name->zone == "10");
-  CHECK(name->pose.heading_deg == 90);
+  CHECK(name->position == std::array<double, 3>{543256.96, 4178906.70, 0});
+  CHECK(name->area == "10");
+  CHECK(name->heading_deg == 90);
   // the other fields may have any content
-  CHECK(parse_utm_name("@1@2@frame12@.jpg")->zone.empty());
-  CHECK(parse_utm_name("@1@2@61@.jpg")->zone.empty());
-  CHECK(parse_utm_name("@1.5@2.5.jpg")->pose.position[1] == 2.5);
+  CHECK(parse_utm_name("@1@2@frame12@.jpg")->area.empty());
+  CHECK(parse_utm_name("@1@2@61@.jpg")->area.empty());
+  CHECK(parse_utm_name("@1.5@2.5.jpg")->position[1] == 2.5);
   CHECK(parse_utm_name("@0@2.4@@@@@1@@@@@@@@.jpg").has_value());
   CHECK_FALSE(parse_utm_name("@1@x@.jpg").has_value());
   CHECK_FALSE(parse_utm_name("@1@nan@.jpg").has_value());

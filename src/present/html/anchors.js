@@ -91,7 +91,7 @@
     button.addEventListener("click", () => press(button.dataset.key));
   byId("save-anchors").addEventListener("click", () => {
     isSaved = true;
-    save("anchors.csv", file([header, ...sorted().map((one) => row(...one))]));
+    save("anchors.csv", file([header.replace("reference", "anchor"), ...sorted().map((one) => row(...one))]));
   });
   window.addEventListener("beforeunload", (event) => { if (!isSaved) event.preventDefault(); });
   byId("next-disagreement")?.addEventListener("click", () => press("n"));

@@ -1,0 +1,174 @@
+#include "sequence/image_header.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <optional>
+
+namespace vpr {
+namespace {
+
+/// Reads numbers of a file; 0 beyond its end.
+struct ByteReader {
+  std::string_view file;
+  bool is_little = false;
+
+  uint64_t number(uint64_t at, size_t bytes) const {
+    uint64_t value = 0;
+    if (at > file.size() || bytes > file.size() - at) return 0;
+    for (size_t i = 0; i < bytes; ++i) {
+      const size_t k = is_little ? bytes - 1 - i : i;
+      value = value << 8 | static_cast<uint8_t>(file[at + k]);
+    }
+    return value;
+  }
+};
+
+// Calls use(tag, value) for the entries of the first directory; "II*" or "MM*" begins the file.
+template <class Use>
+void for_each_tag(std::string_view file, Use&& use) {
+  constexpr uint64_t kShort = 3;
+  const ByteReader reader{file, file.starts_with("II")};
+  const uint64_t directory = reader.number(4, 4);
+  const uint64_t entries = reader.number(directory, 2);
+  for (uint64_t i = 0; i < entries; ++i) {
+    const uint64_t at = directory + 2 + 12 * i;
+    const bool is_short = reader.number(at + 2, 2) == kShort;
+    const bool is_array = reader.number(at + 4, 4) > (is_short ? 2 : 1);
+    const uint64_t where = is_array ? reader.number(at + 8, 4) : at + 8;
+    use(reader.number(at, 2), reader.number(where, is_short ? 2 : 4));
+  }
+}
+
+ImageHeader tiff_header(std::string_view file) {
+  constexpr uint64_t kFloat = 3;
+  ImageHeader header;
+  uint64_t bits = 1;
+  uint64_t samples = 1;
+  uint64_t photometric = 0;
+  for_each_tag(file, [&](uint64_t tag, uint64_t value) {
+    if (tag == 258) bits = value;
+    if (tag == 262) photometric = value;
+    if (tag == 277) samples = value;
+    if (tag == 322) header.tile_width = value;
+    if (tag == 323) header.tile_height = value;
+    if (tag == 339) header.is_float = value == kFloat;
+  });
+  header.is_gray_16 = bits == 16 && samples == 1 && photometric <= 1 && !header.is_float;
+  return header;
+}
+
+// The orientation in the chunk EXIF, which holds a TIFF file, after "RIFF", a size and "WEBP".
+int webp_orientation(std::string_view file) {
+  constexpr std::string_view kExifStart("Exif\0\0", 6);
+  const ByteReader reader{file, true};
+  int orientation = 1;
+  for (uint64_t at = 12; at + 8 <= file.size();) {
+    const uint64_t size = reader.number(at + 4, 4);
+    std::string_view chunk = file.substr(at + 8, size);
+    if (file.substr(at, 4) == "EXIF") {
+      if (chunk.starts_with(kExifStart)) chunk.remove_prefix(kExifStart.size());
+      for_each_tag(chunk, [&](uint64_t tag, uint64_t value) {
+        if (tag == 274 && value >= 1 && value <= 8) orientation = static_cast<int>(value);
+      });
+    }
+    at += 8 + size + size % 2;
+  }
+  return orientation;
+}
+
+// "P2" or "P5", width, height and largest value, separated by blanks and comments.
+bool is_pgm_16(std::string_view file) {
+  size_t at = 2;
+  uint64_t value = 0;
+  for (int field = 0; field < 3; ++field) {
+    while (at < file.size() &&
+           (std::isspace(static_cast<uint8_t>(file[at])) != 0 || file[at] == '#'))
+      at = file[at] == '#' ? std::min(file.find('\n', at), file.size()) : at + 1;
+    const auto [end, error] = std::from_chars(file.data() + at, file.data() + file.size(), value);
+    if (error != std::errc{}) return false;
+    at = static_cast<size_t>(end - file.data());
+  }
+  return value > 255;
+}
+
+/// A box of an MP4 file, without its header.
+struct Box {
+  std::string_view type;
+  std::string_view content;
+};
+
+// Removes the first box from `boxes`; nullopt at the end, and for a damaged size.
+std::optional<Box> next_box(std::string_view& boxes) {
+  const ByteReader reader{boxes};
+  if (boxes.size() < 8) return std::nullopt;
+  uint64_t size = reader.number(0, 4);
+  const uint64_t header = size == 1 ? 16 : 8;
+  if (size == 1) size = reader.number(8, 8);
+  if (size == 0) size = boxes.size();
+  if (size < header || size > boxes.size()) return std::nullopt;
+  const Box box{boxes.substr(4, 4), boxes.substr(header, size - header)};
+  boxes.remove_prefix(size);
+  return box;
+}
+
+std::optional<std::string_view> find_box(std::string_view boxes, std::string_view type) {
+  while (const auto box = next_box(boxes))
+    if (box->type == type) return box->content;
+  return std::nullopt;
+}
+
+bool is_video_track(std::string_view track) {
+  const auto media = find_box(track, "mdia");
+  const auto handler = media ? find_box(*media, "hdlr") : std::nullopt;
+  return handler && handler->size() >= 12 && handler->substr(8, 4) == "vide";
+}
+
+// By the matrix (a b u, c d v, x y w) that maps stored to shown positions, y pointing down.
+int rotation_of_track(std::string_view track) {
+  const auto header = find_box(track, "tkhd");
+  if (!header || header->empty()) return 0;
+  const ByteReader reader{*header};
+  const uint64_t at = header->front() == 1 ? 52 : 40;
+  const auto cell = [&](uint64_t index) {
+    return static_cast<int32_t>(static_cast<uint32_t>(reader.number(at + 4 * index, 4)));
+  };
+  const int32_t a = cell(0);
+  const int32_t b = cell(1);
+  const int32_t c = cell(3);
+  const int32_t d = cell(4);
+  if (a == 0 && d == 0 && b > 0 && c < 0) return 90;
+  if (a < 0 && d < 0 && b == 0 && c == 0) return 180;
+  if (a == 0 && d == 0 && b < 0 && c > 0) return 270;
+  return 0;
+}
+
+}  // namespace
+
+ImageHeader read_image_header(std::string_view file) {
+  ImageHeader header;
+  const ByteReader reader{file};
+  if (file.starts_with("II*") || file.starts_with("MM"))
+    header = tiff_header(file);
+  else if (file.starts_with("\x89PNG"))
+    header.is_gray_16 = reader.number(24, 1) == 16 && reader.number(25, 1) == 0;
+  else if (file.starts_with("P2") || file.starts_with("P5"))
+    header.is_gray_16 = is_pgm_16(file);
+  else if (file.starts_with("RIFF"))
+    header.orientation = webp_orientation(file);
+  return header;
+}
+
+int video_rotation(std::string_view file) {
+  if (file.size() < 8 || file.substr(4, 4) != "ftyp") {
+    const auto first = file.size() < 8 ? std::string_view() : file.substr(4, 4);
+    if (first != "moov" && first != "mdat" && first != "wide" && first != "free" && first != "skip")
+      return -1;
+  }
+  std::string_view tracks = find_box(file, "moov").value_or(std::string_view());
+  while (const auto box = next_box(tracks))
+    if (box->type == "trak" && is_video_track(box->content)) return rotation_of_track(box->content);
+  return 0;
+}
+
+}  // namespace vpr
