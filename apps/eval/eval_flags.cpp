@@ -170,6 +170,26 @@ void add_truth_flags(const Command& command, TruthSource& truth) {
       .group(kGroundTruthGroup);
 }
 
+namespace {
+
+void add_question_flags(const Command& command, EvalInputs& inputs) {
+  command
+      .add_option("--ask-frames", inputs.frame_questions,
+                  "HTML page that shows the images of frames and their best matches, asks whether "
+                  "they are the same place, and saves labels for --ground-truth, by which any "
+                  "result can be judged")
+      .type_name("FILE")
+      .group(kPictureGroup);
+  command
+      .add_option("--ask-places", inputs.place_questions,
+                  "HTML page that shows images of each recognized place, asks whether it is the "
+                  "same place, and saves the answers for --places")
+      .type_name("FILE")
+      .group(kPictureGroup);
+}
+
+}  // namespace
+
 void add_result_flags(Program& program, const Command& command, EvalInputs& inputs) {
   command.add_option("RESULT", inputs.results,
                      "result of vpr-query; several make one table with one row per result");
@@ -197,19 +217,7 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
               "or margin, the difference from the best match outside the exclusion zone (default: "
               "as the result was decided); the other one is reported next to it")
       .group(kMetricGroup);
-  command
-      .add_option("--ask-frames", inputs.frame_questions,
-                  "HTML page that shows the images of frames and their best matches, asks whether "
-                  "they are the same place, and saves labels for --ground-truth, by which any "
-                  "result can be judged")
-      .type_name("FILE")
-      .group(kPictureGroup);
-  command
-      .add_option("--ask-places", inputs.place_questions,
-                  "HTML page that shows images of each recognized place, asks whether it is the "
-                  "same place, and saves the answers for --places")
-      .type_name("FILE")
-      .group(kPictureGroup);
+  add_question_flags(command, inputs);
   command
       .add_option("--map", inputs.map,
                   "folder for a map with plan, training paths and recognitions along the query's "

@@ -13,6 +13,7 @@ namespace vpr {
 namespace {
 
 constexpr double kMaxGap = 1e9;
+constexpr const char* kMoreGroup = "More options";
 
 /// Empty strings: not given.
 struct LoopInputs {
@@ -89,6 +90,21 @@ void run_loops(Session& session, const LoopInputs& inputs) {
   session.print_result(output_text(session, inputs.format, loops_text(evaluation), tables), report);
 }
 
+void add_nearness_flags(const Command& command, LoopInputs& inputs) {
+  command
+      .add_option("--radius", inputs.radius_m,
+                  "largest distance of the two frames of a correct loop, in meters")
+      .required();
+  command
+      .add_option("--angle", inputs.angle_deg,
+                  "largest difference of the two headings of a correct loop, in degrees")
+      .group(kMoreGroup);
+  command
+      .add_option("--ignore-radius", inputs.ignore_radius_m,
+                  "loops farther apart than --radius, up to this distance in meters, are ignored")
+      .group(kMoreGroup);
+}
+
 }  // namespace
 
 void add_loops(Program& program) {
@@ -109,10 +125,7 @@ void add_loops(Program& program) {
                   "trajectory of the frames; TUM, KITTI, EuRoC, or CSV frame,x,y in meters")
       .type_name("FILE")
       .required();
-  command
-      .add_option("--radius", inputs->radius_m,
-                  "largest distance of the two frames of a correct loop, in meters")
-      .required();
+  add_nearness_flags(command, *inputs);
   command
       .add_option(
           "--gap", inputs->gap,
@@ -127,35 +140,26 @@ void add_loops(Program& program) {
       .add_option("--html", inputs->html,
                   "HTML page with the map and the curve; one file that opens without a network")
       .type_name("FILE");
-  const std::string more = "More options";
   command.add_option("--plot", inputs->plots, "folder for the map and the curve as SVG and PNG")
       .type_name("FOLDER")
-      .group(more);
+      .group(kMoreGroup);
   command
       .add_option("--pose-times", inputs->times,
                   "times of --poses without times (KITTI's times.txt), one per line")
       .type_name("FILE")
-      .group(more);
-  command
-      .add_option("--angle", inputs->angle_deg,
-                  "largest difference of the two headings of a correct loop, in degrees")
-      .group(more);
-  command
-      .add_option("--ignore-radius", inputs->ignore_radius_m,
-                  "loops farther apart than --radius, up to this distance in meters, are ignored")
-      .group(more);
+      .group(kMoreGroup);
   add_setting(command, "--frames-by", inputs->frames,
               "meaning of frames in LIST: auto (time stamps if any has a decimal point, or if all "
               "are beyond the last frame), index or time (default: auto)")
-      .group(more);
+      .group(kMoreGroup);
   command
       .add_option(
           "--max-difference", inputs->max_difference_s,
           "longest time from a frame of LIST to its nearest pose in seconds (default: 0.02)")
-      .group(more);
+      .group(kMoreGroup);
   command.add_option("--name", inputs->name, "name in the output (default: the name of the file)")
-      .group(more);
-  add_format_flag(command, inputs->format).group(more);
+      .group(kMoreGroup);
+  add_format_flag(command, inputs->format).group(kMoreGroup);
 }
 
 }  // namespace vpr

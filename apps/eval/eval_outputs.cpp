@@ -154,8 +154,8 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
   for (const BestPair& pair : pairs) {
     const std::string left = name_of(query, pair.query);
     const std::string right = name_of(train[pair.match.sequence], pair.match.reference);
-    text +=
-        has_blanks ? csv_field(left) + "," + csv_field(right) + "\n" : left + " " + right + "\n";
+    text += has_blanks ? fmt::format("{},{}\n", csv_field(left), csv_field(right))
+                       : fmt::format("{} {}\n", left, right);
   }
   session.outputs.file(inputs.pairs).write(text);
   return pairs.size();

@@ -143,6 +143,37 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
   });
 }
 
+namespace {
+
+// Whether two arrays can be compared, by a metric if one is set.
+void require_alike(const SequenceSource& query, const ArrayRows& queries,
+                   const SequenceSource& reference, const ArrayRows& references, bool has_metric) {
+  if (has_bits(queries) != has_bits(references))
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: the values have type {}, but in {} they have type {}", queries.where(0),
+                    queries.type(), references.where(0), references.type()));
+  if (has_metric && has_bits(queries))
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has type {}, whose bits are compared by Hamming distances, so "
+                            "--metric has no effect. Omit it or, if the values are numbers, save "
+                            "them as float32",
+                            queries.where(0), queries.type()));
+  if (queries.length() != references.length()) {
+    const bool is_transposed = queries.count() == references.length() ||
+                               queries.length() == references.count() ||
+                               queries.count() == references.count();
+    throw Error(ErrorKind::data,
+                fmt::format("{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and "
+                            "descriptors must have the same length{}",
+                            query.argument.path.string(), queries.count(), queries.length(),
+                            reference.argument.path.string(), references.count(),
+                            references.length(), is_transposed ? "; is an array transposed?" : ""));
+  }
+}
+
+}  // namespace
+
 ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
                               std::optional<DescriptorMetric> metric_of_vectors) {
   const DescriptorMetric metric = metric_of_vectors.value_or(DescriptorMetric::cosine);
@@ -153,29 +184,7 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
                               sequence->argument.path.string()));
   const auto queries = std::make_shared<const ArrayRows>(query);
   const auto references = std::make_shared<const ArrayRows>(reference);
-  if (has_bits(*queries) != has_bits(*references))
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: the values have type {}, but in {} they have type {}", queries->where(0),
-                    queries->type(), references->where(0), references->type()));
-  if (metric_of_vectors && has_bits(*queries))
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has type {}, whose bits are compared by Hamming distances, so "
-                            "--metric has no effect. Omit it or, if the values are numbers, save "
-                            "them as float32",
-                            queries->where(0), queries->type()));
-  if (queries->length() != references->length()) {
-    const bool is_transposed = queries->count() == references->length() ||
-                               queries->length() == references->count() ||
-                               queries->count() == references->count();
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and "
-                    "descriptors must have the same length{}",
-                    query.argument.path.string(), queries->count(), queries->length(),
-                    reference.argument.path.string(), references->count(), references->length(),
-                    is_transposed ? "; is an array transposed?" : ""));
-  }
+  require_alike(query, *queries, reference, *references, metric_of_vectors.has_value());
   ComputedScores scores;
   scores.queries = queries->count();
   scores.references = references->count();

@@ -129,12 +129,10 @@ std::vector<size_t> asked_queries(const Judgment& judgment, const GroundTruth& t
   const auto key = [&](size_t q) {
     return confidence_key(queries[q], judgment.outcomes.confidence);
   };
-  const auto unrecognized = std::ranges::stable_partition(
-      open, [&](size_t q) { return is_recognized(judgment, queries[q]); });
-  std::stable_sort(open.begin(), unrecognized.begin(),
-                   [&](size_t a, size_t b) { return key(a) > key(b); });
-  std::stable_sort(unrecognized.begin(), open.end(),
-                   [&](size_t a, size_t b) { return key(a) < key(b); });
+  const auto unrecognized = std::stable_partition(
+      open.begin(), open.end(), [&](size_t q) { return is_recognized(judgment, queries[q]); });
+  std::stable_sort(open.begin(), unrecognized, [&](size_t a, size_t b) { return key(a) > key(b); });
+  std::stable_sort(unrecognized, open.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
   open.resize(std::min(open.size(), kMostFrames - spread));
   asked.insert(asked.end(), open.begin(), open.end());
   return asked;
