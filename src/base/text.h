@@ -63,7 +63,9 @@ std::string wrapped_line(const std::string& line, size_t width, size_t indent,
 /// strings.
 bool natural_less(std::string_view a, std::string_view b);
 
-/// The value of a file name that is a number before its extension, as in "3082.08.jpg".
+/// The part of a file name before the number that ends it, as "left_" of "left_3082.08.jpg".
+std::string_view name_prefix(std::string_view name);
+/// The number that ends a file name before its extension.
 std::optional<double> name_value(std::string_view name);
 /// The same, if the number has a decimal point.
 std::optional<double> decimal_name(std::string_view name);

@@ -74,7 +74,8 @@ FrameOrder chosen_order(const std::vector<std::string>& names) {
   std::set<double> values;
   for (const std::string& name : names) {
     const auto value = decimal_name(name);
-    if (!value || !values.insert(*value).second) return FrameOrder::natural;
+    if (!value || name_prefix(name) != name_prefix(names.front()) || !values.insert(*value).second)
+      return FrameOrder::natural;
   }
   return FrameOrder::time;
 }

@@ -61,10 +61,10 @@ struct SequenceSource {
   }
 };
 
-/// The order of the files in folders. `automatic`: by value if all names are decimal numbers, none
-/// equal; otherwise natural. `name`: as bytes. `time`: by value, which every name must have.
-/// `rows`: as automatic, but names that all begin with @ (UTM) as bytes, as the programs that write
-/// rows for such names read them.
+/// The order of the files in folders. `automatic`: by value if all names are decimal numbers after
+/// one prefix, none equal; otherwise natural. `name`: as bytes. `time`: by value, which every name
+/// must have. `rows`: as automatic, but names that all begin with @ (UTM) as bytes, as the programs
+/// that write rows for such names read them.
 enum class FrameOrder { automatic, natural, name, time, rows };
 template <>
 inline constexpr std::array<std::string_view, 5> kEnumNames<FrameOrder> = {"auto", "natural",

@@ -147,6 +147,7 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
 }  // namespace
 
 std::string read_poses(GroundTruthBuilder& builder) {
+  std::optional<bool> have_heights;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const std::filesystem::path& path = side_options(builder.argument(), side).poses;
     Trajectory found = read_pose_csv(path, {count.known()});
@@ -155,6 +156,13 @@ std::string read_poses(GroundTruthBuilder& builder) {
                                                "side has poses in meters. Use the format gps for "
                                                "both sides",
                                                path.string()));
+    if (have_heights.value_or(found.has_heights) != found.has_heights)
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: has {} column z, and the other side has {}. Give both sides "
+                              "heights, or none",
+                              path.string(), found.has_heights ? "a" : "no",
+                              found.has_heights ? "none" : "one"));
+    have_heights = found.has_heights;
     return std::move(found.poses);
   });
   return "csv poses: " + matched;

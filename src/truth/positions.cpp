@@ -197,6 +197,7 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
   Trajectory found;
   found.name = path.string();
   found.is_on_earth = gps.has_value();
+  found.has_heights = rows.has("z");
   found.poses.resize(rules.frames.value_or(0));
   std::set<size_t> listed;
   for (size_t row = 0; row < rows.size(); ++row) {

@@ -68,6 +68,7 @@ struct Trajectory {
   std::vector<size_t> lines;  ///< line of each pose in the file, counted from 1; empty for a CSV
   std::vector<int64_t> times_ns;  ///< one per pose, or empty if the file has no times
   bool is_on_earth = false;       ///< positions are those of earth_position()
+  bool has_heights = true;        ///< false: a CSV without a column z
 };
 
 /// The format of a file with one pose per line and this first line; empty for other files.

@@ -49,6 +49,9 @@ def columns_of_poses():
         near = ("--ground-truth-train", f"ground-{column}.csv", "--radius", 1)
         assert same_pairs(f"first-{column}.csv", *near) == 0, column
         assert same_pairs(f"ground-{column}.csv", *near) == 20, column
+    text("flat.csv", "frame,x,y\n0,0,0\n")
+    refused(4, "column z, and the other side has", "vpr-eval", "check", "ground-z.csv", "--ground-truth-train",
+            "flat.csv", "--radius", 1)
     text("odd.csv", "frame,x,y,weight\n0,1,1,2\n")
     refused(4, 'unknown column "weight". Known columns are frame', "vpr-eval", "check", "odd.csv",
             "--ground-truth-train", "odd.csv", "--radius", 1)
@@ -97,6 +100,7 @@ def recordings():
     ok("vpr-train", "fastable", "--train", "walk", "-o", "w.vprdb", "--quiet")
     same = ok("vpr-query", "w.vprdb", "--query", "walk", "-o", "same.json")
     assert "the same frames as the training sequence walk" in " ".join(same.stderr.split()), same.stderr
+    assert "the same frames" in " ".join(ok("vpr-query", "w.vprdb", "--query", "walk@3::2").stderr.split())
     other = ok("vpr-query", "w.vprdb", "--query", "again", "-o", "again.json")
     assert other.stderr == "", other.stderr
     turned = " ".join(ok("vpr-query", "w.vprdb", "--query", "tall").stderr.split())

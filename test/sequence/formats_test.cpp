@@ -74,7 +74,7 @@ TEST_CASE("a video is shown upright, whatever its display matrix") {
   const TemporaryFolder folder;
   for (const int rotation : {0, 90, 180, 270}) {
     const fs::path path = video(folder.path(), rotation);
-    if (path.empty()) return;  // OpenCV has no encoder
+    REQUIRE_FALSE(path.empty());  // OpenCV has an encoder
     INFO(rotation);
     CHECK(video_rotation(read_text(path)) == rotation);
     const cv::Mat frame = frames_of(path).at(0);
@@ -109,6 +109,10 @@ TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names o
   SECTION("decimal numbers") {
     CHECK(order_of(folder.path(), {"3082.2.png", "3081.96.png", "3082.08.png", "3082.0.png"}) ==
           std::vector<std::string>{"3081.96.png", "3082.0.png", "3082.08.png", "3082.2.png"});
+  }
+  SECTION("decimal numbers after a prefix") {
+    CHECK(order_of(folder.path(), {"left_8.2.png", "left_8.08.png", "left_10.1.png"}) ==
+          std::vector<std::string>{"left_8.08.png", "left_8.2.png", "left_10.1.png"});
   }
   SECTION("numbers of sections, of which two have one value") {
     CHECK(order_of(folder.path(), {"1.10.png", "1.9.png", "1.1.png"}) ==
