@@ -119,7 +119,17 @@ void run_pairs(Session& session, const EvalInputs& inputs) {
                        {{"pairs", count}});
 }
 
+// A sequence that is not needed is a typing error if it does not exist.
+void require_sequences(const EvalInputs& inputs) {
+  std::vector<std::string> named = inputs.train;
+  if (inputs.query && inputs.truth.dataset.empty()) named.push_back(*inputs.query);
+  for (const std::string& text : named)
+    if (std::error_code error; !std::filesystem::exists(parse_sequence_argument(text).path, error))
+      throw Error(ErrorKind::input, fmt::format("{}: no such folder, list or video", text));
+}
+
 void run_one(Session& session, const EvalInputs& inputs) {
+  require_sequences(inputs);
   claim_outputs(session, inputs);
   const Json expected = read_expected(session, inputs);
   if (!inputs.pairs.empty() && !inputs.truth.is_given() && !inputs.has_plots() &&

@@ -270,6 +270,8 @@ NamedSequence find_query(const QueryOptions& options, bool is_endless, const Ses
   NamedSequence named;
   std::optional<Dataset> dataset;
   std::filesystem::path times = options.query_times;
+  refuse(!times.empty() && !options.selection.fps, "--query-times",
+         "has an effect with --fps only");
   if (options.dataset.empty()) {
     named = query_of_flags(options);
   } else {
