@@ -112,10 +112,6 @@ ssize_t pass_on(void*, const char* bytes, size_t size) {
   return static_cast<ssize_t>(done);
 }
 
-}  // namespace
-
-namespace {
-
 PixelRange range_of(const cv::Mat& image) {
   PixelRange range;
   cv::minMaxIdx(image.reshape(1), &range.low, &range.high);

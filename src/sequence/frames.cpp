@@ -69,7 +69,7 @@ std::optional<PixelRange> find_pixel_range(const SequenceSource& source, const M
       return std::nullopt;
     }
   };
-  if (source.files.empty() || !range_at(0)) return std::nullopt;
+  if (source.files.size() < 2 || !range_at(0)) return std::nullopt;
   std::vector<std::optional<PixelRange>> ranges(source.files.size());
   parallel_for(ranges.size(), monitor, [&](size_t i) { ranges[i] = range_at(i); });
   PixelRange all = *ranges[0];

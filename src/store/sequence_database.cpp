@@ -165,16 +165,16 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
   return statistics;
 }
 
-}  // namespace
-
 void read_paths(const std::filesystem::path& file, std::vector<TrainSequence>& sequences) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return;
-  const std::string mapped = read_whole_file(file);
-  const auto lines = split_lines(mapped);
+  const std::string text = read_whole_file(file);
+  const auto lines = split_lines(text);
   for (size_t s = 0; s < std::min(lines.size(), sequences.size()); ++s)
     sequences[s].path = lines[s];
 }
+
+}  // namespace
 
 SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const Archive archive(path);

@@ -20,13 +20,6 @@ struct RowLabels {
   std::vector<size_t> different;
 };
 
-size_t read_number(const NamedRows& rows, const char* column) {
-  const auto number = parse_frame(rows.text(column));
-  if (!number || !number->in_range || number->value > kMaxGrownFrames)
-    rows.fail(fmt::format("{} \"{}\" is not a frame number", column, rows.text(column)));
-  return number->value;
-}
-
 void require_consistent(const GroundTruthBuilder& builder, size_t query, const RowLabels& labels) {
   for (const size_t reference : labels.different)
     for (const LabelStretch& run : labels.same)
@@ -81,15 +74,15 @@ std::string read_labels(GroundTruthBuilder& builder) {
     builder.at("line", rows.line());
     const size_t sequence =
         rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
-    const size_t query = read_number(rows, "query");
-    const size_t reference = read_number(rows, "reference");
+    const size_t query = rows.frame("query");
+    const size_t reference = rows.frame("reference");
     const size_t frames = builder.train(sequence).frames;
     if (query >= asked.size())
       builder.report_out_of_range("query", rows.text("query"), builder.query());
     if (reference >= frames)
       builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
     if (query >= asked.size() || reference >= frames) continue;
-    const size_t reach = read_number(rows, "tolerance");
+    const size_t reach = rows.frame("tolerance");
     const std::string& label = rows.text("label");
     RowLabels& known = labels[{query, sequence}];
     if (label == "same")

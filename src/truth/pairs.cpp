@@ -154,13 +154,6 @@ struct Anchor {
 /// By training sequence, with increasing query frames.
 using Anchors = std::map<size_t, std::vector<Anchor>>;
 
-size_t read_frame(const NamedRows& rows, const char* column) {
-  const auto frame = parse_frame(rows.text(column));
-  if (!frame || !frame->in_range || frame->value > kMaxGrownFrames)
-    rows.fail(fmt::format("{} \"{}\" is not a frame number", column, rows.text(column)));
-  return frame->value;
-}
-
 Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path) {
   const std::string name = builder.argument().path.string();
   NamedRows rows(path, name, {"query"});
@@ -175,7 +168,7 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
     rows.go_to(row);
     builder.at("line", rows.line());
     const size_t sequence = has_sequences ? builder.find_sequence(rows.text("sequence")) : only;
-    const Anchor anchor{read_frame(rows, "query"), read_frame(rows, column)};
+    const Anchor anchor{rows.frame("query"), rows.frame(column)};
     const FrameCount& train = builder.train(sequence);
     if (!train.grows && anchor.reference >= train.frames)
       rows.fail(fmt::format("reference {} is out of range; there are {} frames", anchor.reference,

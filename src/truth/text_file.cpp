@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
 
@@ -112,6 +113,13 @@ double NamedRows::real(std::string_view column) const {
   const auto value = parse_real(text(column));
   if (!value) fail(fmt::format("\"{}\" is not a number", text(column)));
   return *value;
+}
+
+size_t NamedRows::frame(std::string_view column) const {
+  const auto number = parse_frame(text(column));
+  if (!number || !number->in_range || number->value > kMaxGrownFrames)
+    fail(fmt::format("{} \"{}\" is not a frame number", column, text(column)));
+  return number->value;
 }
 
 void NamedRows::allow(const std::vector<std::string>& columns) const {

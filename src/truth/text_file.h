@@ -74,6 +74,8 @@ class NamedRows {
   const std::string& text(std::string_view column) const;
   /// A finite number. Throws Error(data), with the line, for other text.
   double real(std::string_view column) const;
+  /// A frame number up to kMaxGrownFrames. Throws Error(data), with the line, for other text.
+  size_t frame(std::string_view column) const;
   /// Throws Error(data) with the current line.
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
 
