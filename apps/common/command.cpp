@@ -374,6 +374,8 @@ void Program::run_session(int argc, char** argv) {
   try {
     run_(session);
     outputs.commit();
+    if (chosen_.is_given("--order") && !order.is_used())
+      warn(monitor, "--order has no effect: no folder of frames was read");
   } catch (const Error& error) {
     throw Error(error.kind(), outputs.with_targets(error.what()));
   }

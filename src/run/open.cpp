@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_set>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -181,13 +181,16 @@ void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& 
     return std::string_view(reinterpret_cast<const char*>(rows[i].data()), rows[i].size());
   };
   const DescriptorRows rows = query.rows();
+  std::unordered_map<std::string_view, size_t> copies;  // of each descriptor of the query
+  for (size_t i = 0; i < rows.size(); ++i) ++copies[key(rows, i)];
   const std::vector<DescribedFrames> spans = descriptor_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
-    std::unordered_set<std::string_view> known;
-    for (size_t i = 0; i < spans[s].rows.size(); ++i) known.insert(key(spans[s].rows, i));
-    size_t others = 0;
-    for (size_t i = 0; i < rows.size(); ++i) others += known.contains(key(rows, i)) ? 0 : 1;
-    if (rows.empty() || kFew * others > rows.size()) continue;
+    std::unordered_map<std::string_view, size_t> others = copies;
+    for (size_t i = 0; i < spans[s].rows.size() && !others.empty(); ++i)
+      others.erase(key(spans[s].rows, i));
+    size_t other_frames = 0;
+    for (const auto& [_, frames] : others) other_frames += frames;
+    if (rows.empty() || kFew * other_frames > rows.size()) continue;
     return warn(monitor,
                 fmt::format("the query has the same frames as the training sequence {}: this says "
                             "nothing about another recording",

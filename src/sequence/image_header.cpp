@@ -160,11 +160,10 @@ ImageHeader read_image_header(std::string_view file) {
 }
 
 int video_rotation(std::string_view file) {
-  if (file.size() < 8 || file.substr(4, 4) != "ftyp") {
-    const auto first = file.size() < 8 ? std::string_view() : file.substr(4, 4);
-    if (first != "moov" && first != "mdat" && first != "wide" && first != "free" && first != "skip")
-      return -1;
-  }
+  constexpr std::array<std::string_view, 6> kFirstBoxes = {"ftyp", "moov", "mdat",
+                                                           "wide", "free", "skip"};
+  const std::string_view first = file.size() < 8 ? std::string_view() : file.substr(4, 4);
+  if (std::ranges::find(kFirstBoxes, first) == kFirstBoxes.end()) return -1;
   std::string_view tracks = find_box(file, "moov").value_or(std::string_view());
   while (const auto box = next_box(tracks))
     if (box->type == "trak" && is_video_track(box->content)) return rotation_of_track(box->content);

@@ -257,11 +257,12 @@ void GrowingFolder::read_events(const Monitor& monitor) {
 void GrowingFolder::observe(const std::string& name) {
   std::error_code error;
   const uintmax_t size = fs::file_size(folder_ / name, error);
-  if (!error && (!resting_ || resting_->name != name || resting_->size != size))
+  if (error) {  // it no longer exists
+    pending_.erase(name);
+    resting_.reset();
+  } else if (!resting_ || resting_->name != name || resting_->size != size) {
     resting_ = {name, size, Clock::now()};
-  if (!error) return;
-  pending_.erase(name);  // it no longer exists
-  resting_.reset();
+  }
 }
 
 bool GrowingFolder::has_rested(const std::string& name, Clock::duration time) const {

@@ -50,12 +50,11 @@ std::string range_question(const std::string& text) {
 }
 
 // In natural order of their names, without hidden ones.
-std::vector<fs::path> folder_entries(const fs::path& folder,
-                                     const std::function<bool(const fs::path&)>& wanted) {
+std::vector<fs::path> folder_entries(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (!is_hidden(it->path()) && wanted(it->path())) found.push_back(it->path());
+    if (!is_hidden(it->path())) found.push_back(it->path());
   if (error)
     throw Error(ErrorKind::input,
                 fmt::format("{}: can't be read: {}", folder.string(), error.message()));
@@ -65,9 +64,11 @@ std::vector<fs::path> folder_entries(const fs::path& folder,
 }
 
 std::atomic<FrameOrder> frame_order{FrameOrder::automatic};
+std::atomic<bool> frame_order_is_used{false};
 
 FrameOrder chosen_order(const std::vector<std::string>& names) {
   const FrameOrder wanted = frame_order;
+  frame_order_is_used = true;
   if (wanted != FrameOrder::automatic && wanted != FrameOrder::rows) return wanted;
   const auto is_utm = [](const std::string& name) { return name.starts_with('@'); };
   if (wanted == FrameOrder::rows && std::ranges::all_of(names, is_utm)) return FrameOrder::name;
@@ -102,19 +103,19 @@ void sort_frames(std::vector<fs::path>& files, const fs::path& folder) {
   }
 }
 
-// The files in a folder with one of the extensions.
-std::vector<fs::path> folder_files(const fs::path& folder,
-                                   std::span<const std::string_view> extensions) {
-  std::vector<fs::path> files = folder_entries(folder, [&](const fs::path& path) {
+// The files with one of the extensions.
+std::vector<fs::path> files_of(const std::vector<fs::path>& entries,
+                               std::span<const std::string_view> extensions) {
+  std::vector<fs::path> files;
+  std::ranges::copy_if(entries, std::back_inserter(files), [&](const fs::path& path) {
     std::error_code ignored;
     return has_extension(path, extensions) && !fs::is_directory(path, ignored);
   });
-  sort_frames(files, folder);
   return files;
 }
 
 // Images that cameras write, but OpenCV does not read, with the command that converts them.
-void refuse_unread_images(const fs::path& folder) {
+void refuse_unread_images(const std::vector<fs::path>& entries) {
   struct Unread {
     std::string_view extension;
     std::string_view name;
@@ -126,7 +127,7 @@ void refuse_unread_images(const fs::path& folder) {
        {".avif", "AVIF", "for f in *.avif; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
        {".gif", "GIF", "mogrify -format png *.gif"}}};
   for (const auto& [extension, name, command] : kUnread) {
-    const auto files = folder_files(folder, {&extension, 1});
+    const auto files = files_of(entries, {&extension, 1});
     if (files.empty()) continue;
     throw Error(ErrorKind::input,
                 fmt::format("{}: {} images are not supported. Convert and remove them, or frame "
@@ -285,9 +286,14 @@ bool is_frame_name(const fs::path& path) {
   return !is_hidden(path) && has_extension(path, kImageExtensions);
 }
 
-FrameOrderScope::FrameOrderScope(FrameOrder order) : before_(frame_order) { frame_order = order; }
+FrameOrderScope::FrameOrderScope(FrameOrder order) : before_(frame_order) {
+  frame_order = order;
+  frame_order_is_used = false;
+}
 
 FrameOrderScope::~FrameOrderScope() { frame_order = before_; }
+
+bool FrameOrderScope::is_used() const { return frame_order_is_used; }
 
 SequenceSource open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;
@@ -300,9 +306,11 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
   SequenceSource sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {
-    refuse_unread_images(path);
-    files = folder_files(path, kImageExtensions);
-    if (files.empty()) files = folder_files(path, kArrayExtensions);
+    const std::vector<fs::path> entries = folder_entries(path);
+    refuse_unread_images(entries);
+    files = files_of(entries, kImageExtensions);
+    if (files.empty()) files = files_of(entries, kArrayExtensions);
+    sort_frames(files, path);
     if (files.empty())
       throw Error(ErrorKind::input,
                   fmt::format("{}: the folder contains no images (subfolders are not searched)",
@@ -348,11 +356,9 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
 
 std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
   std::vector<SequenceArgument> arguments;
-  for (const fs::path& path : folder_entries(folder, [](const fs::path& p) {
-         std::error_code ignored;
-         return fs::is_directory(p, ignored);
-       }))
-    arguments.push_back({path, {}});
+  std::error_code ignored;
+  for (const fs::path& path : folder_entries(folder))
+    if (fs::is_directory(path, ignored)) arguments.push_back({path, {}});
   if (arguments.empty())
     throw Error(ErrorKind::input,
                 fmt::format("{}: has no subfolders with sequences", folder.string()));

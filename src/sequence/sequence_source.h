@@ -77,6 +77,8 @@ class FrameOrderScope {
   ~FrameOrderScope();
   FrameOrderScope(const FrameOrderScope&) = delete;
   FrameOrderScope& operator=(const FrameOrderScope&) = delete;
+  /// Whether a folder was read in this order.
+  bool is_used() const;
 
  private:
   FrameOrder before_;

@@ -40,10 +40,11 @@ enum Facet : uint32_t {
   kDescriptor = 1 << 15,
   kFabmap = 1 << 16,
   kDefinition = 1 << 17,
+  kAutomaticThreshold = 1 << 18,
 };
 
 /// By bit number.
-constexpr std::array<std::string_view, 18> kFacetNames = {
+constexpr std::array<std::string_view, 19> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
@@ -62,6 +63,7 @@ constexpr std::array<std::string_view, 18> kFacetNames = {
     "choice of descriptors",
     "FAB-MAP database",
     "windows that it can recompute",
+    "automatic t_r",
 };
 
 bool has(const RunChoices& run, std::string_view flag) {
@@ -183,6 +185,7 @@ constexpr std::array kChoices = {
            .is_implied = is<&Settings::decision, Decision::margin>},
     Choice{.flag = "--t-r",
            .needs = kThreshold,
+           .excludes = kAutomaticThreshold,
            .instead = "Use --margin, or --method fastable with --decide threshold.",
            .is_implied = is_set<&Settings::distance_threshold>},
     Choice{.flag = "--t-r auto",
@@ -206,7 +209,7 @@ constexpr std::array kChoices = {
            .instead = "Use bits per frame, as in --t-r 200 --t-r-scale bits.",
            .is_implied = has_relative_threshold},
     Choice{.flag = "--safety-factor",
-           .needs = kThreshold | kRaw | kTrainingDistances,
+           .needs = kThreshold | kRaw | kTrainingDistances | kAutomaticThreshold,
            .instead = "Omit it.",
            .is_implied = is_set<&Settings::safety_factor>},
     Choice{.flag = "--margin",

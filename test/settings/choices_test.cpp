@@ -108,6 +108,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--score zscore"}, "--t-r auto", "--score zscore"},
       {{"--score zscore-offline"}, "--t-r auto", "--score zscore-offline"},
       {{"--score zscore", "--safety-factor", "--t-r"}, "--safety-factor", "zscore"},
+      {{"--safety-factor", "--t-r"}, "--safety-factor", "--t-r"},
       {{"--score zscore", "--method openable"}, "--score zscore", "openable"},
       {{"--margin"}, "--margin", "--decide threshold"},
       {{"--decide margin", "--t-r"}, "--t-r", "--decide margin"},
