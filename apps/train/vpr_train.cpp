@@ -178,10 +178,11 @@ void claim_database(const Session& session) {
 void store_database(const Session& session, const SequenceDatabase& database) {
   for (const char* flag : {"--c-l", "--safety-factor"})
     if (database.sequences.size() == 1 && session.command.is_given(flag))
-      warn(session.monitor,
-           fmt::format("{} has no effect yet: it is for the automatic t_r, which needs two training "
-                       "sequences. vpr-train add appends another",
-                       flag));
+      warn(
+          session.monitor,
+          fmt::format("{} has no effect yet: it is for the automatic t_r, which needs two training "
+                      "sequences. vpr-train add appends another",
+                      flag));
   write_sequence_database(session.options.output, database, session.outputs);
   print_database(session, database, session.options.output, "");
 }

@@ -1,6 +1,7 @@
 #include "sequence/image_header.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <optional>

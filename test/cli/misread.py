@@ -188,6 +188,19 @@ def lists():
             "--metric", "cosine", "--ground-truth", "aligned")
 
 
+def flags_without_effect():
+    no_effect = "has no effect"
+    refused(2, no_effect, "vpr-bench", "matching", "--value-bits", "8")
+    for flag, value in (("--c-l", "5"), ("--score", "zscore")):
+        refused(2, no_effect, "vpr-bench", "realtime", "short.vprdb", "--query", "walk", "--method", "filter", flag, value)
+    refused(2, no_effect, "vpr-query", "live", "short.vprdb", "--query", "walk", "--order", "name")
+    for flag, value in (("--c-l", "5"), ("--safety-factor", "0.9")):
+        one = call("vpr-train", "fastable", "--train", "walk", flag, value, "-o", "one.vprdb", "--force")
+        assert f"{flag} has no effect yet" in " ".join(one.stderr.split()), one.stderr
+    checked = call("vpr-eval", "check", "numbers.csv", "--order", "name")
+    assert "--order has no effect" in checked.stderr, checked.stderr
+
+
 def shrinking_array():
     """An array that another program rewrites while it is read."""
     rows = np.random.default_rng(1).standard_normal((200000, 128)).astype(np.float32)
@@ -212,4 +225,5 @@ with tempfile.TemporaryDirectory() as made:
     utm_names()
     messages()
     lists()
+    flags_without_effect()
     shrinking_array()
