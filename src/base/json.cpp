@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <limits>
 
 #include <fmt/ranges.h>
 
@@ -66,24 +68,83 @@ std::string to_line(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+void JsonSource::fail(std::string_view defect) const {
+  throw Error(form.error, fmt::format(fmt::runtime(form.message), where, defect));
+}
+
+void JsonSource::refuse(const std::string& key, std::string_view expected,
+                        const Json& found) const {
+  std::string text = to_line(found);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  fail(fmt::format("\"{}\" must be {}, found {}", key, expected, text));
+}
+
+void JsonSource::refuse_unknown(const Json& json, const std::vector<std::string>& known) const {
+  for (const auto& item : json.items())
+    if (std::ranges::find(known, item.key()) == known.end())
+      fail(fmt::format("unknown key \"{}\"; did you mean \"{}\"?", item.key(),
+                       nearest(item.key(), known)));
+}
+
+Fields::Fields(const Json& json, JsonSource source, const std::string& key)
+    : json_(json), source_(std::move(source)) {
+  if (!json.is_object()) source_.refuse(key, "an object", json);
+}
+
+const Json& Fields::operator[](const std::string& key) const {
+  const auto found = json_.find(key);
+  if (found == json_.end()) fail(fmt::format("\"{}\" is missing", key));
+  return *found;
+}
+
+uint64_t Fields::count(const std::string& key, uint64_t most) const {
+  const Json& value = (*this)[key];
+  if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+    fail(fmt::format("\"{}\" is not a number in range", key));
+  return value.get<uint64_t>();
+}
+
+std::string Fields::text(const std::string& key) const {
+  std::string value;
+  read(key, value);
+  return value;
+}
+
+const Json& Fields::list(const std::string& key) const {
+  const Json& value = (*this)[key];
+  if (!value.is_array()) source_.refuse(key, "a list", value);
+  return value;
+}
+
 namespace detail {
 
 std::string one_of(std::span<const std::string_view> names) {
   return fmt::format("one of [\"{}\"]", fmt::join(names, "\",\""));
 }
 
-void bad_value(const std::string& where, const std::string& key, std::string_view expected,
-               const Json& found) {
-  std::string text = to_line(found);
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
-  throw Error(ErrorKind::usage,
-              fmt::format("{}: \"{}\" must be {}, found {}", where, key, expected, text));
+void read_value(const Json& json, bool& value, const JsonSource& source, const std::string& key) {
+  if (!json.is_boolean()) source.refuse(key, "true or false", json);
+  value = json.get<bool>();
 }
 
-void unknown_key(const std::string& where, const std::string& key,
-                 const std::vector<std::string>& known) {
-  throw Error(ErrorKind::usage, fmt::format("{}: unknown key \"{}\"; did you mean \"{}\"?", where,
-                                            key, nearest(key, known)));
+void read_value(const Json& json, double& value, const JsonSource& source, const std::string& key) {
+  const bool is_infinite = json.is_null() && !source.form.is_partial;
+  if (!is_infinite && !json.is_number()) source.refuse(key, "a number", json);
+  value = is_infinite ? std::numeric_limits<double>::infinity() : json.get<double>();
+}
+
+void read_value(const Json& json, std::string& value, const JsonSource& source,
+                const std::string& key) {
+  if (!json.is_string()) source.refuse(key, "a string", json);
+  value = json.get<std::string>();
+}
+
+size_t number_of_key(const std::string& key, const JsonSource& source) {
+  size_t number = 0;
+  const char* end = key.data() + key.size();
+  const auto [stop, error] = std::from_chars(key.data(), end, number);
+  if (error != std::errc{} || stop != end) source.fail(fmt::format("\"{}\" is not a number", key));
+  return number;
 }
 
 }  // namespace detail

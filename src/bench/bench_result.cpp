@@ -7,7 +7,7 @@
 #include <sched.h>
 
 #include "base/error.h"
-#include "base/json_fields.h"
+#include "base/json.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
 

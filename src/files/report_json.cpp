@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/text.h"
 #include "files/result_file.h"
 
@@ -17,28 +16,6 @@ namespace {
 
 constexpr uint64_t kMostFrames = uint64_t{1} << 32;
 constexpr std::string_view kVerdictLetters = ".rwi";  // by FrameVerdict
-
-/// A field with its own functions.
-template <class Write, class Read>
-struct Form {
-  Write write;
-  Read read;
-};
-template <class Write, class Read>
-Form(Write, Read) -> Form<Write, Read>;  // Clang 14 deduces no arguments of aggregates
-
-/// An object whose fields a function visits.
-template <class Visit>
-struct Part {
-  Visit visit;
-};
-template <class Visit>
-Part(Visit) -> Part<Visit>;
-
-template <class Visit, class Visitor>
-void visit_fields(Part<Visit>& part, Visitor&& visitor) {
-  part.visit(visitor);
-}
 
 /// A letter for each outcome: capital letters for frames without a match in the ground truth.
 struct OutcomeLetter {
@@ -87,7 +64,7 @@ struct OutcomesForm {
   Outcomes& outcomes;
   std::vector<FrameVerdict>& verdicts;
 
-  void write(Json& json, const std::string& key) const {
+  void write(Json& json, const std::string& key, const JsonForm&) const {
     Json& part = json[key];
     part = {{"score_order", enum_name(outcomes.kind)}, {"best", outcome_letters(outcomes)}};
     if (outcomes.has_scores)
@@ -109,7 +86,7 @@ struct OutcomesForm {
 
   void read(const Fields& fields, const std::string& key) {
     const Fields part = fields.object(key);
-    fields_from_json(part["score_order"], outcomes.kind, part, "score_order");
+    part.read("score_order", outcomes.kind);
     for (const char letter : part.text("best")) {
       const auto found = std::ranges::find(kOutcomeLetters, letter, &OutcomeLetter::letter);
       if (found == kOutcomeLetters.end()) part.fail("an outcome is invalid");
@@ -142,17 +119,6 @@ struct OutcomesForm {
   }
 };
 
-/// Two integers as a list.
-auto range_form(std::array<size_t, 2>& range) {
-  return Form{[&](Json& json, const std::string& key) { json[key] = range; },
-              [&](const Fields& fields, const std::string& key) {
-                std::vector<size_t> ends;
-                fields_from_json(fields[key], ends, fields, key);
-                if (ends.size() != 2) fields.fail(fmt::format("\"{}\" is not a range", key));
-                range = {ends[0], ends[1]};
-              }};
-}
-
 }  // namespace
 
 VPR_FIELDS(LabelCounts, correct, incorrect, ignored)
@@ -184,7 +150,7 @@ void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
   visit("query_keyframes", counts.query_keyframes);
   visit("train_keyframes", counts.train_keyframes);
   visit("recognitions", counts.recognitions);
-  visit("best_match", Part{[&](auto& inner) {
+  visit("best_match", NestedObject{[&](auto& inner) {
           visit_fields(counts.best_match, inner);
           inner("rate", counts.best_match_rate);
         }});
@@ -194,9 +160,9 @@ template <class Visitor>
 void visit_fields(ReportedCluster& place, Visitor&& visit) {
   visit("sequence", place.sequence);
   visit("query", place.query);
-  visit("query_range", range_form(place.query_range));
+  visit("query_range", place.query_range);
   visit("train", place.train);
-  visit("train_range", range_form(place.train_range));
+  visit("train_range", place.train_range);
   visit("label", place.judged.label);
   visit("recognitions", place.judged.recognitions);
 }
@@ -206,7 +172,7 @@ void visit_fields(CurveNumbers& numbers, Visitor&& visit) {
   visit("positives", numbers.positives);
   for (size_t m = 0; m < numbers.values.size(); ++m)
     visit(curve_metrics()[m].key, numbers.values[m].value);
-  visit("thresholds", Part{[&](auto& inner) {
+  visit("thresholds", NestedObject{[&](auto& inner) {
           for (size_t m = 0; m < numbers.values.size(); ++m)
             inner(curve_metrics()[m].key, IfSet{numbers.values[m].threshold});
         }});
@@ -231,7 +197,7 @@ template <class Visitor>
 void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
   visit("stretch_frames", achievement.stretch_frames);
   visit("stretches", achievement.stretches);
-  visit("reached", Part{[&](auto& inner) {
+  visit("reached", NestedObject{[&](auto& inner) {
           for (size_t t = 0; t < kRecallTargets.size(); ++t)
             inner(fmt::format("{:g}", kRecallTargets[t]), achievement.shares[t]);
         }});
@@ -268,14 +234,15 @@ template <class Visitor>
 void visit_fields(Protocol& protocol, Visitor&& visit) {
   visit("ground_truth", protocol.ground_truth);
   visit("tolerance_frames", protocol.tolerance_frames);
-  visit("", Form{[&](Json& json, const std::string&) {
-                   for (const auto& [key, words] : protocol.definitions) json[key] = words;
-                 },
-                 [&](const Fields& fields, const std::string&) {
-                   for (const auto& item : fields.json().items())
-                     if (item.key() != "ground_truth" && item.key() != "tolerance_frames")
-                       protocol.definitions.emplace_back(item.key(), fields.text(item.key()));
-                 }});
+  visit("", CustomField{[&](Json& json, const std::string&) {
+                          for (const auto& [key, words] : protocol.definitions) json[key] = words;
+                        },
+                        [&](const Fields& fields, const std::string&) {
+                          for (const auto& item : fields.json().items())
+                            if (item.key() != "ground_truth" && item.key() != "tolerance_frames")
+                              protocol.definitions.emplace_back(item.key(),
+                                                                fields.text(item.key()));
+                        }});
 }
 
 template <class Visitor>
@@ -289,14 +256,14 @@ void visit_fields(ReportSources& sources, Visitor&& visit) {
 template <class Visitor>
 void visit_fields(ScoreSettings& settings, Visitor&& visit) {
   visit("method", settings.method);
-  visit("scores", Form{[&](Json& json, const std::string& key) {
-                         json[key] = enum_name(order_of(settings.format));
-                       },
-                       [&](const Fields& fields, const std::string& key) {
-                         ScoreOrder order{};
-                         fields_from_json(fields[key], order, fields, key);
-                         settings.format.is_similarity = order == ScoreOrder::similarity;
-                       }});
+  visit("scores", CustomField{[&](Json& json, const std::string& key) {
+                                json[key] = enum_name(order_of(settings.format));
+                              },
+                              [&](const Fields& fields, const std::string& key) {
+                                ScoreOrder order{};
+                                fields.read(key, order);
+                                settings.format.is_similarity = order == ScoreOrder::similarity;
+                              }});
   visit("train_first", settings.format.train_first);
   visit("missing", settings.format.missing);
   visit("window", settings.window_length);
@@ -308,7 +275,7 @@ namespace {
 void read_settings(const Fields& fields, const std::string& key, Report& report) {
   const Fields settings = fields.object(key);
   if (settings.has("scores"))
-    fields_from_json(settings.json(), report.settings.emplace<ScoreSettings>(), settings, key);
+    fields.read(key, report.settings.emplace<ScoreSettings>());
   else
     report.settings = read_query_settings(fields);
 }
@@ -320,16 +287,17 @@ void visit_fields(Report& report, Visitor&& visit) {
   visit("schema", Derived{schema_name("report")});
   visit("method", report.method);
   visit("query", report.query);
-  visit("", Form{[&](Json& json, const std::string&) { add_selection(json, report.selection); },
-                 [&](const Fields& fields, const std::string&) {
-                   report.selection =
-                       read_selection(fields, [](const auto&) { return kMostFrames; });
-                 }});
+  visit("",
+        CustomField{[&](Json& json, const std::string&) { add_selection(json, report.selection); },
+                    [&](const Fields& fields, const std::string&) {
+                      report.selection =
+                          read_selection(fields, [](const auto&) { return kMostFrames; });
+                    }});
   visit("settings",
-        Form{[&](Json& json, const std::string& key) { json[key] = report.settings_json(); },
-             [&](const Fields& fields, const std::string& key) {
-               read_settings(fields, key, report);
-             }});
+        CustomField{[&](Json& json, const std::string& key) { json[key] = report.settings_json(); },
+                    [&](const Fields& fields, const std::string& key) {
+                      read_settings(fields, key, report);
+                    }});
   if (report.query_settings() != nullptr) visit("counts", report.counts);
   visit("best_match", report.counts.best_match);
   visit("by_keyframe", IfSet{report.by_keyframe});
@@ -348,11 +316,11 @@ void visit_fields(Report& report, Visitor&& visit) {
 Json Report::settings_json() const {
   const QuerySettings* of_query = query_settings();
   return of_query != nullptr ? settings_in_force(*of_query)
-                             : fields_to_json(std::get<ScoreSettings>(settings));
+                             : value_to_json(std::get<ScoreSettings>(settings), kDataForm);
 }
 
 Json report_json(const Report& report) {
-  Json json = fields_to_json(report);
+  Json json = value_to_json(report, kDataForm);
   if (report.judged == JudgedBy::ground_truth) return json;
   json["judged"] = enum_name(report.judged);
   const auto omit = [&json](const std::string& key) {
@@ -387,7 +355,7 @@ Report parse_report(const Json& json, const std::string& where) {
                     where));
   const Fields fields(json, where);
   Report report;
-  fields_from_json(json, report, fields, "report");
+  value_from_json(json, report, fields.source(), "report");
   Outcomes& outcomes = report.outcomes;
   const QuerySettings* of_query = report.query_settings();
   outcomes.window_length = of_query != nullptr
@@ -409,11 +377,11 @@ std::string outcome_letters(const Outcomes& outcomes) {
   return letters;
 }
 
-Json curve_numbers_json(const Curve& curve) { return fields_to_json(numbers_of(curve)); }
+Json curve_numbers_json(const Curve& curve) { return value_to_json(numbers_of(curve), kDataForm); }
 
-Json curve_json(const Curve& curve) { return fields_to_json(reported_curve(curve)); }
+Json curve_json(const Curve& curve) { return value_to_json(reported_curve(curve), kDataForm); }
 
-Json counts_json(const Counts& counts) { return fields_to_json(counts); }
+Json counts_json(const Counts& counts) { return value_to_json(counts, kDataForm); }
 
 Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
                   const RunInfo& run, double seconds) {

@@ -9,7 +9,6 @@
 
 #include "base/checksum.h"
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/mapped_file.h"
 #include "base/npy.h"
 #include "base/output.h"

@@ -13,7 +13,6 @@
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/npy.h"
 #include "files/result_file.h"
 #include "store/archive.h"
@@ -96,10 +95,10 @@ void read_query(const ResultSource& source, Result& result) {
 }
 
 void read_threshold(const Fields& item, const Result& result, ComparedSequence& compared) {
-  fields_from_json(item["t_r"], compared.threshold, item, "t_r");
-  fields_from_json(item["t_r_scale"], compared.scale, item, "t_r_scale");
+  item.read("t_r", compared.threshold);
+  item.read("t_r_scale", compared.scale);
   compared.distance_limit = read_sum(item, "limit", offset_of(result));
-  if (item.has("margin")) fields_from_json(item["margin"], compared.margin, item, "margin");
+  item.read_if_set("margin", compared.margin);
   if (item.has("max_distance")) compared.max_distance = read_sum(item, "max_distance", 0);
 }
 
@@ -110,7 +109,7 @@ void read_targets(const ResultSource& source, Result& result) {
     compared.sequence = read_sequence(item, kMostFrames);
     compared.windows =
         item.count("windows", window_count(compared.sequence.frames, result.window_length()));
-    fields_from_json(item["searched"], compared.searched, item, "searched");
+    item.read("searched", compared.searched);
     if (compared.searched && !result.places) read_threshold(item, result, compared);
   }
 }
@@ -119,7 +118,7 @@ void read_places(const ResultSource& source, Result& result) {
   const Fields places = source.fields.object("places");
   result.places.emplace();
   result.places->views = places.count("views", kMostFrames);
-  fields_from_json(places["names"], result.places->names, places, "names");
+  places.read("names", result.places->names);
   const Fields query = source.fields.object("query");
   if (query.has("featureless"))
     result.places->featureless = query.count("featureless", result.query.frames);
@@ -321,8 +320,7 @@ Json read_result_json(const fs::path& path) {
 QuerySettings read_query_settings(const Fields& file) {
   QuerySettings settings;
   if (file.text("method") == FabmapQuerySettings{}.method) settings = FabmapQuerySettings{};
-  std::visit([&](auto& kind) { stored_settings_from_json(file.json(), kind, file.where()); },
-             settings);
+  std::visit([&](auto& kind) { file.read_settings("settings", kind); }, settings);
   const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
   if (sequences != nullptr &&
       std::ranges::count(sequence_methods(), sequences->method, &SequenceMethod::name) == 0)

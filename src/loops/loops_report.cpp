@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
 #include "files/report_json.h"

@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/text.h"
 #include "files/report.h"
 #include "present/evaluation_text.h"
@@ -268,7 +267,7 @@ Json comparison_json(const ComparisonReport& comparison) {
       {"interval",
        "central 95 % of the difference to the first report under the circular block bootstrap, "
        "the same blocks of neighboring frames for all reports"}};
-  json["provenance"] = fields_to_json(comparison.made_by);
+  json["provenance"] = value_to_json(comparison.made_by);
   return json;
 }
 

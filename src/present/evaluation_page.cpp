@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/text.h"
 #include "chart/chart.h"
 #include "files/report_json.h"

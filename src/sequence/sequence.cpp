@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json_fields.h"
+#include "base/json.h"
 #include "base/named_table.h"
 #include "base/statistics.h"
 #include "base/text.h"
@@ -310,6 +310,18 @@ Sequence selected(Sequence sequence, const Selection& selection) {
   sequence.selection.selected_fps = first.selected_fps;
   return sequence;
 }
+
+namespace {
+
+/// "fps": frames per second.
+double read_fps(const Fields& fields) {
+  double fps = 0;
+  fields.read("fps", fps);
+  if (!(fps > 0 && std::isfinite(fps))) fields.fail("\"fps\" is out of range");
+  return fps;
+}
+
+}  // namespace
 
 void add_selection(Json& json, const Selection& selection) {
   if (!selection.speed.empty())

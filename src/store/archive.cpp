@@ -17,6 +17,9 @@ namespace fs = std::filesystem;
 constexpr std::string_view kChecksumStart = ",\n  \"checksum\": \"";
 constexpr std::string_view kChecksumEnd = "\"\n}\n";
 
+constexpr JsonForm kManifestForm = {"", false, ErrorKind::data,
+                                    "{}: the manifest is damaged: {}; train it again"};
+
 // Whether the text ends in the checksum of the preceding bytes.
 bool is_intact(std::string_view text) {
   const size_t start = text.rfind(kChecksumStart);
@@ -62,7 +65,7 @@ void ArchiveWriter::finish(Json manifest) {
   write_part(folder_.temporary() / kManifestName, sealed_manifest(manifest));
 }
 
-Archive::Archive(fs::path path) : path_(std::move(path)), name_(path_.string()) {
+Archive::Archive(fs::path path) : path_(std::move(path)), source_{path_.string(), kManifestForm} {
   std::error_code error;
   if (!fs::exists(path_, error) && !error)
     throw Error(ErrorKind::input, fmt::format("{}: no such database", path_.string()));
@@ -84,10 +87,6 @@ Archive::Archive(fs::path path) : path_(std::move(path)), name_(path_.string()) 
 }
 
 std::string Archive::fingerprint() const { return fields(manifest_).text("checksum"); }
-
-void Archive::fail(std::string_view what) const {
-  throw Error(ErrorKind::data, fmt::format(fmt::runtime(kDamageMessage), name_, what));
-}
 
 void Archive::verify(const std::string& name, std::span<const std::byte> bytes) const {
   const auto files = manifest_.find("files");

@@ -10,7 +10,6 @@
 
 #include "base/enum_names.h"
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/npy.h"
 #include "base/output.h"
 
@@ -60,9 +59,9 @@ class Archive {
   explicit Archive(std::filesystem::path path);
 
   const Json& manifest() const { return manifest_; }
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return source_.where; }
   /// An object of the manifest, which must outlive the result.
-  Fields fields(const Json& object) const { return {object, name_, kDamageMessage}; }
+  Fields fields(const Json& object) const { return {object, source_}; }
   /// Changes with every bit of content.
   std::string fingerprint() const;
 
@@ -71,16 +70,13 @@ class Archive {
   std::string text(const std::string& name) const;
 
   /// Throws Error(data) "<path>: the manifest is damaged: <what>".
-  [[noreturn]] void fail(std::string_view what) const;
+  [[noreturn]] void fail(std::string_view what) const { source_.fail(what); }
 
  private:
   void verify(const std::string& name, std::span<const std::byte> bytes) const;
 
-  static constexpr std::string_view kDamageMessage =
-      "{}: the manifest is damaged: {}; train it again";
-
   std::filesystem::path path_;
-  std::string name_;
+  JsonSource source_;
   Json manifest_;
 };
 

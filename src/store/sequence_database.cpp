@@ -1,6 +1,7 @@
 #include "store/sequence_database.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -79,11 +80,11 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     train.typical_distance = read_typical_distance(fields, shape);
     train.exclusion_radius = fields.count("exclusion_radius", sequence.frames);
     if (fields.has("size")) {
-      std::vector<uint64_t> size;
-      fields_from_json(json["size"], size, fields, "size");
-      if (size.size() != 2 || std::max(size[0], size[1]) > kMaxImageSide)
+      std::array<uint32_t, 2> size{};
+      fields.read("size", size);
+      if (std::max(size[0], size[1]) > kMaxImageSide)
         archive.fail("\"size\" is not a width and a height");
-      sequence.size = {static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])};
+      sequence.size = {size[0], size[1]};
     }
     if (train.exclusion_radius == 0U) archive.fail("\"exclusion_radius\" is out of range");
     const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
@@ -107,7 +108,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
 std::vector<ThresholdTable> read_thresholds(const Fields& manifest,
                                             const std::vector<TrainSequence>& sequences) {
   std::vector<ThresholdTable> tables;
-  fields_from_json(manifest["thresholds"], tables, manifest, "thresholds");
+  manifest.read("thresholds", tables);
   for (const ThresholdTable& table : tables) {
     const auto fits = [&](size_t sequence, size_t window) {
       return sequence < sequences.size() &&
@@ -129,12 +130,11 @@ std::vector<ThresholdTable> read_thresholds(const Fields& manifest,
 
 std::vector<std::pair<size_t, size_t>> read_shared_places(const Fields& manifest,
                                                           size_t sequences) {
-  std::vector<std::vector<size_t>> lists;
-  fields_from_json(manifest["overlapping_sequences"], lists, manifest, "overlapping_sequences");
+  std::vector<std::array<size_t, 2>> lists;
+  manifest.read("overlapping_sequences", lists);
   std::vector<std::pair<size_t, size_t>> pairs;
-  for (const std::vector<size_t>& list : lists) {
-    if (list.size() != 2) manifest.fail("its \"overlapping_sequences\" are not pairs of sequences");
-    const std::pair pair(list[0], list[1]);
+  for (const auto& [first, second] : lists) {
+    const std::pair pair(first, second);
     if (pair.first >= pair.second || pair.second >= sequences ||
         (!pairs.empty() && pair <= pairs.back()))
       manifest.fail("its \"overlapping_sequences\" are out of range or order");
@@ -146,11 +146,12 @@ std::vector<std::pair<size_t, size_t>> read_shared_places(const Fields& manifest
 TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
                                 const DescriptorShape& shape) {
   const Fields fields = archive.fields(archive.manifest()).object("statistics");
-  Json json = fields.json();
   TrainStatistics statistics;
   statistics.typical_distance = read_typical_distance(fields, shape);
+  Json json = fields.json();
   json.erase("typical_distance");
-  stored_settings_from_json({{"settings", json}}, statistics.settings, archive.name());
+  value_from_json(json, statistics.settings, JsonSource{archive.name(), kStoredSettingsForm},
+                  "statistics");
   const NpyArray rows = archive.array(kStatisticsFile);
   const auto values = rows.values<float>(2);
   if (rows.shape()[0] != frame_count || rows.shape()[1] != 2)
@@ -181,8 +182,8 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   require_family(archive, DatabaseFamily::sequences);
   SequenceDatabase database;
   database.fingerprint = archive.fingerprint();
-  stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
   const Fields manifest = archive.fields(archive.manifest());
+  manifest.read_settings("settings", database.descriptor);
   const std::string descriptor = manifest.text("descriptor");
   const DescriptorKind* kind = find_descriptor_kind(descriptor);
   if (kind == nullptr)
@@ -244,7 +245,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   manifest["sequences"] = Json::array();
   for (const TrainSequence& train : database.sequences)
     manifest["sequences"].push_back(train_json(train));
-  manifest["thresholds"] = fields_to_json(database.thresholds);
+  manifest["thresholds"] = value_to_json(database.thresholds, kDataForm);
   if (database.overlapping_sequences) {
     manifest["overlapping_sequences"] = Json::array();
     for (const auto& [a, b] : *database.overlapping_sequences)

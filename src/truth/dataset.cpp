@@ -44,11 +44,7 @@ class ObjectReader {
     if (!found->is_array()) fail(fmt::format("\"{}\" must be a list", key));
     return *found;
   }
-  void finish() const {
-    for (const auto& item : json_.items())
-      if (std::find(known_.begin(), known_.end(), item.key()) == known_.end())
-        detail::unknown_key(where_, item.key(), known_);
-  }
+  void finish() const { JsonSource{where_, kSettingsForm}.refuse_unknown(json_, known_); }
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(ErrorKind::usage, fmt::format("{}: {}", where_, what));
   }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/text.h"
 
 namespace vpr {
@@ -27,7 +26,7 @@ ScaledRate rate_of(const CalibratedLength& length, double windows) {
 }
 
 Json rate_json(const ScaledRate& rate) {
-  return {{"expected", rate.expected}, {"interval", interval_json(rate.interval)}};
+  return {{"expected", rate.expected}, {"interval", {rate.interval.low, rate.interval.high}}};
 }
 
 Json length_json(const CalibratedLength& length) {
@@ -40,9 +39,10 @@ Json length_json(const CalibratedLength& length) {
   if (!found.strength) return json;
   json["margin"] = *length.settings.margin;
   json["recognized"] = {{"correct", found.correct}, {"incorrect", found.incorrect}};
-  json["false_recognitions"] = {{"block", length.block},
-                                {"seen", found.expected.seen},
-                                {"interval", interval_json(found.expected.interval)}};
+  json["false_recognitions"] = {
+      {"block", length.block},
+      {"seen", found.expected.seen},
+      {"interval", {found.expected.interval.low, found.expected.interval.high}}};
   return json;
 }
 

@@ -6,13 +6,14 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "base/json_fields.h"
 #include "base/text.h"
 #include "files/report_json.h"
 #include "present/evaluation_text.h"
 
 namespace vpr {
 namespace {
+
+Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
 
 Json best_json(const BestMatchCounts& best) {
   return {{"frames", best.frames}, {"correct", best.correct}, {"incorrect", best.incorrect}};

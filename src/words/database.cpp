@@ -166,7 +166,7 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   require_family(archive, DatabaseFamily::fabmap);
   FabmapDatabase database;
   database.fingerprint = archive.fingerprint();
-  stored_settings_from_json(archive.manifest(), database.settings, archive.name());
+  archive.fields(archive.manifest()).read_settings("settings", database.settings);
   const auto provenance = archive.manifest().find("provenance");
   if (provenance == archive.manifest().end()) archive.fail("\"provenance\" is missing");
   database.seed = archive.fields(*provenance).count("seed", std::numeric_limits<size_t>::max());

@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/json_fields.h"
+#include "base/json.h"
 #include "base/text.h"
 #include "sequence/sequence.h"
 #include "support.h"
