@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "parser.h"
 #include "sequence/decode.h"
 #include "sequence/sequence_source.h"
+#include "settings/setting_rows.h"
 
 namespace vpr {
 
@@ -52,6 +54,40 @@ Flag add_setting(const Command& command, const std::string& flag, T& field,
           },
           help)
       .type_name(value_name<T>());
+}
+
+/// The flag of a row. Its help has the default in place of {}.
+template <class T>
+void add_row(const Command& command, const SettingRow& row, T& field) {
+  Json initial = value_to_json(field);
+  const std::string standard = initial.is_string() ? initial.get<std::string>() : initial.dump();
+  const std::string help = fmt::format(fmt::runtime(row.help), standard);
+  const auto added = [&] {
+    if constexpr (std::is_same_v<T, bool>)
+      return command.add_flag(flag_of(row.key), field, help);
+    else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+      return command.add_list(flag_of(row.key), field, help);
+    else
+      return add_setting(command, flag_of(row.key), field, help);
+  };
+  Flag flag = added();
+  if (row.group != nullptr) flag.group(row.group);
+  if (!row.value.empty()) flag.type_name(std::string(row.value));
+  if (row.is_comma_separated) flag.comma_separated();
+  if (row.choices != nullptr) flag.choices(std::string(row.value), row.choices());
+}
+
+/// Adds the flags of the settings that belong to the command.
+template <class S>
+void add_settings(const Command& command, S& settings, std::span<const SettingRow> rows,
+                  Feature name) {
+  for (const SettingRow& row : rows) {
+    if ((row.commands & in(name)) == 0) continue;
+    visit_fields(settings, [&](std::string_view key, auto& field) {
+      if constexpr (!requires { visit_fields(field, [](std::string_view, auto&) {}); })
+        if (key == row.key) add_row(command, row, field);
+    });
+  }
 }
 
 struct CommonOptions {

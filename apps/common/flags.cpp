@@ -232,62 +232,11 @@ void refuse(bool is_given, const std::string& flag, const std::string& why) {
   if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
 }
 
-void add_score_settings(const Command& command, SequenceQuerySettings& settings,
-                        const std::string& group, bool has_later_frames) {
-  add_setting(
-      command, "--score", settings.score,
-      fmt::format("raw (distances){} zscore (normalized online per training frame){} "
-                  "(default: {})",
-                  has_later_frames ? "," : " or",
-                  has_later_frames ? " or zscore-offline (normalized over the whole query)" : "",
-                  enum_name(settings.score)))
-      .type_name(has_later_frames ? value_name<Score>() : "raw|zscore")
-      .group(group);
-  add_setting(command, "--exclusion-frames", settings.exclusion_frames,
-              "exclusion zone: frames before and after the best match (default: the frames after "
-              "which training sequences show another place)")
-      .group(group);
-}
-
-void add_rate_settings(const Command& command, SequenceQuerySettings& settings,
-                       const std::string& group) {
-  command
-      .add_list("--rates", settings.rates,
-                "rates of windows in training frames per query frame, as in 1/2,2/3,1,3/2,2; the "
-                "best one counts (default: 1)")
-      .comma_separated()
-      .type_name("P/Q")
-      .group(group);
-  command
-      .add_list("--same-place", settings.same_place,
-                "A=B: training sequences of the same place, which are in each other's exclusion "
-                "zone; repeatable; none: all differ (default: detected)")
-      .group(group);
-}
-
-void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
-                           const std::string& group, bool has_later_frames) {
-  add_setting(command, "--decide", settings.decision,
-              "threshold accepts every window pair closer than --t-r, margin the best match if it "
-              "is --margin better than the runner-up (default: threshold)")
-      .group(group);
-  add_setting(command, "--t-r-scale", settings.threshold_scale,
-              has_later_frames ? "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for "
-                                 "z-scores (default: relative or mean-z)"
-                               : "scale of t_r: bits (D / c_l); mean-z for z-scores")
-      .type_name(has_later_frames ? value_name<ThresholdScale>() : "bits|mean-z")
-      .group(group);
-}
-
-void add_fusion_settings(const Command& command, SequenceQuerySettings& settings,
-                         std::string& fabmap, const std::string& group) {
+void add_fuse_flag(const Command& command, std::string& fabmap) {
   command
       .add_option("--fuse", fabmap,
                   "FAB-MAP database of the same training sequences, to fuse with z-scores")
-      .group(group);
-  add_setting(command, "--fusion-weight", settings.fusion_weight,
-              "fusion weight, in standard deviations per nat, adapted online (default: 0.2)")
-      .group(group);
+      .group(kWindowGroup);
 }
 
 Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
@@ -296,14 +245,14 @@ Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
       "ignore frames that cannot be decoded; they keep their index and never match");
 }
 
-void add_memory_flag(const Command& command, size_t& bytes, const std::string& group) {
+void add_memory_flag(const Command& command, size_t& bytes) {
   command
       .add_option(
           "--max-memory", [&bytes](const std::string& text) { bytes = parse_bytes(text); },
           fmt::format("memory for rings and recognitions in bytes, as in 512M (default: {}G)",
                       bytes >> 30))
       .type_name("BYTES")
-      .group(group);
+      .group(kWindowGroup);
 }
 
 Flag add_format_flag(const Command& command, TableFormat& format, const std::string& help) {

@@ -105,28 +105,14 @@ void require_order(const ScoreFlags& flags);
 /// Throws Error(usage) "FLAG WHY" for a given flag.
 void refuse(bool is_given, const std::string& flag, const std::string& why);
 
-/// --score, --exclusion-frames. `has_later_frames`: false for queries that match each frame with
-/// earlier frames only; omits zscore-offline, and relative from --t-r-scale.
-void add_score_settings(const Command& command, SequenceQuerySettings& settings,
-                        const std::string& group = "Windows", bool has_later_frames = true);
-
-/// --rates, --same-place.
-void add_rate_settings(const Command& command, SequenceQuerySettings& settings,
-                       const std::string& group = "Windows");
-
-/// --decide, --t-r-scale.
-void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
-                           const std::string& group = "Windows", bool has_later_frames = true);
-
-/// --fuse (with the path `fabmap`), --fusion-weight.
-void add_fusion_settings(const Command& command, SequenceQuerySettings& settings,
-                         std::string& fabmap, const std::string& group = "Windows");
+/// --fuse, with the path `fabmap`.
+void add_fuse_flag(const Command& command, std::string& fabmap);
 
 Flag add_unreadable_flag(const Command& command, bool& skip_unreadable);
 
 /// --max-memory in bytes, or as "512M" or "2G", powers of 1024. The help shows the value of `bytes`
 /// as the default.
-void add_memory_flag(const Command& command, size_t& bytes, const std::string& group = "Windows");
+void add_memory_flag(const Command& command, size_t& bytes);
 
 /// --format of tables.
 Flag add_format_flag(const Command& command, TableFormat& format,

@@ -47,9 +47,6 @@ void visit_fields(AllSettings& settings, Visitor&& visit) {
   visit("method", settings.method);
 }
 
-inline constexpr const char* kWindowGroup = "Windows (FastABLE and OpenABLE) and the filter";
-inline constexpr const char* kFabmapGroup = "FAB-MAP";
-
 /// The flags of each command, without common options.
 void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);

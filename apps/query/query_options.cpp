@@ -16,8 +16,6 @@
 namespace vpr {
 namespace {
 
-constexpr const char* kQueryGroup = "Query";
-
 // Both families have a gap in frames, sequences also a gap in seconds.
 void set_loop_gap(const std::string& text, SequenceQuerySettings& sequence,
                   FabmapQuerySettings& fabmap) {
@@ -72,7 +70,7 @@ void add_selection_flags(const Command& command, QueryOptions& options) {
       .group(kQueryGroup);
 }
 
-// Live queries refuse OpenABLE, LSH and FAB-MAP (decide/choices.cpp).
+// Live queries refuse OpenABLE, LSH and FAB-MAP (settings/choices.cpp).
 void add_method_flag(const Command& command, AllSettings& settings, bool is_live,
                      const std::string& help) {
   std::vector<std::string> names;
@@ -89,24 +87,6 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
   command.add_footer(text);
 }
 
-// Windows of every command: the essential flags, then the others.
-void add_window_flags(const Command& command, QueryOptions& options,
-                      SequenceQuerySettings& settings, bool has_later_frames = true) {
-  add_setting(command, "--c-l", settings.window_length,
-              "window length c_l in frames (default: 40)");
-  add_setting(command, "--t-r", settings.distance_threshold,
-              "threshold t_r of windows; a number, or auto, the smallest distance between two or "
-              "more training sequences of a database");
-  add_score_settings(command, settings, kWindowGroup, has_later_frames);
-  add_decision_settings(command, settings, kWindowGroup, has_later_frames);
-  add_setting(command, "--margin", settings.margin,
-              "minimum difference of best match and runner-up in score per frame (default: 5.1 / "
-              "sqrt(c_l) deviations; for raw distances 0.75 / sqrt(c_l) of the typical distance; "
-              "filter: 15)")
-      .group(kWindowGroup);
-  add_memory_flag(command, options.memory_limit, kWindowGroup);
-}
-
 void add_matrix_output(const Command& command, QueryOptions& options) {
   command
       .add_option("--save-matrix", options.matrix,
@@ -116,30 +96,17 @@ void add_matrix_output(const Command& command, QueryOptions& options) {
       .group(kWindowGroup);
 }
 
-void add_sequence_choice(const Command& command, SequenceQuerySettings& settings) {
-  command
-      .add_list("--only-sequence", settings.only_sequences,
-                "training sequence to search; repeatable (default: all)")
-      .group(kWindowGroup);
+// The flags of sequence methods, and the memory that they use.
+void add_sequence_flags(const Command& command, QueryOptions& options,
+                        SequenceQuerySettings& settings, Feature name) {
+  add_settings(command, settings, sequence_setting_rows(), name);
+  add_memory_flag(command, options.memory_limit);
 }
 
 void add_fabmap_flags(const Command& command, QueryOptions& options,
                       FabmapQuerySettings& settings) {
   const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
-  group(add_setting(command, "--t-p", settings.place_threshold,
-                    "probability threshold t_p of a recognition (default: 0.99)"));
-  group(add_setting(command, "--c-w", settings.window,
-                    "consecutive frames c_w that must exceed t_p (default: 1)"));
-  group(add_setting(command, "--variant", settings.variant,
-                    "computation of likelihoods (default: fabmap2)"))
-      .choices("VARIANT", names_of(fabmap_variants()));
-  group(add_setting(command, "--word-model", settings.word_model,
-                    "dependencies of words (default: tree)"));
-  group(add_setting(command, "--new-place", settings.new_place,
-                    "likelihood of a new place: average over the pretraining frames, or mean field "
-                    "(default: pretrain)"));
-  group(add_setting(command, "--new-place-samples", settings.new_place_samples,
-                    "random pretraining frames for it; 0: all (default: 0)"));
+  add_settings(command, settings, fabmap_setting_rows(), Feature::query);
   group(command.add_flag("--motion-model", settings.posterior.motion_model,
                          "raise the prior of places next to the previous place"));
   group(command.add_option(
@@ -161,17 +128,11 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_method_flag(command, settings, false,
                   "matching method (default: filter, which recognizes places at 0.5 to 2 times the "
                   "trained speed; fastable if a flag of windows is set; fabmap for its databases)");
-  add_window_flags(command, options, settings.sequence);
   add_arrays_flag(command, options);
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
-  add_rate_settings(command, settings.sequence, kWindowGroup);
-  add_sequence_choice(command, settings.sequence);
-  add_setting(command, "--safety-factor", settings.sequence.safety_factor,
-              "factor of the automatic t_r (default: the database's)")
-      .group(kWindowGroup);
-  add_fusion_settings(command, settings.sequence, options.fuse, kWindowGroup);
+  add_sequence_flags(command, options, settings.sequence, Feature::query);
+  add_fuse_flag(command, options.fuse);
   add_matrix_output(command, options);
   add_setting(command, "--verify", options.verify_cells,
               "number of random cells to recompute with the reference implementation (windows of "
@@ -189,11 +150,9 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
       .group(kQueryGroup);
   add_method_flag(command, settings, true,
                   "matching method, filter by default; fastable if a flag of windows is set");
-  add_window_flags(command, options, settings.sequence, false);
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
-  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
-  add_sequence_choice(command, settings.sequence);
-  add_fusion_settings(command, settings.sequence, options.fuse, kWindowGroup);
+  add_sequence_flags(command, options, settings.sequence, Feature::live);
+  add_fuse_flag(command, options.fuse);
   command.remove_flag("--output");
 }
 
@@ -215,18 +174,13 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                   "write one line query,match,score per best match, for vpr-eval loops; only "
                   "recognitions with --t-r or --margin")
       .type_name("FILE");
-  add_window_flags(command, options, settings.sequence, false);
   command
       .add_option("--frame-times", options.loop_times,
                   "times of the frames for a gap in seconds: a list with one per line (default: "
                   "from names of images, or from the video)")
       .type_name("FILE")
       .group(kQueryGroup);
-  add_setting(command, "--descriptor", settings.sequence.descriptor,
-              "descriptor of frames, as in vpr-train fastable (default: ldb; vectors with "
-              "--query-npy)")
-      .group(kQueryGroup);
-  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
+  add_sequence_flags(command, options, settings.sequence, Feature::loops);
   add_matrix_output(command, options);
   add_fabmap_flags(command, options, settings.fabmap);
 }
@@ -237,7 +191,6 @@ void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings
                   "score matrix (.npy): query frames x training frames")
       .required();
   add_score_flags(command, options.scores);
-  add_window_flags(command, options, settings.sequence);
   command
       .add_option("--name", options.matrix_name,
                   "name of the query (default: the name of the file)")
@@ -248,8 +201,7 @@ void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings
                 "without LAST), which windows do not cross; repeatable (default: one sequence)")
       .group(kQueryGroup);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_rate_settings(command, settings.sequence, kWindowGroup);
-  add_sequence_choice(command, settings.sequence);
+  add_sequence_flags(command, options, settings.sequence, Feature::matrix);
   add_matrix_output(command, options);
 }
 
@@ -262,7 +214,7 @@ void add_explain_flags(const Command& command, QueryOptions& options, AllSetting
                    "RESULT.explain.png; repeatable");
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_unreadable_flag(command, settings.sequence.skip_unreadable).group(kQueryGroup);
+  add_settings(command, settings.sequence, sequence_setting_rows(), Feature::explain);
   add_fabmap_flags(command, options, settings.fabmap);
 }
 

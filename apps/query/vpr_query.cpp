@@ -16,32 +16,33 @@ namespace {
 /// A command of vpr-query; the program itself has no name.
 struct QueryCommand {
   const char* name;
-  std::string_view choice;  ///< in the table of choices
+  Feature feature;
   const char* description;
   void (*add_flags)(const Command& command, QueryOptions& options, AllSettings& settings);
   const char* example;
 };
 
 constexpr std::array<QueryCommand, 5> kCommands = {
-    {{"", "", "Recognize the places of a query sequence in a database.", add_match_flags,
+    {{"", Feature::query, "Recognize the places of a query sequence in a database.",
+      add_match_flags,
       "  vpr-query corridor.vprdb --query tuesday -o result.json\n"
       "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
       "  vpr-query corridor.vprdb --query wednesday --config result.json"},
-     {"live", kLiveChoice, "Match each frame as it arrives, and print one line of JSON per frame.",
-      add_live_flags,
+     {"live", Feature::live,
+      "Match each frame as it arrives, and print one line of JSON per frame.", add_live_flags,
       "  vpr-query live corridor.vprdb --query /dev/video0@30::4\n"
       "  vpr-query live corridor.vprdb --query growing_folder --c-l 20 --score zscore --decide "
       "margin\n"
       "  find images | vpr-query live corridor.vprdb --query -"},
-     {"loops", "vpr-query loops", "Match a sequence with its own earlier frames.", add_loop_flags,
+     {"loops", Feature::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
       "  vpr-query loops --query walk --gap 30s --c-l 20 --save-loops loops.csv\n"
       "  vpr-query loops --query-npy walk.npy --gap 300 --score zscore -o loops.json\n"
       "  vpr-query loops fabmap.vprdb --query walk --gap 50 --t-p 0.9"},
-     {"matrix", kMatrixChoice, "Match the windows of a score matrix of any program.",
+     {"matrix", Feature::matrix, "Match the windows of a score matrix of any program.",
       add_matrix_flags,
       "  vpr-query matrix S.npy --similarity --c-l 10 --score zscore -o result.json\n"
       "  vpr-query matrix D.npy --distance --c-l 20 --t-r 0.6 --save-matrix windows.npy"},
-     {"explain", "vpr-query explain",
+     {"explain", Feature::explain,
       "List the words for and against the best places of one frame, by FAB-MAP.", add_explain_flags,
       "  vpr-query explain fabmap.vprdb --query walk --frame 17 --train corridor -o result.json"}}};
 
@@ -61,11 +62,6 @@ std::vector<std::string> keys_of(S settings) {
   std::vector<std::string> keys;
   visit_fields(settings, [&](const char* key, auto&) { keys.emplace_back(key); });
   return keys;
-}
-
-std::string flag_of(std::string key) {
-  std::ranges::replace(key, '_', '-');
-  return "--" + key;
 }
 
 // Refuses flags and configuration keys of the other family, which would have no effect.
@@ -100,24 +96,22 @@ std::vector<std::string> given_settings(const Session& session) {
 
 // The choices of a run that are not settings. Also settings that the method or --fuse would
 // replace, if they are given with another value.
-RunChoices choices_of(const Session& session, const QueryOptions& options,
-                      const SequenceQuerySettings& settings, DatabaseFamily family,
-                      std::string_view command) {
-  RunChoices run;
-  if (!command.empty()) run.push_back(command);
+Features choices_of(const Session& session, const QueryOptions& options,
+                    const SequenceQuerySettings& settings, DatabaseFamily family, Feature command) {
+  Features run = {command};
   if (family == DatabaseFamily::fabmap)
-    run.push_back(kFabmapChoice);
+    run.push_back(Feature::fabmap);
   else if (!options.database.empty())
-    run.push_back(kDatabaseChoice);
-  if (!options.fuse.empty()) run.emplace_back("--fuse");
-  if (!options.matrix.empty()) run.emplace_back("--save-matrix");
-  if (options.verify_cells > 0) run.emplace_back("--verify");
+    run.push_back(Feature::database);
+  if (!options.fuse.empty()) run.push_back(Feature::fuse);
+  if (!options.matrix.empty()) run.push_back(Feature::save_matrix);
+  if (options.verify_cells > 0) run.push_back(Feature::verify);
   const std::vector<std::string> given = given_settings(session);
   const auto is_given = [&](const char* key) { return std::ranges::count(given, key) > 0; };
-  if (is_given("c_l") && settings.window_length != 1) run.emplace_back("--c-l");
-  if (is_given("score") && settings.score == Score::raw) run.emplace_back("--score raw");
+  if (is_given("c_l") && settings.window_length != 1) run.push_back(Feature::window_length);
+  if (is_given("score") && settings.score == Score::raw) run.push_back(Feature::raw_score);
   if (is_given("decide") && settings.decision == Decision::threshold)
-    run.emplace_back("--decide threshold");
+    run.push_back(Feature::by_threshold);
   return run;
 }
 
@@ -135,40 +129,41 @@ DatabaseFamily family_of(const std::string& method) {
   return DatabaseFamily::sequences;
 }
 
-void run(Session& session, const QueryOptions& options, AllSettings settings,
-         std::string_view command) {
+void run(Session& session, const QueryOptions& options, AllSettings settings, Feature command) {
   if (!options.selection.speed.empty()) check_speed(options.selection.speed);
-  const bool is_loop = command == "vpr-query loops";
+  const bool is_loop = command == Feature::loops;
   if (settings.fabmap.loop && !is_loop)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: has the settings of vpr-query loops", session.options.config));
   settings.sequence.loop = settings.fabmap.loop = is_loop;
   refuse(!options.loop_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
          "needs a gap in seconds, as in --gap 30s");
-  const bool has_own_frames = is_loop || command == kMatrixChoice;
+  const bool has_own_frames = is_loop || command == Feature::matrix;
   const DatabaseFamily family = family_of(options, !has_own_frames);
   if (settings.method.empty())
     settings.method = family == DatabaseFamily::fabmap ? enum_name(family)
                       : has_own_frames                 ? "fastable"
                                                        : default_method(given_settings(session));
-  const bool needs_words = command == "vpr-query explain";
-  if (needs_words != (family == DatabaseFamily::fabmap) && (needs_words || command == kLiveChoice))
-    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} cannot use",
-                                             options.database, enum_name(family), command));
+  const bool needs_words = command == Feature::explain;
+  if (needs_words != (family == DatabaseFamily::fabmap) &&
+      (needs_words || command == Feature::live))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is a database for {}, which {} cannot use", options.database,
+                            enum_name(family), enum_name(command)));
   if (family_of(settings.method) != family)
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} cannot use",
                                              options.database, enum_name(family), settings.method));
   refuse_foreign(session, family);
   settings.sequence.method = settings.fabmap.method = settings.method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
-  const RunChoices choices = choices_of(session, options, settings.sequence, family, command);
+  const Features choices = choices_of(session, options, settings.sequence, family, command);
   if (family == DatabaseFamily::fabmap) {
     check_choices(settings.sequence, choices);
     return query_places(session, options, settings.fabmap);
   }
   const ResolvedSettings resolved(settings.sequence, choices);
-  command == kLiveChoice ? query_live(session, options, resolved)
-                         : query_sequences(session, options, resolved);
+  command == Feature::live ? query_live(session, options, resolved)
+                           : query_sequences(session, options, resolved);
 }
 
 }  // namespace
@@ -182,7 +177,7 @@ int main(int argc, char** argv) {
   AllSettings settings;
   for (const QueryCommand& command : kCommands) {
     const auto run_command = [&](Session& session) {
-      run(session, options, settings, command.choice);
+      run(session, options, settings, command.feature);
     };
     const bool is_program = &command == &match;
     const Command flags = is_program ? program.command()

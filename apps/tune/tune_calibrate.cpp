@@ -38,7 +38,7 @@ void calibrate(Session& session, const Calibrate& command) {
   const Source& source = sources.front();
   const CalibrationRequest request{command.precision, source.sequence.sequence.sequence.fps};
   const Stopwatch watch;
-  const ResolvedSettings settings(command.settings, {kDatabaseChoice, kCalibrateChoice});
+  const ResolvedSettings settings(command.settings, {Feature::database, Feature::calibrate});
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
   const QueryResources resources{session.kernels, options.memory_limit, 0, session.options.seed};
   const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
@@ -134,9 +134,7 @@ void add_calibrate(Program& program) {
   add_calibrated_lengths(command, options.grid.windows);
   add_setting(command, "--method", tune->settings.method,
               "exact matching method of vpr-query, such as fastable or filter (default: fastable)");
-  add_score_settings(command, tune->settings);
-  add_rate_settings(command, tune->settings);
-  add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
+  add_settings(command, tune->settings, sequence_setting_rows(), Feature::calibrate);
   add_memory_flag(command, options.memory_limit);
   add_format_flag(command, options.format);
 }

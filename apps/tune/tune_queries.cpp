@@ -14,8 +14,6 @@
 namespace vpr {
 namespace {
 
-constexpr const char* kQueryGroup = "Query";
-
 Source make_source(const TuneOptions& options, NamedSequence sequence, GroundTruthArgument truth,
                    const Dataset* dataset, const Session& session) {
   sequence.sequence =

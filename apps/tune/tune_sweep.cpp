@@ -106,10 +106,10 @@ void present(Session& session, const TuneOptions& options, DatabaseFamily family
 void tune_fastable(Session& session, const TuneOptions& options,
                    const SequenceQuerySettings& base) {
   const Monitor& monitor = session.monitor;
-  RunChoices run = {kDatabaseChoice, kSweepChoice};
-  if (!options.fuse.empty()) run.emplace_back("--fuse");
-  if (!options.grid.thresholds.empty()) run.emplace_back("--t-r");
-  if (!options.grid.margins.empty()) run.emplace_back("--margin");
+  Features run = {Feature::database, Feature::sweep};
+  if (!options.fuse.empty()) run.push_back(Feature::fuse);
+  if (!options.grid.thresholds.empty()) run.push_back(Feature::thresholds);
+  if (!options.grid.margins.empty()) run.push_back(Feature::margins);
   const ResolvedSettings settings(base, run);
   claim_outputs(options, session);
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
@@ -203,11 +203,8 @@ void add_fastable(Program& program) {
   program.add_config(command, tune->settings);
   add_sweep_flags(command, tune->options);
   add_sequence_grid(command, tune->options.grid);
-  add_score_settings(command, tune->settings);
-  add_rate_settings(command, tune->settings);
-  add_decision_settings(command, tune->settings);
-  add_fusion_settings(command, tune->settings, tune->options.fuse);
-  add_unreadable_flag(command, tune->settings.skip_unreadable).group("Query");
+  add_settings(command, tune->settings, sequence_setting_rows(), Feature::sweep);
+  add_fuse_flag(command, tune->options.fuse);
   add_memory_flag(command, tune->options.memory_limit);
 }
 

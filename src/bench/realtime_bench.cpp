@@ -25,7 +25,7 @@ ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   live.window_length = settings.window_length;
   live.score = settings.score;
   live.decision = Decision::margin;
-  return {live, {kDatabaseChoice, kLiveChoice}};
+  return {live, {Feature::database, Feature::live}};
 }
 
 }  // namespace

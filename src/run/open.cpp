@@ -121,13 +121,13 @@ ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
                                const std::string& fabmap, const Monitor& monitor) {
   SequenceDatabase database = read_sequence_database(path);
-  if (settings.has(kLiveChoice) && database.descriptors.kind->is_imported)
+  if (settings.has(Feature::live) && database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 fmt::format("{}: holds imported descriptors, which cannot be computed for frames "
                             "that arrive",
                             path));
   // A sweep sets thresholds and margins itself.
-  if (!settings.has(kSweepChoice)) check_automatic(database, *settings);
+  if (!settings.has(Feature::sweep)) check_automatic(database, *settings);
   if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
   if (!fabmap.empty())
     fuse_views(database, read_fabmap_database(fabmap), fabmap);

@@ -20,87 +20,55 @@ namespace {
 
 using Settings = SequenceQuerySettings;
 
-/// Facets of a run: every run has all of them, except those that its choices exclude.
-enum Facet : uint32_t {
-  kThreshold = 1 << 0,
-  kMargin = 1 << 1,
-  kRaw = 1 << 2,
-  kZScores = 1 << 3,
-  kWindows = 1 << 4,
-  kRates = 1 << 5,
-  kEveryScore = 1 << 6,
-  kMatrix = 1 << 7,
-  kSingleFrames = 1 << 8,
-  kLaterFrames = 1 << 9,
-  kTrainingDistances = 1 << 10,
-  kSequences = 1 << 11,
-  kFrames = 1 << 12,
-  kPast = 1 << 13,
-  kSeconds = 1 << 14,
-  kDescriptor = 1 << 15,
-  kFabmap = 1 << 16,
-  kDefinition = 1 << 17,
-  kAutomaticThreshold = 1 << 18,
-};
+bool has(const Features& run, Feature feature) { return std::ranges::count(run, feature) > 0; }
 
-/// By bit number.
-constexpr std::array<std::string_view, 19> kFacetNames = {
-    "threshold",
-    "margin",
-    "raw distances",
-    "z-scores",
-    "windows of c_l frames",
-    "windows of several rates",
-    "scores of all windows",
-    "matrix of all windows",
-    "frame-by-frame matching",
-    "later frames",
-    "distances between training frames",
-    "training sequences",
-    "frames to describe",
-    "past frames",
-    "gap in seconds",
-    "choice of descriptors",
-    "FAB-MAP database",
-    "windows that it can recompute",
-    "automatic t_r",
-};
-
-bool has(const RunChoices& run, std::string_view flag) {
-  return std::find(run.begin(), run.end(), flag) != run.end();
-}
-
-// A member that is neither empty nor zero.
-template <auto kMember>
-bool is_set(const Settings& settings, const RunChoices&) {
-  const auto& value = settings.*kMember;
+// Neither empty nor zero.
+template <class T>
+bool is_set(const T& value) {
   if constexpr (requires { value.has_value(); })
     return value.has_value();
   else if constexpr (requires { value.empty(); })
     return !value.empty();
   else
-    return value != 0;
+    return value != T{};
+}
+
+template <auto kMember>
+bool is_set(const Settings& settings, const Features&) {
+  return is_set(settings.*kMember);
+}
+
+bool is_set(Settings settings, std::string_view key) {
+  bool found = false;
+  visit_fields(settings, [&](std::string_view name, auto& value) {
+    if constexpr (requires {
+                    is_set(value);
+                    value != value;
+                  })
+      if (name == key) found = is_set(value);
+  });
+  return found;
 }
 
 template <auto kMember, auto kValue>
-bool is(const Settings& settings, const RunChoices&) {
+bool is(const Settings& settings, const Features&) {
   return settings.*kMember == kValue;
 }
 
-bool has_relative_threshold(const Settings& settings, const RunChoices&) {
+bool has_relative_threshold(const Settings& settings, const Features&) {
   return settings.decision == Decision::threshold &&
          scale_of(settings) == ThresholdScale::relative &&
          (settings.distance_threshold || settings.loop);
 }
 
 // Without a threshold, loops and matrices of scores have best matches only.
-bool has_automatic_threshold(const Settings& settings, const RunChoices& run) {
+bool has_automatic_threshold(const Settings& settings, const Features& run) {
   return settings.decision == Decision::threshold && !settings.distance_threshold &&
-         !settings.loop && !has(run, kMatrixChoice) && !has(run, kSweepChoice);
+         !settings.loop && !has(run, Feature::matrix) && !has(run, Feature::sweep);
 }
 
 constexpr std::array kChoices = {
-    Choice{.flag = "vpr-query loops",
+    Choice{.feature = Feature::loops,
            .needs = kFrames,
            .excludes = kTrainingDistances | kSequences | kRates | kLaterFrames,
            .instead = "Omit one of them.",
@@ -108,17 +76,19 @@ constexpr std::array kChoices = {
     Choice{.flag = "a query without its own past",
            .excludes = kPast,
            .is_implied = is<&Settings::loop, false>},
-    Choice{.flag = kFabmapChoice, .excludes = kSeconds | kDescriptor},
-    Choice{.flag = kMatrixChoice, .excludes = kTrainingDistances | kFrames},
-    Choice{.flag = kDatabaseChoice, .needs = kSequences | kFrames, .instead = "Omit the database."},
-    Choice{.flag = kLiveChoice,
+    Choice{.feature = Feature::fabmap, .excludes = kSeconds | kDescriptor},
+    Choice{.feature = Feature::matrix, .excludes = kTrainingDistances | kFrames},
+    Choice{.feature = Feature::database,
+           .needs = kSequences | kFrames,
+           .instead = "Omit the database."},
+    Choice{.feature = Feature::live,
            .needs = kSingleFrames | kSequences | kFrames,
            .excludes = kRates | kMatrix | kLaterFrames,
            .instead = "Use --method filter, or vpr-query without live."},
-    Choice{.flag = kSweepChoice,
+    Choice{.feature = Feature::sweep,
            .needs = kWindows | kSequences | kEveryScore,
            .instead = "Use vpr-query, or --method fastable."},
-    Choice{.flag = kCalibrateChoice,
+    Choice{.feature = Feature::calibrate,
            .needs = kMargin | kSequences | kEveryScore,
            .excludes = kFabmap,
            .instead = "Use --method fastable and a decision by margin."},
@@ -127,26 +97,24 @@ constexpr std::array kChoices = {
            .needs = kTrainingDistances | kFrames,
            .excludes = kThreshold | kRaw | kWindows | kRates | kDefinition,
            .instead = "Use --method fastable.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return s.method == "filter"; }},
-    Choice{
-        .flag = "--method lsh",
-        .needs = kTrainingDistances | kFrames,
-        .excludes =
-            kMargin | kZScores | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
-        .instead = "Use --method fastable.",
-        .is_implied = [](const Settings& s, const RunChoices&) { return s.method == kLshMethod; }},
-    Choice{
-        .flag = "--method openable",
-        .excludes = kZScores | kRates | kSingleFrames,
-        .is_implied = [](const Settings& s, const RunChoices&) { return s.method == "openable"; }},
+           .is_implied = [](const Settings& s, const Features&) { return s.method == "filter"; }},
+    Choice{.flag = "--method lsh",
+           .needs = kTrainingDistances | kFrames,
+           .excludes =
+               kMargin | kZScores | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
+           .instead = "Use --method fastable.",
+           .is_implied = [](const Settings& s, const Features&) { return s.method == kLshMethod; }},
+    Choice{.flag = "--method openable",
+           .excludes = kZScores | kRates | kSingleFrames,
+           .is_implied = [](const Settings& s, const Features&) { return s.method == "openable"; }},
 
-    Choice{.flag = "--score raw",
+    Choice{.feature = Feature::raw_score,
            .needs = kRaw,
            .excludes = kZScores,
            .instead = "Omit it.",
            .is_implied = [](const Settings& s,
-                            const RunChoices&) { return !score_kind(s.score).needs_statistics; }},
-    Choice{.flag = "--fuse",
+                            const Features&) { return !score_kind(s.score).needs_statistics; }},
+    Choice{.feature = Feature::fuse,
            .needs = kFabmap | kZScores | kSequences | kFrames,
            .excludes = kRaw | kDefinition,
            .instead = "Omit --fuse and fusion_weight.",
@@ -156,7 +124,7 @@ constexpr std::array kChoices = {
            .excludes = kRaw,
            .instead = "Use --method fastable, or --score raw.",
            .is_implied =
-               [](const Settings& s, const RunChoices&) {
+               [](const Settings& s, const Features&) {
                  const ScoreKind& kind = score_kind(s.score);
                  return kind.needs_statistics && !kind.is_offline;
                }},
@@ -165,15 +133,12 @@ constexpr std::array kChoices = {
            .excludes = kRaw,
            .instead = "Use --score zscore.",
            .is_implied = [](const Settings& s,
-                            const RunChoices&) { return score_kind(s.score).is_offline; }},
-    Choice{.flag = "--rates",
-           .needs = kRates,
-           .excludes = kDefinition,
-           .instead = "Omit it, or use --method fastable with vpr-query DB.",
-           .is_implied = is_set<&Settings::rates>},
-    Choice{.flag = "--c-l", .needs = kWindows, .instead = "Omit it, or use --method fastable."},
+                            const Features&) { return score_kind(s.score).is_offline; }},
+    Choice{.feature = Feature::window_length,
+           .needs = kWindows,
+           .instead = "Omit it, or use --method fastable."},
 
-    Choice{.flag = "--decide threshold",
+    Choice{.feature = Feature::by_threshold,
            .needs = kThreshold,
            .excludes = kMargin,
            .instead = "Use --decide margin.",
@@ -183,11 +148,6 @@ constexpr std::array kChoices = {
            .excludes = kThreshold,
            .instead = "Use --decide threshold, or --method fastable.",
            .is_implied = is<&Settings::decision, Decision::margin>},
-    Choice{.flag = "--t-r",
-           .needs = kThreshold,
-           .excludes = kAutomaticThreshold,
-           .instead = "Use --margin, or --method fastable with --decide threshold.",
-           .is_implied = is_set<&Settings::distance_threshold>},
     Choice{.flag = "--t-r auto",
            .needs = kRaw,
            .instead = "Use --decide margin, --method filter or a number, as in --t-r -1.5.",
@@ -208,62 +168,29 @@ constexpr std::array kChoices = {
            .needs = kLaterFrames | kEveryScore,
            .instead = "Use bits per frame, as in --t-r 200 --t-r-scale bits.",
            .is_implied = has_relative_threshold},
-    Choice{.flag = "--safety-factor",
-           .needs = kThreshold | kRaw | kTrainingDistances | kAutomaticThreshold,
-           .instead = "Omit it.",
-           .is_implied = is_set<&Settings::safety_factor>},
-    Choice{.flag = "--margin",
-           .needs = kMargin,
-           .instead = "Use --decide margin.",
-           .is_implied = is_set<&Settings::margin>},
-    Choice{.flag = "a default --margin",
-           .needs = kTrainingDistances,
-           .instead = "Use a number, as in --margin 20, with --exclusion-frames.",
-           .is_implied =
-               [](const Settings& s, const RunChoices&) {
-                 return s.decision == Decision::margin && !s.margin;
-               }},
-    Choice{.flag = "--exclusion-frames",
-           .needs = kWindows,
-           .instead = "Use filter.near_keyframes in a configuration.",
-           .is_implied = is_set<&Settings::exclusion_frames>},
+    Choice{
+        .flag = "a default --margin",
+        .needs = kTrainingDistances,
+        .instead = "Use a number, as in --margin 20, with --exclusion-frames.",
+        .is_implied = [](const Settings& s,
+                         const Features&) { return s.decision == Decision::margin && !s.margin; }},
     Choice{.flag = "an automatic --exclusion-frames",
            .needs = kTrainingDistances,
            .instead = "Use a number, as in --exclusion-frames 20.",
            .is_implied =
-               [](const Settings& s, const RunChoices&) {
+               [](const Settings& s, const Features&) {
                  return s.decision == Decision::margin && !s.exclusion_frames;
                }},
-    Choice{.flag = "--same-place",
-           .needs = kSequences,
-           .instead = "Omit it.",
-           .is_implied = is_set<&Settings::same_place>},
-    Choice{.flag = "--only-sequence",
-           .needs = kSequences,
-           .instead = "Omit it.",
-           .is_implied = is_set<&Settings::only_sequences>},
-    Choice{.flag = "--skip-unreadable",
-           .needs = kFrames,
-           .instead = "Omit it: frames without a score never match.",
-           .is_implied = is_set<&Settings::skip_unreadable>},
 
-    Choice{.flag = "--save-matrix", .needs = kMatrix, .instead = "Omit it."},
-    Choice{.flag = "--verify",
+    Choice{.feature = Feature::save_matrix, .needs = kMatrix, .instead = "Omit it."},
+    Choice{.feature = Feature::verify,
            .needs = kDefinition | kMatrix,
            .instead = "Omit it, or use --method fastable."},
     Choice{.flag = "a --gap in seconds",
            .needs = kSeconds,
            .instead = "Use a gap in frames, as in --gap 30.",
            .is_implied = is_set<&Settings::loop_gap_s>},
-    Choice{.flag = "--descriptor",
-           .needs = kPast | kDescriptor,
-           .instead = "Use it with vpr-query loops and without a database.",
-           .is_implied = is_set<&Settings::descriptor>},
 };
-
-/// Settings that windows have and the filter lacks.
-constexpr std::array<std::string_view, 8> kWindowSettings = {
-    "c_l", "t_r", "t_r_scale", "safety_factor", "score", "rates", "decide", "exclusion_frames"};
 
 constexpr double kMostGapSeconds = 1e9;
 
@@ -335,8 +262,8 @@ void check_ranges(const Settings& settings) {
                       settings.clustering.eps));
 }
 
-void fill_implied(Settings& settings, const RunChoices& run) {
-  if (has(run, "--fuse") && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
+void fill_implied(Settings& settings, const Features& run) {
+  if (has(run, Feature::fuse) && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
   if (settings.loop && !settings.exclusion_frames && settings.loop_gap > 0)
     settings.exclusion_frames = settings.loop_gap;
   const bool is_filter = has_paths(settings);
@@ -352,27 +279,41 @@ void fill_implied(Settings& settings, const RunChoices& run) {
 
 std::span<const Choice> choices() { return kChoices; }
 
-void check_choices(const SequenceQuerySettings& settings, const RunChoices& run) {
-  std::vector<const Choice*> made;
+void check_choices(const SequenceQuerySettings& settings, const Features& run) {
+  struct Made {
+    std::string name;
+    uint32_t needs;
+    uint32_t excludes;
+    std::string_view instead;
+  };
+  std::vector<Made> made;
   for (const Choice& choice : kChoices)
-    if (has(run, choice.flag) || (choice.is_implied && choice.is_implied(settings, run)))
-      made.push_back(&choice);
-  for (const Choice* a : made)
-    for (const Choice* b : made)
-      if (const uint32_t missing = a->needs & b->excludes)
+    if ((choice.feature && has(run, *choice.feature)) ||
+        (choice.is_implied && choice.is_implied(settings, run)))
+      made.push_back({std::string(choice.name()), choice.needs, choice.excludes, choice.instead});
+  for (const SettingRow& row : sequence_setting_rows()) {
+    const std::string flag = flag_of(row.key);
+    const auto feature = enum_value<Feature>(flag);
+    if ((row.needs | row.excludes) != 0 &&
+        (is_set(settings, row.key) || (feature && has(run, *feature))))
+      made.push_back({flag, row.needs, row.excludes, row.instead});
+  }
+  for (const Made& a : made)
+    for (const Made& b : made)
+      if (const uint32_t missing = a.needs & b.excludes)
         throw Error(ErrorKind::usage,
-                    fmt::format("{} does not go with {}, which has no {}. {}", a->flag, b->flag,
-                                kFacetNames[std::countr_zero(missing)], a->instead));
+                    fmt::format("{} does not go with {}, which has no {}. {}", a.name, b.name,
+                                kFacetNames[std::countr_zero(missing)], a.instead));
 }
 
 std::string_view default_method(std::span<const std::string> given) {
-  const bool has_windows = std::ranges::any_of(given, [](const std::string& key) {
-    return std::ranges::find(kWindowSettings, key) != kWindowSettings.end();
+  const bool has_windows = std::ranges::any_of(sequence_setting_rows(), [&](const SettingRow& row) {
+    return row.is_for_windows && std::ranges::count(given, row.key) > 0;
   });
   return has_windows ? "fastable" : "filter";
 }
 
-ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, RunChoices run)
+ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, Features run)
     : settings_(std::move(settings)), run_(std::move(run)) {
   find_sequence_method(settings_.method);
   fill_implied(settings_, run_);
@@ -381,6 +322,6 @@ ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, RunChoices ru
   if (settings_.decision == Decision::threshold) settings_.threshold_scale = scale_of(settings_);
 }
 
-bool ResolvedSettings::has(std::string_view flag) const { return vpr::has(run_, flag); }
+bool ResolvedSettings::has(Feature feature) const { return vpr::has(run_, feature); }
 
 }  // namespace vpr

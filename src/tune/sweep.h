@@ -36,7 +36,7 @@ SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, u
 /// recommended cell. Frame distances are computed once (twice for thresholds relative to the
 /// largest distance): windows of all lengths come from the same pass, and the thresholds of one
 /// length from its recognitions at the largest one. `base`: the other settings, resolved with the
-/// choice kSweepChoice. Each warning is reported once. Throws as plan_query does, and Error(usage)
+/// feature sweep. Each warning is reported once. Throws as plan_query does, and Error(usage)
 /// if the recognitions of all lengths together exceed the memory limit.
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
                       const std::string& query_name, const ResolvedSettings& base, const Grid& grid,

@@ -78,7 +78,7 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
                                    SequenceQuerySettings settings, const Grid& grid,
                                    uint64_t max_incorrect, const QueryResources& resources,
                                    const Monitor& monitor) {
-  const ResolvedSettings base(settings, {kDatabaseChoice, kSweepChoice});
+  const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
   const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledQuery& query) {
     return sweep_sequences(database, query.frames, query.name, base, grid,
                            reader_of(query, monitor), resources, monitor);

@@ -314,7 +314,8 @@ TEST_CASE("libraries print no messages about images") {
     for (int i = 0; i < 6; ++i)
       write_image(out / "walk" / fmt::format("{}.png", i), static_cast<uint64_t>(i), 64, 48);
     write_text(out / "walk" / ("6" + extension), bytes);
-    return Bench::train({"--train", out / "walk", "--force", "-o", out / "x.vprdb"});
+    return run_program("vpr-train",
+                       {"fastable", "--train", out / "walk", "--force", "-o", out / "x.vprdb"});
   };
   const std::string png = encoded(".png");
   const std::string jpeg = encoded(".jpg");

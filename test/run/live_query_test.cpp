@@ -180,7 +180,7 @@ TEST_CASE("settings that need later frames are refused") {
   const Walks walks;
   const auto refused = [&](const SequenceQuerySettings& settings) {
     return test::error_kind([&] {
-      const ResolvedSettings followed(settings, {kDatabaseChoice, kLiveChoice});
+      const ResolvedSettings followed(settings, {Feature::database, Feature::live});
       LiveQuery(walks.database, "q", followed, resources(), {});
     });
   };

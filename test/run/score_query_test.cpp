@@ -187,7 +187,7 @@ TEST_CASE("a sweep of scores has the counts of single queries") {
   QueryResources resources;
   resources.kernels = select_kernels();
   SequenceQuerySettings settings = scored_settings(5);
-  const ResolvedSettings base(settings, {kDatabaseChoice, kSweepChoice});
+  const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
   const Grid grid{{5, 1, 12}, {-1.0, -4.0, -2.0}};
   const auto cells = sweep_sequences(database, query, "q", base, grid, truth, resources, {}).cells;
   REQUIRE(cells.size() == 9);

@@ -75,13 +75,13 @@ const ChosenFlag& asked(std::string_view flag) {
 /// The error for a combination of flags; empty without an error.
 std::string error_of(const std::vector<std::string_view>& flags) {
   SequenceQuerySettings settings;
-  RunChoices run;
+  Features run;
   for (const std::string_view flag : flags) {
     const ChosenFlag& one = asked(flag);
     if (one.set)
       one.set(settings);
     else
-      run.push_back(flag);
+      run.push_back(enum_value<Feature>(flag).value());
   }
   try {
     ResolvedSettings(settings, run);
@@ -229,13 +229,15 @@ TEST_CASE("choices that can be combined are accepted") {
 TEST_CASE("each facet is needed by a choice and excluded by another") {
   uint32_t needed = 0;
   uint32_t excluded = 0;
-  for (const Choice& choice : choices()) {
-    INFO(choice.flag);
-    CHECK((choice.needs & choice.excludes) == 0);
-    CHECK((choice.needs == 0) == choice.instead.empty());
-    needed |= choice.needs;
-    excluded |= choice.excludes;
-  }
+  const auto check = [&](std::string_view name, const auto& row) {
+    INFO(name);
+    CHECK((row.needs & row.excludes) == 0);
+    CHECK((row.needs == 0) == row.instead.empty());
+    needed |= row.needs;
+    excluded |= row.excludes;
+  };
+  for (const Choice& choice : choices()) check(choice.name(), choice);
+  for (const SettingRow& row : sequence_setting_rows()) check(row.key, row);
   CHECK(needed == excluded);
   CHECK(std::has_single_bit(needed + 1));
 }
@@ -260,7 +262,7 @@ TEST_CASE("resolving fills in implied settings") {
   CHECK_FALSE(filter->threshold_scale);
   settings = {};
   settings.distance_threshold = -1;
-  const ResolvedSettings fused(settings, {kDatabaseChoice, "--fuse"});
+  const ResolvedSettings fused(settings, {Feature::database, Feature::fuse});
   CHECK(fused->fusion_weight == kFusionWeight);
   CHECK(fused->score == Score::zscore);
   settings = {};

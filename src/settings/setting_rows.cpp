@@ -1,0 +1,170 @@
+#include "settings/setting_rows.h"
+
+#include <algorithm>
+
+#include "base/named_table.h"
+#include "words/model.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint32_t kBatch = in(Feature::query, Feature::matrix);
+constexpr uint32_t kOnline = in(Feature::live, Feature::loops);
+constexpr uint32_t kTuned = in(Feature::sweep, Feature::calibrate);
+constexpr uint32_t kPlaces = in(Feature::query, Feature::loops, Feature::explain);
+
+constexpr std::array kSequenceRows = {
+    SettingRow{.key = "c_l",
+               .commands = kBatch | kOnline,
+               .help = "window length c_l in frames (default: {})",
+               .is_for_windows = true},
+    SettingRow{.key = "t_r",
+               .commands = kBatch | kOnline,
+               .help = "threshold t_r of windows; a number, or auto, the smallest distance between "
+                       "two or more training sequences of a database",
+               .is_for_windows = true,
+               .needs = kThreshold,
+               .excludes = kAutomaticThreshold,
+               .instead = "Use --margin, or --method fastable with --decide threshold."},
+    SettingRow{.key = "score",
+               .group = kWindowGroup,
+               .commands = kBatch | kTuned,
+               .help = "raw (distances), zscore (normalized online per training frame) or "
+                       "zscore-offline (normalized over the whole query) (default: {})",
+               .is_for_windows = true},
+    SettingRow{.key = "score",
+               .group = kWindowGroup,
+               .commands = kOnline,
+               .help = "raw (distances) or zscore (normalized online per training frame) (default: "
+                       "{})",
+               .value = "raw|zscore",
+               .is_for_windows = true},
+    SettingRow{.key = "exclusion_frames",
+               .group = kWindowGroup,
+               .commands = kBatch | kOnline | kTuned,
+               .help = "exclusion zone: frames before and after the best match (default: the "
+                       "frames after which training sequences show another place)",
+               .is_for_windows = true,
+               .needs = kWindows,
+               .instead = "Use filter.near_keyframes in a configuration."},
+    SettingRow{.key = "decide",
+               .group = kWindowGroup,
+               .commands = kBatch | kOnline | in(Feature::sweep),
+               .help = "threshold accepts every window pair closer than --t-r, margin the best "
+                       "match if it is --margin better than the runner-up (default: {})",
+               .is_for_windows = true},
+    SettingRow{.key = "t_r_scale",
+               .group = kWindowGroup,
+               .commands = kBatch | in(Feature::sweep),
+               .help = "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for z-scores "
+                       "(default: relative or mean-z)",
+               .is_for_windows = true},
+    SettingRow{.key = "t_r_scale",
+               .group = kWindowGroup,
+               .commands = kOnline,
+               .help = "scale of t_r: bits (D / c_l); mean-z for z-scores",
+               .value = "bits|mean-z",
+               .is_for_windows = true},
+    SettingRow{.key = "margin",
+               .group = kWindowGroup,
+               .commands = kBatch | kOnline,
+               .help = "minimum difference of best match and runner-up in score per frame "
+                       "(default: 5.1 / sqrt(c_l) deviations; for raw distances 0.75 / sqrt(c_l) "
+                       "of the typical distance; filter: 15)",
+               .needs = kMargin,
+               .instead = "Use --decide margin."},
+    SettingRow{.key = "rates",
+               .group = kWindowGroup,
+               .commands = kBatch | kTuned,
+               .help = "rates of windows in training frames per query frame, as in "
+                       "1/2,2/3,1,3/2,2; the best one counts (default: 1)",
+               .value = "P/Q",
+               .is_comma_separated = true,
+               .is_for_windows = true,
+               .needs = kRates,
+               .excludes = kDefinition,
+               .instead = "Omit it, or use --method fastable with vpr-query DB."},
+    SettingRow{.key = "same_place",
+               .group = kWindowGroup,
+               .commands = kBatch | kTuned,
+               .help = "A=B: training sequences of the same place, which are in each other's "
+                       "exclusion zone; repeatable; none: all differ (default: detected)",
+               .needs = kSequences,
+               .instead = "Omit it."},
+    SettingRow{.key = "only_sequence",
+               .group = kWindowGroup,
+               .commands = kBatch | in(Feature::live),
+               .help = "training sequence to search; repeatable (default: all)",
+               .needs = kSequences,
+               .instead = "Omit it."},
+    SettingRow{.key = "safety_factor",
+               .group = kWindowGroup,
+               .commands = in(Feature::query),
+               .help = "factor of the automatic t_r (default: the database's)",
+               .is_for_windows = true,
+               .needs = kThreshold | kRaw | kTrainingDistances | kAutomaticThreshold,
+               .instead = "Omit it."},
+    SettingRow{.key = "fusion_weight",
+               .group = kWindowGroup,
+               .commands = in(Feature::query, Feature::live, Feature::sweep),
+               .help = "fusion weight, in standard deviations per nat, adapted online (default: "
+                       "0.2)"},
+    SettingRow{
+        .key = "skip_unreadable",
+        .group = kQueryGroup,
+        .commands = in(Feature::query, Feature::live, Feature::loops, Feature::explain) | kTuned,
+        .help = "ignore frames that cannot be decoded; they keep their index and never "
+                "match",
+        .needs = kFrames,
+        .instead = "Omit it: frames without a score never match."},
+    SettingRow{.key = "descriptor",
+               .group = kQueryGroup,
+               .commands = in(Feature::loops),
+               .help = "descriptor of frames, as in vpr-train fastable (default: ldb; vectors with "
+                       "--query-npy)",
+               .needs = kPast | kDescriptor,
+               .instead = "Use it with vpr-query loops and without a database."},
+};
+
+constexpr std::array kFabmapRows = {
+    SettingRow{.key = "t_p",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "probability threshold t_p of a recognition (default: {})"},
+    SettingRow{.key = "c_w",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "consecutive frames c_w that must exceed t_p (default: {})"},
+    SettingRow{.key = "variant",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "computation of likelihoods (default: {})",
+               .value = "VARIANT",
+               .choices = [] { return names_of(fabmap_variants()); }},
+    SettingRow{.key = "word_model",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "dependencies of words (default: {})"},
+    SettingRow{.key = "new_place",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "likelihood of a new place: average over the pretraining frames, or mean "
+                       "field (default: {})"},
+    SettingRow{.key = "new_place_samples",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "random pretraining frames for it; 0: all (default: {})"},
+};
+
+}  // namespace
+
+std::string flag_of(std::string_view key) {
+  std::string flag = "--" + std::string(key);
+  std::ranges::replace(flag, '_', '-');
+  return flag;
+}
+
+std::span<const SettingRow> sequence_setting_rows() { return kSequenceRows; }
+std::span<const SettingRow> fabmap_setting_rows() { return kFabmapRows; }
+
+}  // namespace vpr
