@@ -1,13 +1,17 @@
-// docs/schemas/common.schema.json defines the settings as in their structs: keys, types, names and
-// order follow visit_fields; the schema adds descriptions, and bounds that a type does not imply.
+// docs/schemas/settings.txt defines the settings as in their structs: keys, types, names and order
+// follow visit_fields; the file adds descriptions, and bounds that a type does not imply.
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <regex>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
+#include "base/mapped_file.h"
+#include "base/text.h"
 #include "bench/benches.h"
 #include "common/command.h"
 #include "present/table.h"
@@ -26,182 +30,121 @@ struct EvalOptions {
   std::optional<uint64_t> tolerance;
   TableFormat format = TableFormat::text;
 };
-template <class Visitor>
-void visit_fields(EvalOptions& options, Visitor&& visit) {
-  visit("tolerance", options.tolerance);
-  visit("format", options.format);
-}
+VPR_FIELDS(EvalOptions, tolerance, format)
 
-// The names of the definitions; a struct without a name has none.
+// The names of structs within others.
 template <class S>
-constexpr const char* kDefinition = nullptr;
+constexpr const char* kName = nullptr;
 template <>
-constexpr const char* kDefinition<ZScoreSettings> = "zscore_settings";
+constexpr const char* kName<ZScoreSettings> = "zscore_settings";
 template <>
-constexpr const char* kDefinition<FilterSettings> = "filter_settings";
+constexpr const char* kName<FilterSettings> = "filter_settings";
 template <>
-constexpr const char* kDefinition<LshSettings> = "lsh_settings";
+constexpr const char* kName<LshSettings> = "lsh_settings";
 template <>
-constexpr const char* kDefinition<ClusterSettings> = "cluster_settings";
+constexpr const char* kName<ClusterSettings> = "cluster_settings";
 template <>
-constexpr const char* kDefinition<PosteriorSettings> = "posterior_settings";
+constexpr const char* kName<PosteriorSettings> = "posterior_settings";
 template <>
-constexpr const char* kDefinition<StatisticsSettings> = "statistics_settings";
+constexpr const char* kName<StatisticsSettings> = "statistics_settings";
 template <>
-constexpr const char* kDefinition<FeatureSettings> = "feature_settings";
+constexpr const char* kName<FeatureSettings> = "feature_settings";
 
-Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + definition}}; }
-
-// A part of `old`, or an empty object.
-Json part(const Json& old, const std::string& key) {
-  return old.is_object() && old.contains(key) ? old[key] : Json::object();
-}
-
+// A type in the notation of scripts/schemas.py.
 template <class T>
-Json schema_of(const Json& old);
-
-template <class T>
-Json type_of(const Json& old) {
+std::string type_of() {
   if constexpr (Settings<T>) {
-    return reference(kDefinition<T>);
+    return fmt::format("@{}", kName<T>);
   } else if constexpr (detail::kIsOptional<T>) {
     using Value = typename T::value_type;
-    if constexpr (std::is_enum_v<Value>) {
-      Json schema = type_of<Value>({});
-      schema["enum"].push_back("auto");
-      return schema;
-    } else {
-      return reference(std::is_floating_point_v<Value> ? "auto_number" : "auto_count");
-    }
+    if constexpr (std::is_enum_v<Value>) return type_of<Value>() + "|'auto'";
+    return std::is_floating_point_v<Value> ? "@auto_number" : "@auto_count";
   } else if constexpr (detail::kIsList<T>) {
-    return {{"type", "array"}, {"items", schema_of<typename T::value_type>(part(old, "items"))}};
+    return fmt::format("[{}]", type_of<typename T::value_type>());
   } else if constexpr (std::is_enum_v<T>) {
-    return {{"enum", kEnumNames<T>}};
+    return fmt::format("'{}'", fmt::join(kEnumNames<T>, "'|'"));
   } else if constexpr (std::is_same_v<T, bool>) {
-    return {{"type", "boolean"}};
+    return "bool";
   } else if constexpr (std::is_integral_v<T>) {
-    Json schema = {{"type", "integer"}};
-    if (std::is_unsigned_v<T> && !old.contains("minimum")) schema["minimum"] = 0;
-    return schema;
-  } else if constexpr (std::is_floating_point_v<T>) {
-    return {{"type", "number"}};
+    return std::is_unsigned_v<T> ? "count" : "integer";
   } else {
-    static_assert(std::is_same_v<T, std::string>);
-    return {{"type", "string"}};
+    return std::is_floating_point_v<T> ? "number" : "string";
   }
 }
 
-template <class T>
-Json schema_of(const Json& old) {
-  Json schema = Json::object();
-  if (old.contains("description")) schema["description"] = old["description"];
-  schema.update(type_of<T>(old.is_object() ? old : Json::object()));
-  for (const char* bound : {"exclusiveMinimum", "minimum", "maximum", "pattern"})
-    if (old.contains(bound)) schema[bound] = old[bound];
-  return schema;
-}
-
-// Settings that other definitions extend: each key is optional, and other keys are permitted.
+// The lines of a struct; each keeps the "?", bounds and description of the old line with its key.
 template <class S>
-Json open(const Json& old) {
+std::string lines_of(const std::map<std::string, std::string>& old_lines) {
+  static const std::regex kBounds("(>=|<=|>)[-0-9.]+|~\\S+?(?=\\]*$)");
+  std::string lines;
   S settings;
-  Json properties = Json::object();
   visit_fields(settings, [&]<class T>(const char* key, T&) {
-    properties[key] = schema_of<T>(part(part(old, "properties"), key));
+    const auto old = old_lines.find(key);
+    const std::string line = old == old_lines.end() ? fmt::format("  {}: ", key) : old->second;
+    const size_t type_at = line.find(": ") + 2;
+    const size_t end = std::min(line.size(), line.find("  ", type_at));
+    const std::string type = line.substr(type_at, end - type_at);
+    std::string unbounded = std::regex_replace(type, kBounds, "");
+    const std::string expected = type_of<T>();
+    if (std::is_integral_v<T> && (type == "count" || type.starts_with("integer>=")))
+      unbounded = expected;  // with a bound
+    lines += line.substr(0, type_at) + (unbounded == expected ? type : expected) +
+             line.substr(end) + "\n";
   });
-  return {{"type", "object"}, {"properties", properties}};
+  return lines;
 }
 
-// Settings within others: each key is optional, and other keys are not permitted.
-template <class S>
-Json closed(const Json& old) {
-  Json schema = open<S>(old);
-  schema["additionalProperties"] = false;
-  return schema;
-}
+using Generator = std::string (*)(const std::map<std::string, std::string>& old_lines);
 
-template <class S>
-Json keys() {
-  S settings;
-  Json keys = Json::array();
-  visit_fields(settings, [&](const char* key, auto&) { keys.push_back(key); });
-  return keys;
-}
-
-// Settings in a file: all keys are present, each with the value that was used. Some settings of
-// sequence methods depend on others, as defined in the schema.
-template <class S>
-Json stored(const Json& old) {
-  S settings;
-  Json properties = Json::object();
-  visit_fields(settings, [&]<class T>(const char* key, T&) {
-    if constexpr (Settings<T>) {
-      properties[key] = {{"required", keys<T>()}};
-    } else if constexpr (detail::kIsOptional<T>) {
-      if (std::is_enum_v<typename T::value_type>) properties[key] = {{"not", {{"const", "auto"}}}};
-    }
-  });
-  Json schema = {{"$ref", part(old, "$ref")}};
-  if (!properties.empty()) schema["properties"] = properties;
-  const bool has_conditions = std::is_same_v<S, SequenceQuerySettings>;
-  schema["required"] = has_conditions ? part(old, "required") : keys<S>();
-  if (has_conditions)
-    for (const char* key : {"dependentRequired", "if", "then", "else"})
-      if (old.contains(key)) schema[key] = old[key];
-  schema["unevaluatedProperties"] = false;
-  return schema;
-}
-
-using Generator = Json (*)(const Json& old);
-
-// The places of settings in schemas: the file, and the path in it.
-const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& places() {
-  static const std::vector<std::pair<std::string, std::map<std::string, Generator>>> kPlaces = {
-      {"common",
-       {{"/$defs/sequence_query_settings", open<SequenceQuerySettings>},
-        {"/$defs/fabmap_query_settings", open<FabmapQuerySettings>},
-        {"/$defs/common_options", open<CommonOptions>},
-        {"/$defs/sequence_train_settings", open<SequenceTrainSettings>},
-        {"/$defs/fabmap_train_settings", open<FabmapTrainSettings>},
-        {"/$defs/descriptor_settings", open<DescriptorSettings>},
-        {"/$defs/eval_options", open<EvalOptions>},
-        {"/$defs/matching_bench_settings", open<MatchingBenchSettings>},
-        {"/$defs/describe_bench_settings", open<DescribeBenchSettings>},
-        {"/$defs/fabmap_bench_settings", open<FabmapBenchSettings>},
-        {"/$defs/realtime_bench_settings", open<RealtimeBenchSettings>},
-        {"/$defs/zscore_settings", closed<ZScoreSettings>},
-        {"/$defs/filter_settings", closed<FilterSettings>},
-        {"/$defs/lsh_settings", closed<LshSettings>},
-        {"/$defs/cluster_settings", closed<ClusterSettings>},
-        {"/$defs/posterior_settings", closed<PosteriorSettings>},
-        {"/$defs/statistics_settings", closed<StatisticsSettings>},
-        {"/$defs/feature_settings", closed<FeatureSettings>},
-        {"/$defs/stored_sequence_query_settings", stored<SequenceQuerySettings>},
-        {"/$defs/stored_fabmap_query_settings", stored<FabmapQuerySettings>},
-        {"/$defs/stored_descriptor_settings", stored<DescriptorSettings>},
-        {"/$defs/stored_fabmap_train_settings", stored<FabmapTrainSettings>}}},
-      {"bench",
-       {{"/properties/settings/anyOf/0", stored<MatchingBenchSettings>},
-        {"/properties/settings/anyOf/1", stored<DescribeBenchSettings>},
-        {"/properties/settings/anyOf/2", stored<FabmapBenchSettings>},
-        {"/properties/settings/anyOf/3", stored<RealtimeBenchSettings>}}}};
-  return kPlaces;
-}
+const std::map<std::string, Generator> kGenerators = {
+    {"sequence_query_settings", lines_of<SequenceQuerySettings>},
+    {"fabmap_query_settings", lines_of<FabmapQuerySettings>},
+    {"common_options", lines_of<CommonOptions>},
+    {"sequence_train_settings", lines_of<SequenceTrainSettings>},
+    {"fabmap_train_settings", lines_of<FabmapTrainSettings>},
+    {"descriptor_settings", lines_of<DescriptorSettings>},
+    {"eval_options", lines_of<EvalOptions>},
+    {"matching_bench_settings", lines_of<MatchingBenchSettings>},
+    {"describe_bench_settings", lines_of<DescribeBenchSettings>},
+    {"fabmap_bench_settings", lines_of<FabmapBenchSettings>},
+    {"realtime_bench_settings", lines_of<RealtimeBenchSettings>},
+    {"zscore_settings", lines_of<ZScoreSettings>},
+    {"filter_settings", lines_of<FilterSettings>},
+    {"lsh_settings", lines_of<LshSettings>},
+    {"cluster_settings", lines_of<ClusterSettings>},
+    {"posterior_settings", lines_of<PosteriorSettings>},
+    {"statistics_settings", lines_of<StatisticsSettings>},
+    {"feature_settings", lines_of<FeatureSettings>}};
 
 }  // namespace
 
 TEST_CASE("settings are described in the schemas as programs read and write them") {
-  const char* mode = std::getenv("VPR_SCHEMAS");
-  for (const auto& [name, generators] : places()) {
-    const auto path = source_path(fmt::format("docs/schemas/{}.schema.json", name));
-    Json schema = read_json(path, ErrorKind::input);
-    for (const auto& [where, generate] : generators) {
-      Json& old = schema[Json::json_pointer(where)];
-      const Json expected = generate(old);
-      INFO(path.string() << where << ": run scripts/schemas.sh, and describe what is new");
-      if (mode == nullptr) CHECK(old == expected);
-      old = expected;
+  const auto path = source_path("docs/schemas/settings.txt");
+  const std::string text = read_whole_file(path);
+  std::string expected;
+  size_t described = 0;
+  const auto lines = split_lines(text);
+  for (size_t i = 0; i < lines.size();) {
+    const std::string head(lines[i++]);
+    expected += head + "\n";
+    std::map<std::string, std::string> keys;
+    std::string rest;  // lines without a key
+    std::string block;
+    for (; i < lines.size() && lines[i].starts_with("  "); ++i) {
+      const std::string line(lines[i]);
+      block += line + "\n";
+      if (line.starts_with("  stored + "))
+        rest += line + "\n";
+      else
+        keys[line.substr(2, line.find_first_of("?:") - 2)] = line;
     }
-    if (mode != nullptr) std::ofstream(path) << to_text(schema);
+    const bool is_settings = head.starts_with("settings ");
+    described += is_settings ? 1 : 0;
+    expected +=
+        is_settings ? kGenerators.at(head.substr(9, head.find(':') - 9))(keys) + rest : block;
   }
+  CHECK(described == kGenerators.size());
+  if (std::getenv("VPR_SCHEMAS") != nullptr) std::ofstream(path) << expected;
+  INFO("run scripts/schemas.sh, and describe what is new");
+  CHECK((text == expected || std::getenv("VPR_SCHEMAS") != nullptr));
 }
