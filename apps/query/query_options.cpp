@@ -301,6 +301,9 @@ std::string summary_text(const Result& result, const Session& session) {
   text += recognized == 0 ? ".\n" : ":\n";
   text += ranges_text(result, session.options.verbose ? SIZE_MAX : kRanges);
   text += fmt::format("Settings: {}\n", settings_text(result));
+  if (result.path && result.path->reversed_frames)
+    text += fmt::format("Check: with reversed training sequences, {} would be recognized\n",
+                        counted(*result.path->reversed_frames, "frame"));
   const std::string& output = session.options.output;
   const bool is_loop =
       std::visit([](const auto& settings) { return settings.loop; }, result.settings);

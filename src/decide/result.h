@@ -58,6 +58,9 @@ struct ResultPath {
   std::vector<uint32_t> numbers;  ///< of the path, from 1 on; 0: an unreadable frame
   /// The query frame at which each was recognized, itself or a later one; nullopt: it was not.
   std::vector<std::optional<uint32_t>> decided;
+  /// Query frames that would be recognized if the training sequences were in reverse order.
+  /// Nullopt: not counted.
+  std::optional<size_t> reversed_frames = {};
 
   /// Unknown values for this number of query frames.
   explicit ResultPath(size_t frames = 0) : rates(frames), numbers(frames, 0), decided(frames) {}

@@ -168,6 +168,8 @@ Json result_json(const Result& result, const ResultContext& context) {
   if (result.places)
     json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
   json["totals"] = {{"recognitions", result.recognitions.size()}};
+  if (result.path && result.path->reversed_frames)
+    json["totals"]["reversed_frames"] = *result.path->reversed_frames;
   if (result.recall)
     json["recall"] = {{"windows", result.recall->windows},
                       {"found_best", result.recall->found_best},

@@ -254,6 +254,8 @@ void read_path(const ResultSource& source, Result& result) {
     path.numbers[frame] = static_cast<uint32_t>(row[1]);
     if (!std::isnan(row[2])) path.decided[frame] = static_cast<uint32_t>(row[2]);
   }
+  const Fields totals = source.fields.object("totals");
+  if (totals.has("reversed_frames")) path.reversed_frames = totals.count("reversed_frames", frames);
   for (const Match& recognition : result.recognitions)
     if (!path.decided[anchor_of(recognition.query, result.window_length())])
       source.refuse("path", "does not say when a recognized frame was decided");

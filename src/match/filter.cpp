@@ -187,6 +187,19 @@ void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
   find_values(state);
 }
 
+void add_decoys(FilterCells& cells) {
+  cells.decoys = cells.size();
+  for (size_t r = cells.runs.size(); r-- > 0;) {
+    CellStretch run = cells.runs[r];
+    const auto first = cells.frames.begin() + static_cast<ptrdiff_t>(run.first);
+    std::vector<uint32_t> frames(first, first + static_cast<ptrdiff_t>(run.count));
+    cells.frames.resize(cells.size() + kLongestStep, 0);
+    run.first = cells.size();
+    cells.frames.insert(cells.frames.end(), frames.rbegin(), frames.rend());
+    cells.runs.push_back(run);
+  }
+}
+
 FilterCells find_cells(const FrameDistances& distances, double least_change) {
   FilterCells cells;
   for (const FrameStretch& run : distances.train_runs) {
@@ -204,6 +217,7 @@ FilterCells find_cells(const FrameDistances& distances, double least_change) {
     added.count = cells.size() - added.first;
     cells.places += added.count;
   }
+  add_decoys(cells);
   return cells;
 }
 

@@ -27,24 +27,32 @@ struct CellStretch {
   size_t frames_end = 0;  ///< one past the last frame of the run
 };
 
+/// The cells of all runs, and after them decoys: the same runs in reverse order, last run first.
+/// Paths through decoys show what chance, a standing camera and the way back look like.
 struct FilterCells {
   /// The first frame of every cell's keyframe, in all training frames. Unspecified for a cell that
   /// is not a place.
   std::vector<uint32_t> frames;
-  std::vector<CellStretch> runs;  ///< increasing
-  size_t places = 0;              ///< number of cells that are places
+  std::vector<CellStretch> runs;  ///< increasing; the second half are decoys
+  size_t places = 0;              ///< number of cells that are places, without decoys
+  size_t decoys = 0;              ///< the first cell of the decoys
 
   size_t size() const { return frames.size(); }
+  std::span<const CellStretch> trained() const { return std::span(runs).first(runs.size() / 2); }
+  bool is_decoy(size_t cell) const { return cell >= decoys; }
 };
 
 /// Every run begins with a keyframe; a frame that differs by at least least_change from the last
 /// keyframe of its run is a keyframe.
 FilterCells find_cells(const FrameDistances& distances, double least_change);
 
+/// Adds the decoys of all runs, as the second half of the runs.
+void add_decoys(FilterCells& cells);
+
 /// The run that contains a place.
 const CellStretch& run_of(const FilterCells& cells, size_t cell);
 
-/// One past the last frame of the keyframe of a place in the run.
+/// One past the last frame of the keyframe of a place in the run, which is not a decoy.
 size_t keyframe_end(const FilterCells& cells, const CellStretch& run, size_t cell);
 
 /// The prior of a rate, and of each of its steps: kFirstSteps[r] and more keyframes of the training
@@ -65,7 +73,7 @@ inline constexpr double kMostEvidence = 8;
 
 /// The state after some keyframes of a query: the mass of each cell and rate is the sum over all
 /// paths that end there, each the product of its likelihood ratios to unrelated places. At each
-/// keyframe a path of mass 1 begins at every place. 64 bytes per place, and 4 for each of the
+/// keyframe a path of mass 1 begins at every place. 64 bytes per cell, and 4 for each of the
 /// earlier values.
 struct FilterState {
   FilterCells cells;

@@ -8,10 +8,15 @@
 namespace vpr {
 namespace {
 
+// Largest mean distance of a recognized path, as a share of the typical distance of unrelated
+// training frames: paths of other buildings are farther (docs/experiments/filter.md).
+constexpr double kFarthest = 1.05;
+
 /// A query filtered frame by frame. Valid for one FrameDistances, of z-scores.
 struct FilteredQuery {
   FilterState filter;
   PathTrack track;
+  PathTrack reversed;             ///< against the direction of the training sequences
   double least_change = 0;        ///< frame distance between keyframes
   std::vector<uint16_t> scores;   ///< of the last frame to all training frames
   std::vector<uint32_t> row;      ///< of the last frame: values of all training frames
@@ -39,7 +44,7 @@ void write_keyframes(FilteredQuery& query) {
   const uint32_t* frames = cells.frames.data();
   const uint32_t* values = query.filter.values.data();
   uint32_t* row = query.row.data();
-  for (const CellStretch& run : cells.runs) {
+  for (const CellStretch& run : cells.trained()) {
     const size_t last = run.first + run.count - 1;
     for (size_t cell = run.first; cell < last; ++cell)
       for (size_t frame = frames[cell]; frame < frames[cell + 1]; ++frame)
@@ -58,12 +63,18 @@ void write_best(FilteredQuery& query, size_t position) {
   query.row[position] = best.value;
 }
 
+// The training frames of the run of a cell. Decoys are in reverse order.
+const FrameStretch& stretch_of(const FilterCells& cells, const FrameDistances& distances,
+                               size_t cell) {
+  const auto run = static_cast<size_t>(&run_of(cells, cell) - cells.runs.data());
+  return distances.train_runs[std::min(run, cells.runs.size() - 1 - run)];
+}
+
 // The matches of the query frames of a keyframe before `end`.
 void add_matches(FilteredQuery& query, const FrameDistances& distances,
                  const PathKeyframe& keyframe, size_t first, size_t end, double rate) {
   const FilterCells& cells = query.filter.cells;
-  const auto run = static_cast<size_t>(&run_of(cells, keyframe.cell) - cells.runs.data());
-  const FrameStretch& frames = distances.train_runs[run];
+  const FrameStretch& frames = stretch_of(cells, distances, keyframe.cell);
   for (size_t frame = first; frame < end; ++frame) {
     const size_t position = position_at(cells, keyframe, frame, rate);
     query.matches.push_back(
@@ -73,10 +84,19 @@ void add_matches(FilteredQuery& query, const FrameDistances& distances,
   }
 }
 
-PathReport report_at(FilteredQuery& query, const FrameDistances& distances, size_t frame,
-                     bool is_new) {
+// The report at a query frame, without rate and matches.
+PathReport report_at(const PathTrack& track, size_t frame) {
+  const size_t open = open_keyframes(track);
+  const size_t settled = open == 0 ? frame + 1 : track.recent[track.recent.size() - open].frame;
+  return {track.number, track.margin, track.recent.front().frame, settled};
+}
+
+// The report of the path in the direction of the training sequences.
+PathReport full_report_at(FilteredQuery& query, const FrameDistances& distances, size_t frame,
+                          bool is_new) {
   const PathTrack& track = query.track;
-  const std::optional<double> rate = recent_rate(track, query.filter.cells);
+  PathReport report = report_at(track, frame);
+  report.rate = recent_rate(track, query.filter.cells);
   const size_t open = open_keyframes(track);
   const size_t keyframes = track.recent.size();
   const size_t first = keyframes - std::min(keyframes, is_new ? open + 1 : 1);
@@ -85,10 +105,10 @@ PathReport report_at(FilteredQuery& query, const FrameDistances& distances, size
     const size_t end = k + 1 < keyframes ? track.recent[k + 1].frame : frame + 1;
     const size_t begin = is_new ? track.recent[k].frame : frame;
     // A path with few keyframes is assumed to have the speed of the training sequence.
-    add_matches(query, distances, track.recent[k], begin, end, rate.value_or(1));
+    add_matches(query, distances, track.recent[k], begin, end, report.rate.value_or(1));
   }
-  const size_t settled = open == 0 ? frame + 1 : track.recent[keyframes - open].frame;
-  return {track.number, track.margin, track.recent.front().frame, settled, rate, query.matches};
+  report.matches = query.matches;
+  return report;
 }
 
 FilteredQuery start_filtered(const FrameDistances& distances, const MatchSettings& settings) {
@@ -99,6 +119,9 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   query.track.settings = settings.filter;
   query.track.kernels = settings.kernels;
   query.track.overlapping = settings.overlapping_sequences;
+  query.track.farthest = kFarthest * distances.typical_distance;
+  query.reversed = query.track;
+  query.reversed.follows_decoys = true;
   query.scores.resize(distances.train_frames + kBlockFrames);
   query.row.resize(distances.train_frames);
   return query;
@@ -108,7 +131,20 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
 void restart(FilteredQuery& query) {
   restart_filter(query.filter);
   query.track.keyframes = 0;
+  query.reversed.keyframes = 0;
   query.keyframe.clear();
+}
+
+// The distance of the last keyframe to the best place of a track; 0 for precomputed distances.
+uint32_t distance_to_best(const FilteredQuery& query, const PathTrack& track,
+                          const FrameDistances& distances) {
+  if (distances.query.precomputed != nullptr) return 0;
+  const FilterCells& cells = query.filter.cells;
+  const size_t cell = best_place(track, query.filter);
+  const FrameStretch& run = stretch_of(cells, distances, cell);
+  const DescriptorRows& rows = distances.train[run.sequence].rows;
+  const size_t frame = cells.frames[cell] - run.first + run.first_in_sequence;
+  return distance_of(rows.shape.element).pair(query.keyframe, rows[frame]);
 }
 
 // Adds the next readable query frame and writes its row. There must be a place.
@@ -121,10 +157,12 @@ PathReport add_frame(FilteredQuery& query, const FrameDistances& distances,
     const DescriptorRow row = distances.query.rows[frame.row];
     query.keyframe.assign(row.begin(), row.end());
     advance_filter(query.filter, query.scores);
-    follow_keyframe(query.track, query.filter, frame.number);
+    for (PathTrack* track : {&query.track, &query.reversed})
+      follow_keyframe(*track, query.filter, frame.number,
+                      distance_to_best(query, *track, distances));
     write_keyframes(query);
   }
-  const PathReport report = report_at(query, distances, frame.number, is_new);
+  const PathReport report = full_report_at(query, distances, frame.number, is_new);
   write_best(query, position_at(query.filter.cells, query.track.recent.back(), frame.number,
                                 report.rate.value_or(1)));
   return report;
@@ -140,7 +178,11 @@ WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t
         if (frame.consecutive_readable == 0 || query->filter.cells.places == 0) return;
         const PathReport report = add_frame(*query, rows, frame);
         std::vector<ScoreRow> row = whole_row(rows, 1, frame.number, query->row);
-        for (ScoreRow& piece : row) piece.path = &report;
+        const PathReport reversed = report_at(query->reversed, frame.number);
+        for (ScoreRow& piece : row) {
+          piece.path = &report;
+          piece.reversed = &reversed;
+        }
         if (!row.empty()) consume(0, row);
       };
 }

@@ -12,12 +12,6 @@ uint32_t least_of(const PathTrack& track, const FilterState& state, size_t first
   return first < last ? track.kernels.minimum(state.values.data() + first, last - first) : kNoValue;
 }
 
-size_t best_cell(const PathTrack& track, const FilterState& state) {
-  const std::vector<uint32_t>& values = state.values;
-  const uint32_t least = track.kernels.minimum(values.data(), values.size());
-  return track.kernels.find_below(values.data(), 0, values.size(), least + 1);
-}
-
 bool continues_path(const PathTrack& track, const FilterState& state, size_t cell) {
   if (track.keyframes == 0) return false;
   const size_t last = track.recent.back().cell;
@@ -28,20 +22,34 @@ bool continues_path(const PathTrack& track, const FilterState& state, size_t cel
 
 // The smallest value of a runner-up and of a new path.
 uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_t cell) {
-  const size_t sequence = run_of(state.cells, cell).sequence;
+  const FilterCells& cells = state.cells;
+  const size_t sequence = run_of(cells, cell).sequence;
   const size_t near = track.settings.near_keyframes;
   const size_t before = cell - std::min(cell, near);  // the first near cell
   uint32_t least = kNewPathValue;
-  for (const CellStretch& run : state.cells.runs) {
+  for (const CellStretch& run : cells.runs) {
     const size_t end = run.first + run.count;
-    if (run.sequence == sequence) {
+    const bool has_direction = cells.is_decoy(run.first) == cells.is_decoy(cell);
+    if (has_direction && run.sequence == sequence) {
       least = std::min({least, least_of(track, state, run.first, std::min(end, before)),
                         least_of(track, state, std::max(run.first, cell + near + 1), end)});
-    } else if (track.overlapping.empty() || track.overlapping[sequence][run.sequence] == 0) {
+    } else if (!has_direction || track.overlapping.empty() ||
+               track.overlapping[sequence][run.sequence] == 0) {
       least = std::min(least, least_of(track, state, run.first, end));
     }
   }
   return least;
+}
+
+// Whether the last path_keyframes of the path move, and are close to their places.
+bool is_plausible(const PathTrack& track) {
+  const size_t count = std::max<size_t>(track.settings.path_keyframes, 1);
+  const auto first = track.recent.end() - static_cast<ptrdiff_t>(count);
+  uint64_t distances = 0;
+  for (auto keyframe = first; keyframe != track.recent.end(); ++keyframe)
+    distances += keyframe->distance;
+  return track.recent.back().cell >= first->cell + count / 4 &&
+         static_cast<double>(distances) <= track.farthest * static_cast<double>(count);
 }
 
 // The place before a step to `cell`. kLongestStep cells before a run are not places.
@@ -68,19 +76,27 @@ size_t open_keyframes(const PathTrack& track) {
   return std::min<size_t>(track.keyframes, track.settings.path_keyframes / 2);
 }
 
-void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame) {
-  const size_t cell = best_cell(track, state);
+size_t best_place(const PathTrack& track, const FilterState& state) {
+  const size_t first = track.follows_decoys ? state.cells.decoys : 0;
+  const size_t last = track.follows_decoys ? state.cells.size() : state.cells.decoys;
+  const uint32_t least = least_of(track, state, first, last);
+  return track.kernels.find_below(state.values.data(), first, last, least + 1);
+}
+
+void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
+                     uint32_t distance) {
+  const size_t cell = best_place(track, state);
   if (!continues_path(track, state, cell)) {
     track.keyframes = 0;
     track.recent.clear();
     ++track.number;
   }
   ++track.keyframes;
-  track.recent.push_back({query_frame, cell, state.values[cell]});
+  track.recent.push_back({query_frame, cell, state.values[cell], distance});
   if (track.recent.size() > track.settings.path_keyframes * 3 / 2 + 1) track.recent.pop_front();
   trace_back(track, state);
   track.margin = 0;
-  if (track.keyframes < track.settings.path_keyframes) return;
+  if (track.keyframes < track.settings.path_keyframes || !is_plausible(track)) return;
   const uint32_t runner_up = runner_up_value(track, state, cell);
   track.margin = runner_up - std::min(runner_up, state.values[cell]);
 }

@@ -55,7 +55,8 @@ struct ScoreRow {
   std::span<const uint32_t> scores;
   /// for windows of several rates: the index of each cell's rate
   std::span<const uint8_t> rates = {};
-  const PathReport* path = nullptr;  ///< of the filter
+  const PathReport* path = nullptr;      ///< of the filter
+  const PathReport* reversed = nullptr;  ///< against the direction; without rate and matches
 };
 
 /// Cells [first, first + count) of a row.

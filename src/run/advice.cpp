@@ -127,18 +127,17 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
           "record a longer walk, or use windows (--c-l).",
           counted(keyframes, "keyframe"), needed));
     const size_t frames = query.rows().size();
-    const auto at = [&](const char* speed) {
-      return filtered(database, selected(query, at_speed(speed, frames, 1)), settings, resources,
-                      monitor);
-    };
-    if (const Result reversed = at("reversed"); !needs_advice(reversed))
-      return wrapped(
-          fmt::format("In reverse order (--speed reversed), {} are recognized.", found(reversed)));
-    if (const Result faster = at("3"); !needs_advice(faster))
+    if (const size_t reversed = *forward.path->reversed_frames; kFewest * reversed >= frames)
+      return wrapped(fmt::format(
+          "The query walked in the opposite direction: with reversed training sequences, {} of {} "
+          "are recognized. Train the way back as another sequence.",
+          reversed, counted(frames, "frame")));
+    if (const Result faster = filtered(database, selected(query, at_speed("3", frames, 1)),
+                                       settings, resources, monitor);
+        !needs_advice(faster))
       return wrapped(
           fmt::format("With every third query frame (--speed 3), {} are recognized: the query is "
-                      "slower than half "
-                      "the trained speed.",
+                      "slower than half the trained speed.",
                       found(faster)));
     const Monitor silent = {{}, {}, monitor.stop};
     if (const Result slower =
@@ -149,8 +148,8 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
           "trained speed. Train with fewer frames per second (--fps).",
           found(slower)));
     return wrapped(fmt::format(
-        "At 0.5 to 2 times the trained speed, {} are recognized, and no more in reverse order, or "
-        "with every third frame of either side: {} may show another place.",
+        "At 0.5 to 2 times the trained speed, {} are recognized, and no more in the "
+        "opposite direction, or with every third frame of either side: {} may show another place.",
         found(forward), forward.recognitions.empty() ? "the query" : "the others"));
   }
   const auto rate = recognized_rate(forward);

@@ -139,6 +139,7 @@ PathRows::PathRows(const QueryPlan& plan)
     : plan_(plan),
       decisions_(std::get<ByPath>(plan.decision).least_margin),
       steps_(plan.query_sequence.frames),
+      reversed_(plan.query_sequence.frames),
       found_{{}, std::vector<std::optional<Cell>>(plan.query_sequence.frames)},
       path_(plan.query_sequence.frames) {}
 
@@ -147,6 +148,7 @@ void PathRows::operator()(std::span<const ScoreRow> row) {
   const size_t frame = row.front().query_window;
   steps_[frame] = report;
   steps_[frame].matches = {};
+  reversed_[frame] = *row.front().reversed;
   for (const Cell& match : report.matches) found_.best[match.query_window] = match;
   path_.rates[frame] = report.rate;
   path_.numbers[frame] = report.path;
@@ -166,6 +168,10 @@ Result PathRows::result(const ResolvedSettings& settings) {
   std::vector<std::optional<uint32_t>> margins(settled.size());
   for (size_t frame = 0; frame < margins.size(); ++frame)
     if (found_.best[frame]) margins[frame] = settled[frame];
+  const uint32_t least = std::get<ByPath>(plan_.decision).least_margin;
+  const std::vector<uint32_t> reversed = settled_margins(std::move(reversed_));
+  path_.reversed_frames = static_cast<size_t>(
+      std::ranges::count_if(reversed, [&](uint32_t margin) { return margin >= least; }));
   Result result = make_result(plan_, settings, found_, margins);
   result.path = std::move(path_);
   return result;

@@ -46,7 +46,8 @@ class PathRows {
 
   const QueryPlan& plan_;
   PathDecisions decisions_;
-  std::vector<PathReport> steps_;  ///< by query frame, without matches
+  std::vector<PathReport> steps_;     ///< by query frame, without matches
+  std::vector<PathReport> reversed_;  ///< the same against the direction
   RecognitionScanResult found_;
   ResultPath path_;
 };

@@ -241,7 +241,7 @@ TEST_CASE(
   const auto is_answer = [&](const std::string& text, const std::string& part) {
     INFO(text);
     CHECK(has(text, part));
-    CHECK(has(text, "\nSettings: filter, margin 15\n"));
+    CHECK(has(text, "\nSettings: filter, margin 14\n"));
     CHECK(lines_of(text).size() <= 12);
     for (const std::string& line : lines_of(text))
       CHECK(line.size() <= 80 + out.path().string().size());
@@ -249,7 +249,8 @@ TEST_CASE(
   is_answer(query("one"), ", 1.0x\n");
   is_answer(query("one"), "Next: vpr-eval ");
   is_answer(query("one", {"--speed", "2"}), ", 2.0x\n");
-  is_answer(query("again", {"--speed", "reversed"}), "In reverse order (--speed reversed), ");
+  is_answer(query("again", {"--speed", "reversed"}),
+            "The query walked in the opposite direction: ");
   is_answer(query("other@0:12"), " (frames that differ clearly), and the filter needs");
   // A result repeats its run.
   query("one");

@@ -29,13 +29,20 @@ struct Places {
       for (size_t i = 0; i < count; ++i)
         state.cells.frames.push_back(static_cast<uint32_t>(first_frame + 2 * i));
     }
+    add_decoys(state.cells);
     state.values.assign(state.cells.size(), kNoValue);
+    track.farthest = 100;
     state.earlier.assign(track.settings.path_keyframes / 2, state.values);
     track.kernels = select_kernels();
   }
 
   size_t cell(size_t sequence, size_t place) const {
     return state.cells.runs[sequence].first + place;
+  }
+
+  // The same place in the other direction.
+  size_t decoy(size_t sequence, size_t place) const {
+    return state.cells.size() - 1 - cell(sequence, place) + kLongestStep;
   }
 
   // The next keyframe, without evidence.
@@ -47,10 +54,11 @@ struct Places {
                   kNewPathValue + 2 * kUnit);
   }
 
-  void see(size_t sequence, size_t place, size_t query_frame, uint32_t evidence = 24 * kUnit) {
+  void see(size_t sequence, size_t place, size_t query_frame, uint32_t evidence = 24 * kUnit,
+           uint32_t distance = 50) {
     advance();
     state.values[cell(sequence, place)] = kNewPathValue - evidence;
-    follow_keyframe(track, state, query_frame);
+    follow_keyframe(track, state, query_frame, distance);
   }
 
   size_t open() const { return open_keyframes(track); }
@@ -77,9 +85,42 @@ TEST_CASE("a place with less evidence than a new path has no margin") {
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
   places.advance();
   places.state.values[places.cell(0, 20)] = kNewPathValue + kUnit;
-  follow_keyframe(places.track, places.state, 20);
+  follow_keyframe(places.track, places.state, 20, 50);
   CHECK(places.track.keyframes == 21);
   CHECK(places.track.margin == 0);
+}
+
+TEST_CASE("a path without motion, or farther than unrelated frames, has no margin") {
+  Places moving;
+  Places standing;
+  Places far;
+  for (size_t view = 0; view < 32; ++view) {
+    moving.see(0, (view + 1) / 4, view, 24 * kUnit, 100);  // 4 places in 16 keyframes
+    standing.see(0, view / 6, view);
+    far.see(0, view, view, 24 * kUnit, view == 31 ? 101 : 100);
+    INFO(view);
+    CHECK(standing.track.margin == 0);
+    CHECK(far.track.margin == (view >= 15 && view < 31 ? 24 * kUnit : 0));
+  }
+  CHECK(moving.track.margin == 24 * kUnit);
+}
+
+TEST_CASE("the same places in the other direction compete, however near, and have a path as well") {
+  Places places;
+  PathTrack reversed = places.track;
+  reversed.follows_decoys = true;
+  for (size_t view = 0; view < 20; ++view) {
+    places.advance();
+    places.state.values[places.cell(0, 10 + view)] = kNewPathValue - 9 * kUnit;
+    places.state.values[places.decoy(0, 29 - view)] = kNewPathValue - 24 * kUnit;
+    for (PathTrack* track : {&places.track, &reversed})
+      follow_keyframe(*track, places.state, view, 50);
+  }
+  CHECK(places.track.recent.back().cell == places.cell(0, 29));
+  CHECK(places.track.margin == 0);
+  CHECK(reversed.keyframes == 20);
+  CHECK(reversed.recent.back().cell == places.decoy(0, 10));
+  CHECK(reversed.margin == 15 * kUnit);
 }
 
 TEST_CASE("places are traced back from the last keyframe, by steps, over eight keyframes") {
@@ -89,7 +130,7 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
   places.advance();
   places.state.values[places.cell(0, 18)] = kNewPathValue - 25 * kUnit;
   places.state.values[places.cell(0, 10)] = kNewPathValue - 24 * kUnit;
-  follow_keyframe(places.track, places.state, 10);
+  follow_keyframe(places.track, places.state, 10, 50);
   CHECK(places.track.recent.back().cell == places.cell(0, 18));
   for (size_t view = 11; view < 18; ++view) {
     places.see(0, view, view);
@@ -103,11 +144,19 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
 
 TEST_CASE("paths equal the reference implementation") {
   size_t with_margin = 0;
+  size_t implausible = 0;
   size_t traced = 0;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     Places places;
     RandomEngine engine(seed);
+    places.track.follows_decoys = seed % 2 == 0;
+    const PathTrack start = places.track;
+    const auto followed = [&](size_t sequence, size_t place) {
+      return places.track.follows_decoys ? places.decoy(sequence, 29 - place)
+                                         : places.cell(sequence, place);
+    };
     std::vector<std::vector<uint32_t>> values;
+    std::vector<uint32_t> distances;
     std::vector<ReferenceKeyframe> found;
     std::map<size_t, size_t> cells;  // by keyframe
     size_t sequence = 0;
@@ -123,27 +172,30 @@ TEST_CASE("paths equal the reference implementation") {
           places.state.values[cell] =
               kNewPathValue + static_cast<uint32_t>(uniform_below(engine, 6)) - 2;
       const size_t wrong = uniform_below(engine, 4);
-      places.state.values[places.cell(sequence, place)] = kNewPathValue - 9;
-      places.state.values[places.cell(sequence, std::min<size_t>(place + wrong, 29))] =
+      places.state.values[followed(sequence, place)] = kNewPathValue - 9;
+      places.state.values[followed(sequence, std::min<size_t>(place + wrong, 29))] =
           kNewPathValue - 9 - static_cast<uint32_t>(uniform_below(engine, 9));
-      follow_keyframe(places.track, places.state, view);
+      distances.push_back(static_cast<uint32_t>(uniform_below(engine, 196)));
+      follow_keyframe(places.track, places.state, view, distances.back());
       values.push_back(places.state.values);
       found.push_back({places.track.number, places.track.margin, 0});
       for (const PathKeyframe& keyframe : places.track.recent)
         cells[keyframe.frame] = keyframe.cell;
-      traced += cells[view] != places.cell(sequence, place);
+      traced += cells[view] != followed(sequence, place);
     }
     const std::vector<ReferenceKeyframe> expected =
-        reference_paths(places.state.cells, values, places.track.settings);
+        reference_paths(places.state.cells, values, distances, start);
     for (size_t view = 0; view < found.size(); ++view) {
       INFO("seed " << seed << ", view " << view);
       REQUIRE(found[view].path == expected[view].path);
       REQUIRE(found[view].margin == expected[view].margin);
       REQUIRE(cells[view] == expected[view].cell);
       with_margin += found[view].margin > 0;
+      implausible += view > 30 && found[view].margin == 0;
     }
   }
   CHECK(with_margin > 100);
+  CHECK(implausible > 100);
   CHECK(traced > 100);
 }
 
@@ -154,7 +206,7 @@ TEST_CASE("places near the best one, or of an overlapping sequence, are in the e
     places.advance();
     places.state.values[places.cell(0, 20)] = kNewPathValue - 24 * kUnit;
     places.state.values[places.cell(sequence, place)] = kNewPathValue - 14 * kUnit;
-    follow_keyframe(places.track, places.state, 20);
+    follow_keyframe(places.track, places.state, 20, 50);
     return places.track.margin;
   };
   CHECK(margin_with(0, 10) == 24 * kUnit);

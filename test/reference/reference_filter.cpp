@@ -28,19 +28,21 @@ double stepped(const ReferenceFilter& filter, const CellStretch& run, size_t rat
   return sum;
 }
 
-size_t best_of(const std::vector<uint32_t>& values) {
-  return static_cast<size_t>(std::ranges::min_element(values) - values.begin());
+size_t best_of(const FilterCells& cells, const std::vector<uint32_t>& values, bool follows_decoys) {
+  const auto decoys = values.begin() + static_cast<ptrdiff_t>(cells.decoys);
+  const auto first = follows_decoys ? decoys : values.begin();
+  const auto last = follows_decoys ? values.end() : decoys;
+  return static_cast<size_t>(std::min_element(first, last) - values.begin());
 }
 
 bool is_near(const FilterCells& cells, size_t a, size_t b, size_t near) {
   const double gap = static_cast<double>(a) - static_cast<double>(b);
   return run_of(cells, a).sequence == run_of(cells, b).sequence &&
-         std::abs(gap) <= static_cast<double>(near);
+         cells.is_decoy(a) == cells.is_decoy(b) && std::abs(gap) <= static_cast<double>(near);
 }
 
 uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>& values,
-                          size_t near) {
-  const size_t best = best_of(values);
+                          size_t best, size_t near) {
   uint32_t least = kNewPathValue;
   for (const CellStretch& run : cells.runs)
     for (size_t cell = run.first; cell < run.first + run.count; ++cell)
@@ -80,27 +82,42 @@ double reference_value(const ReferenceFilter& filter, size_t cell) {
 
 std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
                                                std::span<const std::vector<uint32_t>> values,
-                                               const FilterSettings& settings) {
+                                               std::span<const uint32_t> distances,
+                                               const PathTrack& track) {
+  const FilterSettings& settings = track.settings;
+  std::vector<size_t> best;
+  for (const std::vector<uint32_t>& row : values)
+    best.push_back(best_of(cells, row, track.follows_decoys));
   std::vector<ReferenceKeyframe> keyframes(values.size());
   size_t path = 0;
+  // The place of keyframe k, traced back from keyframe `at`.
+  const auto traced = [&](size_t k, size_t at) {
+    size_t cell = best[at];
+    for (; at > k; --at) {
+      size_t before = cell;
+      for (size_t step = 0; step <= kLongestStep; ++step)
+        if (values[at - 1][cell - step] <= values[at - 1][before]) before = cell - step;
+      cell = before;
+    }
+    return cell;
+  };
   for (size_t first = 0; first < values.size();) {
     ++path;
     size_t end = first + 1;  // of the path
-    while (end < values.size() &&
-           is_near(cells, best_of(values[end - 1]), best_of(values[end]), settings.near_keyframes))
+    while (end < values.size() && is_near(cells, best[end - 1], best[end], settings.near_keyframes))
       ++end;
     for (size_t k = first; k < end; ++k) {
-      size_t at = std::min(k + settings.path_keyframes / 2, end - 1);
-      size_t cell = best_of(values[at]);
-      for (; at > k; --at) {
-        size_t before = cell;
-        for (size_t step = 0; step <= kLongestStep; ++step)
-          if (values[at - 1][cell - step] <= values[at - 1][before]) before = cell - step;
-        cell = before;
+      uint32_t margin = 0;
+      if (k + 1 - first >= settings.path_keyframes) {
+        const size_t start = k + 1 - settings.path_keyframes;
+        double sum = 0;
+        for (size_t view = start; view <= k; ++view) sum += distances[view];
+        const size_t from = traced(start, start + settings.path_keyframes / 2);
+        if (best[k] >= from + settings.path_keyframes / 4 &&
+            sum <= track.farthest * static_cast<double>(settings.path_keyframes))
+          margin = reference_margin(cells, values[k], best[k], settings.near_keyframes);
       }
-      const bool is_long = k + 1 - first >= settings.path_keyframes;
-      keyframes[k] = {
-          path, is_long ? reference_margin(cells, values[k], settings.near_keyframes) : 0, cell};
+      keyframes[k] = {path, margin, traced(k, std::min(k + settings.path_keyframes / 2, end - 1))};
     }
     first = end;
   }

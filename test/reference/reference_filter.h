@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "match/filter.h"
+#include "match/filter_track.h"
 
 namespace vpr {
 
@@ -29,9 +29,11 @@ struct ReferenceKeyframe {
   size_t cell = 0;  ///< the place, traced back from the last keyframe that changes it
 };
 
-/// The paths of a query. As follow_keyframe, but from the values of all keyframes at once.
+/// The paths of a query. As follow_keyframe, but from the values of all keyframes at once, and
+/// their distances to the best places. `track`: before the first keyframe.
 std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
                                                std::span<const std::vector<uint32_t>> values,
-                                               const FilterSettings& settings);
+                                               std::span<const uint32_t> distances,
+                                               const PathTrack& track);
 
 }  // namespace vpr

@@ -91,7 +91,7 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   const test::Example other = test::make_example({1}, 100, 4);
   CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
         "At 0.5 to 2 times the trained speed, 0 of 100 frames are recognized, and no more\nin "
-        "reverse order, or with every third frame of either side: the query may show\nanother "
-        "place.");
+        "the opposite direction, or with every third frame of either side: the query\nmay show "
+        "another place.");
   CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
 }
