@@ -92,9 +92,9 @@ void add_matching(Program& program) {
   auto [command, bench] = add_bench<MatchingBenchSettings>(
       program, "matching",
       "Time matching by database size and window length (tables 5 to 7 of the paper).",
-      "  vpr-bench matching -o matching.json --plot plots\n"
+      "  vpr-bench matching --databases 1000,8000 --c-l 20,80 -o new.json\n"
       "  vpr-bench matching --databases 1000,10000,100000 --c-l 300\n"
-      "  vpr-bench matching --train summer.mp4 --query winter.mp4 --databases 1000\n"
+      "  vpr-bench matching --train monday --query tuesday --databases 1000\n"
       "  vpr-bench matching --descriptor-length 512 --databases 100000 --c-l 20",
       run_matching);
   MatchingBenchSettings& settings = bench.settings;
@@ -123,7 +123,7 @@ BenchResult run_describe(const Bench<DescribeBenchSettings>& bench, const Sessio
 void add_describe(Program& program) {
   auto [command, bench] = add_bench<DescribeBenchSettings>(
       program, "describe", "Time decoding, descriptors and local features per frame.",
-      "  vpr-bench describe --images walk -o describe.json", run_describe);
+      "  vpr-bench describe --images monday -o describe.json", run_describe);
   command.add_option("--images", bench.images, "folder or list of images (default: generated)");
   add_values(command, "--features", bench.settings.features,
              "local features: surf, sift, kaze, akaze, orb, brisk (default: all)");
@@ -136,7 +136,7 @@ void add_describe(Program& program) {
 void add_fabmap(Program& program) {
   auto [command, bench] = add_bench<FabmapBenchSettings>(
       program, "fabmap", "Time FAB-MAP queries by number of places.",
-      "  vpr-bench fabmap --places 10000,100000,1000000 --variants fabmap2,fabmap2-fixed",
+      "  vpr-bench fabmap --places 1000,10000 --variants fabmap2,fabmap2-fixed",
       [](const Bench<FabmapBenchSettings>& fabmap, const Session& session) {
         return bench_fabmap(fabmap.settings, session.options.seed, session.monitor);
       });
@@ -171,8 +171,8 @@ void add_realtime(Program& program) {
       program, "realtime",
       "Replay a recording at its frame rate, as vpr-query live processes it: latency and "
       "missed deadlines.",
-      "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10\n"
-      "  vpr-bench realtime corridor.vprdb --query walk --rate 30 --method filter",
+      "  vpr-bench realtime corridor.vprdb --query tuesday --rate 10\n"
+      "  vpr-bench realtime corridor.vprdb --query tuesday --rate 30 --method filter",
       run_realtime);
   RealtimeBenchSettings& settings = bench.settings;
   command.add_option("DB", bench.database, "database of a sequence method").required();
@@ -219,7 +219,7 @@ void add_compare(Program& program) {
   const auto options = std::make_shared<CompareOptions>();
   const Command command = program.add_command(
       "compare", "Compare two runs on one machine; exit code 5 if the new one is slower.",
-      "  vpr-bench compare old.json new.json --factor 1.2",
+      "  vpr-bench compare old.json new.json --factor 2",
       [options](Session& session) { compare(session, *options); });
   program.add_config(command);
   command.add_option("OLD", options->older, "result of the old run").required();
@@ -238,7 +238,7 @@ int main(int argc, char** argv) {
       "vpr-bench",
       "Measure times on this machine, on one core unless --threads is set. Distances are verified "
       "before they are timed.",
-      "  vpr-bench matching --databases 1000,8000 --c-l 20,80 -o matching.json");
+      "  vpr-bench matching --databases 1000,8000 --c-l 20,80 -o old.json");
   program.set_default_threads(1);
   add_matching(program);
   add_describe(program);

@@ -26,7 +26,7 @@ std::string wrapped(const std::string& text, size_t width, size_t indent) {
 }
 
 // A name and its help, on one line if the name is short.
-std::string entry(const std::string& name, const std::string& help, size_t width = kHelpWidth) {
+std::string entry(const std::string& name, const std::string& help) {
   std::string head = "  " + name;
   std::string text;
   if (head.size() + 2 > kHelpColumn) {
@@ -34,7 +34,7 @@ std::string entry(const std::string& name, const std::string& help, size_t width
     head.clear();
   }
   head.resize(kHelpColumn, ' ');
-  return text + wrapped(head + help, width, kHelpColumn) + "\n";
+  return text + wrapped(head + help, kHelpWidth, kHelpColumn) + "\n";
 }
 
 std::string flag_title(const FlagEntry& flag) {
@@ -67,7 +67,7 @@ std::string usage_text(const CommandEntry& command, const std::string& path) {
 }
 
 // A broken command of an example ends with a backslash. Other lines keep their columns.
-std::string section_text(const Section& section, size_t width = kHelpWidth) {
+std::string section_text(const Section& section) {
   const bool is_example = section.title == kExampleSection;
   return fmt::format("\n{}:\n", section.title) +
          for_each_line(section.text,
@@ -75,7 +75,7 @@ std::string section_text(const Section& section, size_t width = kHelpWidth) {
                          const size_t column = line.find_first_not_of(' ', line.find("  ", 2));
                          const size_t indent =
                              is_example || column == std::string::npos ? 6 : column;
-                         return wrapped_line(line, width, indent, is_example ? " \\" : "");
+                         return wrapped_line(line, kHelpWidth, indent, is_example ? " \\" : "");
                        }) +
          "\n";
 }
@@ -229,10 +229,10 @@ std::string help_text(const CommandEntry& command, const std::string& path) {
 
 std::string short_help_text(const CommandEntry& command, const std::string& path) {
   const auto short_entry = [](const std::string& name, const std::string& help) {
-    return entry(name, help.substr(0, help.find(';')), kShortHelpWidth);
+    return entry(name, help.substr(0, help.find(';')));
   };
   std::string text =
-      wrapped(command.description, kShortHelpWidth, 0) + "\n" + usage_text(command, path) + "\n";
+      wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path) + "\n";
   for (const ArgumentEntry& argument : command.arguments)
     text += short_entry(argument.name, argument.help);
   for (const FlagEntry& flag : command.flags)
@@ -242,8 +242,7 @@ std::string short_help_text(const CommandEntry& command, const std::string& path
     text += short_entry(inner.name, inner.description.substr(0, inner.description.find('.')));
   for (const Section& section : command.sections)
     if (section.title == kExampleSection)
-      text += section_text({section.title, section.text.substr(0, section.text.find("\n  "))},
-                           kShortHelpWidth);
+      text += section_text({section.title, section.text.substr(0, section.text.find("\n  "))});
   return text + fmt::format("\nAll options: {} --help\n", path);
 }
 

@@ -207,6 +207,11 @@ bool Command::is_given(const std::string& flag) const {
   return option != nullptr && option->count() > 0;
 }
 
+std::vector<std::string> Command::values_of(const std::string& flag) const {
+  const CLI::Option* option = app_->get_option_no_throw(flag);
+  return option == nullptr ? std::vector<std::string>{} : option->results();
+}
+
 std::vector<std::string> Command::given_flags(const std::string& heading) const {
   std::vector<std::string> names;
   for (const CLI::Option* option : app_->get_options())

@@ -75,6 +75,8 @@ class Command {
 
   /// Whether the command line has the flag.
   bool is_given(const std::string& flag) const;
+  /// The values of a flag on the command line.
+  std::vector<std::string> values_of(const std::string& flag) const;
   /// The flags of a group on the command line.
   std::vector<std::string> given_flags(const std::string& heading) const;
 
@@ -163,8 +165,8 @@ Json read_config(const std::string& path);
 std::optional<std::string> unknown_word(const CommandEntry& program,
                                         const std::vector<std::string>& words);
 
-/// The columns of a help line, unless a single word is longer.
-inline constexpr size_t kHelpWidth = 100;
+/// The columns of a line of help, unless a single word is longer.
+inline constexpr size_t kHelpWidth = 80;
 /// The first column of the help of a flag.
 inline constexpr size_t kHelpColumn = 30;
 
@@ -172,10 +174,9 @@ inline constexpr size_t kHelpColumn = 30;
 /// long lines between words; an example continues after a backslash, so it can be copied.
 std::string help_text(const CommandEntry& command, const std::string& path);
 
-/// The help on one screen of kShortHelpWidth columns: commands, essential flags with their help up
+/// The help on one screen: commands, essential flags with their help up
 /// to the first semicolon, and the first example.
 std::string short_help_text(const CommandEntry& command, const std::string& path);
-inline constexpr size_t kShortHelpWidth = 80;
 
 /// A completion script for `kind` "bash", or a manual page in troff (section 1) for "man". Throws
 /// Error(usage) for another kind.

@@ -337,9 +337,8 @@ void add_compare(Program& program) {
   const auto inputs = std::make_shared<CompareInputs>();
   const Command command = program.add_command(
       "compare", "Compare reports or results of the same queries.",
-      "  vpr-eval compare mine.json theirs.json\n"
+      "  vpr-eval compare result.json windows.json --ground-truth pairs.csv\n"
       "  vpr-eval compare a.json b.json --name ours --name theirs --format latex\n"
-      "  vpr-eval compare filter.json fastable.json --ground-truth pairs.csv\n"
       "  vpr-eval compare a.json b.json c.json --html compared.html --plot plots\n"
       "  vpr-eval compare a.json b.json c.json --block 40 --json > comparison.json",
       [inputs](Session& session) { run_compare(session, *inputs); });
@@ -381,8 +380,8 @@ void add_report(Program& program) {
   const auto inputs = std::make_shared<ReportInputs>();
   const Command command =
       program.add_command("report", "Show the reports of a folder as a table and a page.",
-                          "  vpr-eval report results --dataset walks.json --html walks.html\n"
-                          "  vpr-eval report reports --format latex",
+                          "  vpr-eval report results --ground-truth pairs.csv --html results.html\n"
+                          "  vpr-eval report results --dataset dataset.json --format latex",
                           [inputs](Session& session) { run_report(session, *inputs); });
   command
       .add_option("FOLDER", inputs->folder,

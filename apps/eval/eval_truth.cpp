@@ -152,9 +152,8 @@ void add_check(Program& program) {
   const Command command = program.add_command(
       "check",
       "Check a ground truth for mistakes. Indices out of range and contradictions have exit code "
-      "4; "
-      "duplicates, one-sided pairs and queries without a match are listed.",
-      "  vpr-eval check ground_truth.csv --query corridor/query --train corridor/ref\n"
+      "4; duplicates, one-sided pairs and queries without a match are listed.",
+      "  vpr-eval check pairs.csv --query tuesday --train monday\n"
       "  vpr-eval check GT.npz --json",
       [inputs](Session& session) { run_check(session, *inputs); });
   command.add_option("GROUND-TRUTH", inputs->ground_truth, ground_truth_help()).required();
@@ -167,11 +166,12 @@ void add_convert(Program& program) {
   const auto inputs = std::make_shared<TruthInputs>();
   const Command command = program.add_command(
       "convert", "Convert a ground truth to another format.",
+      "  vpr-eval convert pairs.csv --query tuesday --train monday --to matrix -o matrix.npy\n"
       "  vpr-eval convert ground_truth_new.npy --to pairs -o pairs.csv\n"
       "  vpr-eval convert query.csv --ground-truth-train ref.csv --radius 5 --to matrix "
       "-o GT.npz\n"
       "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to pairs "
-      "-o pairs.csv",
+      "-o aligned.csv",
       [inputs](Session& session) { run_convert(session, *inputs); });
   command.add_option("GROUND-TRUTH", inputs->ground_truth, ground_truth_help()).required();
   command.add_option("--to", inputs->target, "output format: " + format_names(is_written))

@@ -106,6 +106,24 @@ std::string expectation_note(const EvalInputs& inputs, size_t values, size_t unm
                      counted(values, "expected value"));
 }
 
+// vpr-tune with the query, the database and the ground truth of the run; empty if one is unknown.
+std::string tuning_command(const Session& session, const EvalInputs& inputs,
+                           const RecordedRun& run) {
+  const auto database = run.paths.find("database");
+  const auto query = run.paths.find("query");
+  if (database == run.paths.end() || query == run.paths.end() || !inputs.truth.dataset.empty())
+    return "";
+  std::vector<std::string> words = {"vpr-tune", shell_word(database->second),
+                                    "--query " + shell_word(query->second)};
+  std::vector<std::string> flags = {"--ground-truth", "--tolerance"};
+  for (const std::string& flag : session.command.given_flags(kGroundTruthGroup))
+    flags.push_back(flag);
+  for (const std::string& flag : flags)
+    for (const std::string& value : session.command.values_of(flag))
+      words.push_back(flag + " " + shell_word(value));
+  return wrapped_command(words);
+}
+
 /// Writes --pairs of scores without a ground truth.
 void run_pairs(Session& session, const EvalInputs& inputs) {
   refuse(!session.options.output.empty(), "-o",
@@ -156,6 +174,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
               evaluation.judgment.layout, evaluation.result ? &evaluation.result->result : nullptr);
   const std::vector<std::string> unmet = unmet_expectations(values);
   const std::string brief = evaluation_text(evaluation, evaluated.report, summary,
+                                            tuning_command(session, inputs, evaluated.run),
                                             session.options.verbose ? SIZE_MAX : kMostRanges) +
                             expectation_note(inputs, values.size(), unmet.size());
   const std::string tables =
@@ -249,15 +268,14 @@ void run(Session& session, const EvalInputs& inputs) {
 }
 
 constexpr const char* kExamples =
-    "  vpr-eval result.json --ground-truth aligned --tolerance 3 --html page.html\n"
-    "  vpr-eval short.json long.json --ground-truth pairs.csv --name \"c_l 10\" --name "
-    "\"c_l 20\"\n"
-    "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit junit.xml";
+    "  vpr-eval result.json --ground-truth pairs.csv --html page.html\n"
+    "  vpr-eval result.json windows.json --ground-truth aligned --tolerance 3\n"
+    "  vpr-eval result.json --dataset dataset.json --expect baseline.json --junit junit.xml";
 
 constexpr const char* kMatrixExamples =
-    "  vpr-eval matrix S.npy --similarity --ground-truth pairs.csv\n"
-    "  vpr-eval matrix --query-npy q.npy --train-npy db.npy --recall-at 1,10 --ground-truth "
-    "gt.csv\n"
+    "  vpr-eval matrix scores.npy --distance --ground-truth pairs.csv\n"
+    "  vpr-eval matrix --query-npy tuesday.npy --train-npy monday.npy --recall-at 1,10 "
+    "--ground-truth pairs.csv\n"
     "  vpr-eval matrix logs/default/preds --query queries --train database --ground-truth queries "
     "--ground-truth-train database";
 

@@ -125,9 +125,11 @@ void add_fabmap_flags(const Command& command, QueryOptions& options,
 void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
   command.add_option("DB", options.database, "database of vpr-train");
   add_query_flags(command, options);
-  add_method_flag(command, settings, false,
-                  "matching method (default: filter, which recognizes places at 0.5 to 2 times the "
-                  "trained speed; fastable if a flag of windows is set; fabmap for its databases)");
+  add_method_flag(
+      command, settings, false,
+      "matching method (default: filter, for 0.5 to 2 times the trained speed); fastable "
+      "is for equal speed, and flags of windows select it; FAB-MAP databases have the "
+      "method fabmap");
   add_arrays_flag(command, options);
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
@@ -149,7 +151,7 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
   command.add_option("--dataset", options.dataset, "data set description with the query")
       .group(kQueryGroup);
   add_method_flag(command, settings, true,
-                  "matching method, filter by default; fastable if a flag of windows is set");
+                  "matching method (default: filter); flags of windows select fastable");
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::live);
   add_fuse_flag(command, options.fuse);
@@ -308,12 +310,12 @@ std::string summary_text(const Result& result, const Session& session) {
   const bool is_loop =
       std::visit([](const auto& settings) { return settings.loop; }, result.settings);
   if (output.empty() || (recognized == 0 && has_rule(result))) return text;
-  return text + (is_loop ? fmt::format("Next: vpr-eval loops {} --poses FILE --radius METERS --gap "
+  return text + (is_loop ? fmt::format("next: vpr-eval loops {} --poses FILE --radius METERS --gap "
                                        "TIME\n",
-                                       output)
-                         : fmt::format("Next: vpr-eval {} --ground-truth FILE, or --html FILE "
+                                       shell_word(output))
+                         : fmt::format("next: vpr-eval {} --ground-truth FILE, or --html FILE "
                                        "without one\n",
-                                       output));
+                                       shell_word(output)));
 }
 
 }  // namespace vpr

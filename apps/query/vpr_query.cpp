@@ -30,21 +30,25 @@ constexpr std::array<QueryCommand, 5> kCommands = {
       "  vpr-query corridor.vprdb --query wednesday --config result.json"},
      {"live", Feature::live,
       "Match each frame as it arrives, and print one line of JSON per frame.", add_live_flags,
+      "  vpr-query live corridor.vprdb --query tuesday.txt\n"
       "  vpr-query live corridor.vprdb --query /dev/video0@30::4\n"
       "  vpr-query live corridor.vprdb --query growing_folder --c-l 20 --score zscore --decide "
       "margin\n"
       "  find images | vpr-query live corridor.vprdb --query -"},
      {"loops", Feature::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
-      "  vpr-query loops --query walk --gap 30s --c-l 20 --save-loops loops.csv\n"
-      "  vpr-query loops --query-npy walk.npy --gap 300 --score zscore -o loops.json\n"
-      "  vpr-query loops fabmap.vprdb --query walk --gap 50 --t-p 0.9"},
+      "  vpr-query loops --query laps --gap 60 --c-l 10 --save-loops loops.csv\n"
+      "  vpr-query loops --query laps.mp4 --gap 30s --score zscore -o loops.json\n"
+      "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"},
      {"matrix", Feature::matrix, "Match the windows of a score matrix of any program.",
       add_matrix_flags,
-      "  vpr-query matrix S.npy --similarity --c-l 10 --score zscore -o result.json\n"
-      "  vpr-query matrix D.npy --distance --c-l 20 --t-r 0.6 --save-matrix windows.npy"},
+      "  vpr-query matrix scores.npy --distance --name tuesday --c-l 20 --score zscore -o "
+      "windows.json\n"
+      "  vpr-query matrix similarities.npy --similarity --c-l 20 --t-r 0.6 --save-matrix "
+      "windows.npy"},
      {"explain", Feature::explain,
       "List the words for and against the best places of one frame, by FAB-MAP.", add_explain_flags,
-      "  vpr-query explain fabmap.vprdb --query walk --frame 17 --train corridor -o result.json"}}};
+      "  vpr-query explain fabmap.vprdb --query tuesday --frame 17 --train monday -o "
+      "explained.json"}}};
 
 /// Flags of sequences and their counterparts for FAB-MAP.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kCounterparts = {

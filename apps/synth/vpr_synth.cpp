@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv) {
   vpr::Program program("vpr-synth", "Render sequences of a building, with their ground truth.",
-                       "  vpr-synth configs/worlds/small.json -o building");
+                       "  vpr-synth building.json -o building");
   std::string world_path;
   program.add_config(program.command());
   program.command().add_option("WORLD", world_path, "world description (JSON)").required();

@@ -160,11 +160,10 @@ void add_descriptors(Program& program) {
   SequenceTrainSettings& settings = options->settings;
   const Command command = program.add_command(
       "descriptors", "Build a database of descriptors from another program, such as a network.",
-      "  vpr-train descriptors --npy db.npy --names db.txt -o walk.vprdb\n"
-      "  vpr-train descriptors --npy db.npy --sequence monday=0:900 --sequence tuesday=900:1750 "
-      "-o building.vprdb\n"
-      "  vpr-train descriptors --npy db.npy --metric l2 -o walk.vprdb\n"
-      "  vpr-train descriptors --npy codes.npy --bits -o codes.vprdb",
+      "  vpr-train descriptors --npy codes.npy --bits -o codes.vprdb\n"
+      "  vpr-train descriptors --npy vectors.npy --names names.txt -o network.vprdb\n"
+      "  vpr-train descriptors --npy vectors.npy --metric l2 --sequence monday=0:900 --sequence "
+      "tuesday=900:1750 -o network.vprdb",
       [options](Session& session) { import_descriptors(session, *options); });
   program.add_config(command, settings);
   command.add_list("--npy", options->arrays,
@@ -200,7 +199,7 @@ void add_export(Program& program) {
   const auto options = std::make_shared<Export>();
   const Command command = program.add_command(
       "export", "Write a database as files for other programs.",
-      "  vpr-train export corridor.vprdb --descriptors corridor.npy", [options](Session& session) {
+      "  vpr-train export corridor.vprdb --descriptors codes.npy", [options](Session& session) {
         export_descriptors(session, options->database, options->descriptors);
       });
   program.add_config(command);

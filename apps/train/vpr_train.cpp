@@ -36,7 +36,7 @@ void add_fastable(Program& program) {
   SequenceTrainSettings& settings = train->settings;
   const Command command = program.add_command(
       "fastable", "Build a database for FastABLE and OpenABLE: one descriptor per frame.",
-      "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
+      "  vpr-train fastable --train monday -o corridor.vprdb\n"
       "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb\n"
       "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
       [train](Session& session) {
@@ -121,8 +121,8 @@ void add_add(Program& program) {
   const auto add = std::make_shared<Add>();
   const Command command = program.add_command(
       "add", "Extend a database with more sequences, without computing its descriptors again.",
-      "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
-      "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
+      "  vpr-train add corridor.vprdb --train upstairs -o extended.vprdb\n"
+      "  vpr-train add places.vprdb --place lift=lift -o more_places.vprdb",
       [add](Session& session) {
         session.outputs.release(add->database);  // it is read before it is replaced
         claim_database(session);
@@ -192,7 +192,7 @@ void store_database(const Session& session, const SequenceDatabase& database) {
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-train", "Build, list and extend databases for visual place recognition.",
-                  "  vpr-train fastable --train monday --train tuesday -o building.vprdb");
+                  "  vpr-train fastable --train monday --train upstairs -o building.vprdb");
   add_fastable(program);
   add_descriptors(program);
   add_fabmap(program);

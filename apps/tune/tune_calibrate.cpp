@@ -118,11 +118,12 @@ void add_calibrate(Program& program) {
   const Command command = program.add_command(
       "calibrate",
       "Choose a margin for other sequences. The result is a file for vpr-query --config.",
-      "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth aligned "
-      "--tolerance 3 --fps 2 -o calibrated.json\n"
-      "  vpr-query corridor.vprdb --query another/walk --config calibrated.json -o result.json\n"
-      "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth pairs.csv "
-      "--method filter --target-precision 0.99",
+      "  vpr-tune calibrate corridor.vprdb --query tuesday --ground-truth pairs.csv -o "
+      "calibrated.json\n"
+      "  vpr-query corridor.vprdb --query wednesday --config calibrated.json -o result.json\n"
+      "  vpr-tune calibrate corridor.vprdb --query tuesday --ground-truth pairs.csv --method "
+      "filter "
+      "--target-precision 0.99",
       [tune](Session& session) { calibrate(session, *tune); });
   program.add_config(command, tune->settings);
   add_query_flags(command, options,
@@ -143,7 +144,7 @@ void add_threshold(Program& program) {
   const auto tune = std::make_shared<Threshold>();
   const Command command = program.add_command(
       "threshold", "List automatic thresholds t_r. The list has the frames that set them.",
-      "  vpr-tune threshold building.vprdb --c-l 20,40,60,80\n"
+      "  vpr-tune threshold building.vprdb --c-l 20,40\n"
       "  vpr-tune threshold building.vprdb --c-l 60 --safety-factor 0.9 --write",
       [tune](Session& session) { compute_thresholds(session, *tune); });
   program.add_config(command, *tune);

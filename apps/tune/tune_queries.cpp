@@ -76,22 +76,6 @@ std::vector<std::string> setting_flags(const QuerySettings& chosen) {
   return flags;
 }
 
-// One command on lines of 80 columns, without a break inside a word.
-std::string command_lines(const std::vector<std::string>& words) {
-  constexpr size_t kColumns = 80 - 2;  // before " \\"
-  std::string text = " ";
-  size_t column = 1;
-  for (const std::string& word : words) {
-    if (column + 1 + word.size() > kColumns && column > 5) {
-      text += " \\\n     ";
-      column = 5;
-    }
-    text += " " + word;
-    column += 1 + word.size();
-  }
-  return text;
-}
-
 }  // namespace
 
 Flag add_query_flags(const Command& command, TuneOptions& options, const std::string& fps_note) {
@@ -177,7 +161,7 @@ std::string query_command(const TuneOptions& options, const CommonOptions& commo
   if (options.save_config.empty())
     for (const std::string& flag : setting_flags(settings)) words.push_back(flag);
   words.emplace_back("-o result.json");
-  return command_lines(words);
+  return wrapped_command(words);
 }
 
 }  // namespace vpr

@@ -25,7 +25,9 @@ std::string result_text(const TuneOptions& options, const CommonOptions& common,
     for (const Table& table : sweep_tables(sweeps))
       text += render_table(table, options.format) + "\n";
   for (size_t s = 0; s < sweeps.size(); ++s) {
-    text += recommendation_text(sweeps[s]);
+    if (options.format == TableFormat::text)
+      text += render_table(best_cells_table(sweeps[s]), options.format);
+    text += recommendation_text(sweeps[s], common.verbose);
     if (!sweeps[s].recommendation.cell) continue;
     if (sweeps[s].validation) text += validation_text(*sweeps[s].validation);
     text += query_command(options, common, *sweeps[s].recommended_settings, s) + "\n";
@@ -194,11 +196,11 @@ void add_fastable(Program& program) {
   const auto tune = std::make_shared<Fastable>();
   const Command command = program.add_command(
       "fastable", "Count a grid of c_l and t_r, or margins. All cells are counted in one pass.",
-      "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv\n"
-      "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
-      "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json\n"
-      "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
-      "--score zscore --decide margin --margin 0.2:1:0.1",
+      "  vpr-tune fastable corridor.vprdb --query tuesday --ground-truth pairs.csv\n"
+      "  vpr-tune fastable corridor.vprdb --query tuesday --ground-truth pairs.csv --c-l "
+      "2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json\n"
+      "  vpr-tune fastable corridor.vprdb --query tuesday --ground-truth pairs.csv --score zscore "
+      "--decide margin --margin 0.2:1:0.1",
       [tune](Session& session) { tune_fastable(session, tune->options, tune->settings); });
   program.add_config(command, tune->settings);
   add_sweep_flags(command, tune->options);
@@ -216,7 +218,8 @@ void add_fabmap(Program& program) {
   const auto tune = std::make_shared<Fabmap>();
   const Command command = program.add_command(
       "fabmap", "Count a grid of c_w and t_p. All cells are counted in one pass.",
-      "  vpr-tune fabmap places.vprdb --query walk --ground-truth places.csv --c-w 1,3,5,8 "
+      "  vpr-tune fabmap fabmap.vprdb --query tuesday --ground-truth pairs.csv\n"
+      "  vpr-tune fabmap places.vprdb --query tuesday --ground-truth places.csv --c-w 1,3,5,8 "
       "--t-p 0.6,0.9,0.99 --save-config best.json -o sweep.json",
       [tune](Session& session) { tune_fabmap(session, tune->options, tune->settings); });
   program.add_config(command, tune->settings);

@@ -133,11 +133,10 @@ void add_trials(Program& program) {
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-tune", "Find the method and settings for your data, by ground truth.",
-                  "  vpr-tune corridor.vprdb --query corridor/query --ground-truth aligned "
-                  "--tolerance 3\n"
-                  "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth "
-                  "aligned --tolerance 3 --save-config best.json\n"
-                  "  vpr-query corridor.vprdb --query another/walk --config best.json");
+                  "  vpr-tune corridor.vprdb --query tuesday --ground-truth pairs.csv\n"
+                  "  vpr-tune corridor.vprdb --query tuesday --ground-truth pairs.csv "
+                  "--save-config best.json\n"
+                  "  vpr-query corridor.vprdb --query wednesday --config best.json");
   add_trials(program);
   add_fastable(program);
   add_fabmap(program);

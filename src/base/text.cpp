@@ -242,6 +242,21 @@ std::string wrapped_line(const std::string& line, size_t width, size_t indent,
   return text + rest;
 }
 
+std::string wrapped_command(const std::vector<std::string>& words) {
+  constexpr size_t kColumns = 80 - 2;  // before " \\"
+  std::string text = " ";
+  size_t column = 1;
+  for (const std::string& word : words) {
+    if (column + 1 + word.size() > kColumns && column > 5) {
+      text += " \\\n     ";
+      column = 5;
+    }
+    text += " " + word;
+    column += 1 + word.size();
+  }
+  return text;
+}
+
 std::string shortened(std::string_view text) {
   constexpr size_t kShown = 60;
   return text.size() <= kShown

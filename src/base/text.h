@@ -58,6 +58,10 @@ std::string shortened(std::string_view text);
 std::string wrapped_line(const std::string& line, size_t width, size_t indent,
                          const std::string& end = {});
 
+/// A shell command, indented by two columns, on lines of at most 80 columns that end with a
+/// backslash if another follows. Words are not broken; one may be a flag with its value.
+std::string wrapped_command(const std::vector<std::string>& words);
+
 /// Runs of digits compare by value, other characters by byte: "2" < "10", "a2" < "a10" < "b1". If
 /// names differ only in leading zeros, fewer zeros come first. A strict weak order of all byte
 /// strings.

@@ -143,7 +143,7 @@ std::string places_text(const Report& report) {
 }
 
 // Empty if something is recognized, and all of it correctly.
-std::string next_step(const Evaluation& evaluation) {
+std::string next_step(const Evaluation& evaluation, const std::string& tuning) {
   if (!evaluation.result || evaluation.warned_of_ground_truth) return "";
   if (evaluation.judgment.by == JudgedBy::nothing)
     return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result.places
@@ -154,7 +154,7 @@ std::string next_step(const Evaluation& evaluation) {
   if (path.correct > 0 && path.incorrect == 0) return "";
   if (evaluation.result->result.places)
     return path.incorrect == 0 ? "" : "next: a larger --t-p of vpr-query accepts fewer places";
-  return "next: vpr-tune DB --query QUERY --ground-truth G compares methods";
+  return tuning.empty() ? "" : "next: compare methods with\n" + tuning;
 }
 
 // Incorrect pairs that are accepted next to the best match of their frame.
@@ -177,7 +177,8 @@ std::string wrapped_text(const std::string& text, size_t indent) {
 }
 
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
-                            const std::string& summary, size_t most_ranges) {
+                            const std::string& summary, const std::string& tuning,
+                            size_t most_ranges) {
   std::string text = wrapped_text(summary);
   const Result* result = evaluation.result ? &evaluation.result->result : nullptr;
   if (result != nullptr) text += line("settings", settings_text(*result));
@@ -198,7 +199,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
   if (result != nullptr && report.judged != JudgedBy::ground_truth && report.counts.clusters)
     text += line("places", places_text(report));
   if (result != nullptr) text += ranges_text(*result, evaluation.truth, most_ranges);
-  const std::string next = next_step(evaluation);
+  const std::string next = next_step(evaluation, tuning);
   return text + (next.empty() ? "" : next + "\n");
 }
 

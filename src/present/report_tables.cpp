@@ -55,23 +55,28 @@ std::string method_title(const Report& report) {
   return score.empty() ? report.method : fmt::format("{}, {}", report.method, score);
 }
 
-// " The first is confirmed at frame 49 (2.4 s)."
-std::string first_of(const Localization& path, std::optional<double> frames_per_second) {
-  if (!path.first_recognition_frames) return "";
-  const size_t frame = *path.first_recognition_frames;
-  return fmt::format(" The first is confirmed at frame {}{}.", frame,
-                     frames_per_second ? fmt::format(" ({:.1f} s)", static_cast<double>(frame) /
-                                                                        *frames_per_second)
-                                       : "");
+// " The first, frame 29, is confirmed at frame 49 (2.4 s), 20 frames later."
+std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
+  if (!judgment.localization.first_recognition_frames) return "";
+  const size_t confirmed = *judgment.localization.first_recognition_frames;
+  const auto first = static_cast<size_t>(
+      std::ranges::find(judgment.verdicts, FrameVerdict::correct) - judgment.verdicts.begin());
+  const std::string time =
+      frames_per_second
+          ? fmt::format(" ({:.1f} s)", static_cast<double>(confirmed) / *frames_per_second)
+          : "";
+  if (first == confirmed) return fmt::format(" The first is confirmed at frame {}{}.", first, time);
+  return fmt::format(" The first, frame {}, is confirmed at frame {}{}, {} later.", first,
+                     confirmed, time, counted(confirmed - first, "frame"));
 }
 
-// "; 12 can be accepted before the first mistake (...)"; empty without a mistake, and if all best
-// matches have the same score.
+// "; 12 frames can be accepted before the first mistake (...)"; empty without a mistake, and if all
+// best matches have the same score.
 std::string oracle_words(const Judgment& judgment) {
   const auto& points = judgment.single_best.points;
   if (points.size() < 2 || points.back().incorrect == 0) return "";
   return fmt::format(
-      "; {} can be accepted before the first mistake (at a threshold chosen with the "
+      "; {} frames can be accepted before the first mistake (threshold chosen with the "
       "ground truth)",
       judgment.localization.correct);
 }
@@ -340,7 +345,7 @@ std::string summary_sentence(const Evaluation& evaluation,
   if (!evaluation.result && !judgment.threshold) return best_match + "." + evaluation.caution;
   if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + evaluation.caution;
   return (judgment.threshold ? best_match + ". " : "") + recognized_words(evaluation) + "." +
-         first_of(path, frames_per_second) + evaluation.caution;
+         first_of(judgment, frames_per_second) + evaluation.caution;
 }
 
 Table report_table(const Report& report) {

@@ -16,12 +16,13 @@ constexpr uint32_t kPlaces = in(Feature::query, Feature::loops, Feature::explain
 constexpr std::array kSequenceRows = {
     SettingRow{.key = "c_l",
                .commands = kBatch | kOnline,
-               .help = "window length c_l in frames (default: {})",
+               .help = "window length c_l, selects fastable (default: {}); in frames",
                .is_for_windows = true},
     SettingRow{.key = "t_r",
                .commands = kBatch | kOnline,
-               .help = "threshold t_r of windows; a number, or auto, the smallest distance between "
-                       "two or more training sequences of a database",
+               .help =
+                   "threshold t_r of windows, selects fastable; a number, or auto, the smallest "
+                   "distance between two or more training sequences of a database",
                .is_for_windows = true,
                .needs = kThreshold,
                .excludes = kAutomaticThreshold,
@@ -29,14 +30,15 @@ constexpr std::array kSequenceRows = {
     SettingRow{.key = "score",
                .group = kWindowGroup,
                .commands = kBatch | kTuned,
-               .help = "raw (distances), zscore (normalized online per training frame) or "
-                       "zscore-offline (normalized over the whole query) (default: {})",
+               .help = "score of windows: raw (distances), zscore (normalized online per training "
+                       "frame) or zscore-offline (normalized over the whole query) (default: {})",
                .is_for_windows = true},
     SettingRow{.key = "score",
                .group = kWindowGroup,
                .commands = kOnline,
-               .help = "raw (distances) or zscore (normalized online per training frame) (default: "
-                       "{})",
+               .help =
+                   "score of windows: raw (distances) or zscore (normalized online per training "
+                   "frame) (default: {})",
                .value = "raw|zscore",
                .is_for_windows = true},
     SettingRow{.key = "exclusion_frames",
@@ -50,29 +52,32 @@ constexpr std::array kSequenceRows = {
     SettingRow{.key = "decide",
                .group = kWindowGroup,
                .commands = kBatch | kOnline | in(Feature::sweep),
-               .help = "threshold accepts every window pair closer than --t-r, margin the best "
-                       "match if it is --margin better than the runner-up (default: {})",
+               .help =
+                   "decision on windows: threshold accepts every pair closer than --t-r, margin "
+                   "the best match if it is --margin better than the runner-up (default: {})",
                .is_for_windows = true},
     SettingRow{.key = "t_r_scale",
                .group = kWindowGroup,
                .commands = kBatch | in(Feature::sweep),
-               .help = "scale of t_r: relative (D / max D) or bits (D / c_l); mean-z for z-scores "
-                       "(default: relative or mean-z)",
+               .help =
+                   "scale of t_r: relative (D / max D), bits (D / c_l), or mean-z, which z-scores "
+                   "always have (default: relative)",
                .is_for_windows = true},
     SettingRow{.key = "t_r_scale",
                .group = kWindowGroup,
                .commands = kOnline,
-               .help = "scale of t_r: bits (D / c_l); mean-z for z-scores",
+               .help = "scale of t_r: bits (D / c_l), or mean-z, which z-scores always have",
                .value = "bits|mean-z",
                .is_for_windows = true},
-    SettingRow{.key = "margin",
-               .group = kWindowGroup,
-               .commands = kBatch | kOnline,
-               .help = "minimum difference of best match and runner-up in score per frame "
-                       "(default: 5.1 / sqrt(c_l) deviations; for raw distances 0.75 / sqrt(c_l) "
-                       "of the typical distance; filter: 15)",
-               .needs = kMargin,
-               .instead = "Use --decide margin."},
+    SettingRow{
+        .key = "margin",
+        .group = kWindowGroup,
+        .commands = kBatch | kOnline,
+        .help = "minimum difference of best match and runner-up, in score per frame (default: "
+                "14 for the filter, 5.1 / sqrt(c_l) deviations for z-scores, and 0.75 / sqrt(c_l) "
+                "of the typical distance for raw distances)",
+        .needs = kMargin,
+        .instead = "Use --decide margin."},
     SettingRow{.key = "rates",
                .group = kWindowGroup,
                .commands = kBatch | kTuned,

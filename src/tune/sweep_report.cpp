@@ -110,17 +110,19 @@ std::string first_error_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
   const std::string window =
       fmt::format("{} {}", sweep.score->window_symbol, sweep.cells[*choice.cell].window);
-  if (!choice.first_error)
-    return fmt::format("{} has no incorrect pair in the whole grid.", window);
+  if (!choice.first_error) return fmt::format("{} has no error in the whole grid.", window);
   const CellCounts& error = sweep.cells[*choice.first_error];
   const LabelCounts& recognitions = error.counts.recognitions;
+  const std::string setting = fmt::format("{} {}", sweep.threshold_symbol, threshold_text(error));
   if (recognitions.incorrect == 0)
-    return fmt::format("At {} {}, {} of {} would be wrong, were their places not trained.",
-                       sweep.threshold_symbol, threshold_text(error),
-                       counted(*error.unknown_place, "window"), window);
-  return fmt::format("The first error of {} is at {} {}: {}, {} correct.", window,
-                     sweep.threshold_symbol, threshold_text(error),
-                     counted(recognitions.incorrect, "incorrect pair"), recognitions.correct);
+    return fmt::format(
+        "At {}, {} would be accepted at a wrong place if their own place were not trained.",
+        setting, counted(*error.unknown_place, "window"));
+  return fmt::format(
+      "The first error of {} is at {}, where {} of the {} accepted pairs {} incorrect.", window,
+      setting, recognitions.incorrect,
+      recognitions.correct + recognitions.incorrect + recognitions.ignored,
+      recognitions.incorrect == 1 ? "is" : "are");
 }
 
 // A line about the filter if it recognizes more frames correctly than `path` and no more
@@ -153,10 +155,10 @@ std::string intervals_text(const SweepIntervals& intervals, bool with_places) {
     return fmt::format("{:.0f} to {:.0f}", interval.low, interval.high);
   };
   std::string text =
-      fmt::format("Correct pairs {}, incorrect {}", range(intervals.correct_recognitions),
+      fmt::format("Accepted pairs: correct {}, incorrect {}", range(intervals.correct_recognitions),
                   range(intervals.incorrect_recognitions));
   if (with_places)
-    text += fmt::format("; correct places {}, incorrect {}", range(intervals.correct_places),
+    text += fmt::format("; places: correct {}, incorrect {}", range(intervals.correct_places),
                         range(intervals.incorrect_places));
   return text + fmt::format(" (95 %, blocks of {}).", counted(intervals.block, "frame"));
 }
@@ -273,30 +275,25 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
 std::string reason_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
   const std::string& symbol = sweep.threshold_symbol;
-  const auto correct = [&](const std::optional<size_t>& cell) {
-    return counted(sweep.cells[*cell].counts.recognitions.correct, "correct pair");
-  };
   const std::string near_miss =
       choice.near_miss
-          ? fmt::format("{} has {} and no incorrect one",
-                        cell_name(sweep, sweep.cells[*choice.near_miss]), correct(choice.near_miss))
+          ? fmt::format("{} has no error", cell_name(sweep, sweep.cells[*choice.near_miss]))
           : "";
   switch (choice.advice) {
     case Advice::recommended:
       if (sweep.cells[*choice.cell].unknown_place)
-        return correct(choice.cell) +
-               ", the most of all settings that neither have an incorrect pair nor would, "
-               "were the places not trained";
+        return "it accepts the most correct pairs of all settings without an error, even when each "
+               "place is removed from the training sequences";
       return fmt::format(
-          "{}, the most of all settings without an incorrect pair at "
-          "this, every stricter and the next looser {}",
-          correct(choice.cell), symbol);
+          "it accepts the most correct pairs of all settings without an error at this, every "
+          "stricter and the next looser {}",
+          symbol);
     case Advice::no_recognitions:
-      return "no setting accepts a pair";
+      return "no setting recognizes a frame";
     case Advice::no_correct_recognitions:
-      return "all accepted pairs are incorrect; check that the ground truth belongs to this query";
+      return "all recognitions are incorrect; check that the ground truth belongs to this query";
     case Advice::always_errors:
-      return fmt::format("every setting with a correct pair also has an incorrect one{}",
+      return fmt::format("every setting that recognizes a frame correctly also has an error{}",
                          knows_untrained(sweep) ? ", or would if its place were not trained" : "");
     case Advice::next_errs:
       return fmt::format("{}, but the next looser {} of the grid, {}, has one", near_miss, symbol,
@@ -311,20 +308,46 @@ std::string reason_text(const Sweep& sweep) {
   return {};
 }
 
-std::string recommendation_text(const Sweep& sweep) {
+Table best_cells_table(const Sweep& sweep) {
+  constexpr size_t kMostRows = 10;
+  const std::optional<size_t>& recommended = sweep.recommendation.cell;
+  const std::string& symbol = sweep.threshold_symbol;
+  Table table;
+  table.title = fmt::format("{}: best {} of each {}, over {} with a match{}", sweep.query.name,
+                            symbol, sweep.score->window_symbol,
+                            counted(sweep.cells.front().counts.best_match.frames, "frame"),
+                            recommended ? " (* recommended)" : "");
+  table.columns = {std::string(sweep.score->window_symbol), symbol, "correct", "incorrect",
+                   "pairs incorrect"};
+  for (size_t first = 0, end = 0; first < sweep.cells.size(); first = end) {
+    std::vector<FrameCounts> counts;
+    for (; end < sweep.cells.size() && sweep.cells[end].window == sweep.cells[first].window; ++end)
+      counts.push_back({sweep.cells[end].path, sweep.cells[end].counts.recognitions});
+    const bool has_recommended = recommended && first <= *recommended && *recommended < end;
+    const CellCounts& best =
+        sweep.cells[has_recommended ? *recommended : first + best_counts(counts, 0)];
+    if (table.rows.size() < kMostRows || has_recommended)
+      add_row(table, window_text(best) + (has_recommended ? "*" : ""), threshold_text(best),
+              best.path.correct, best.path.incorrect, best.counts.recognitions.incorrect);
+  }
+  return table;
+}
+
+std::string recommendation_text(const Sweep& sweep, bool with_intervals) {
   const Recommendation& choice = sweep.recommendation;
   if (!choice.cell)
-    return wrapped_text(
-               fmt::format("{}: no recommendation: {}.", sweep.query.name, reason_text(sweep)), 2) +
+    return wrapped_text(fmt::format("No recommendation: {}.", reason_text(sweep)), 2) +
            filter_text(sweep, {});
   const CellCounts& cell = sweep.cells[*choice.cell];
-  std::string text = wrapped_text(fmt::format("{}: recommended: {}: {}.", sweep.query.name,
-                                              cell_name(sweep, cell), reason_text(sweep)),
-                                  2);
-  text += fmt::format("It recognizes {} of {} correctly, {} incorrectly.\n", cell.path.correct,
-                      counted(cell.counts.best_match.frames, "frame"), cell.path.incorrect);
+  std::string text =
+      wrapped_text(fmt::format("Recommended: {}: {} of {} correctly, {} incorrectly; {}.",
+                               cell_name(sweep, cell), cell.path.correct,
+                               counted(cell.counts.best_match.frames, "frame"), cell.path.incorrect,
+                               reason_text(sweep)),
+                   2);
   text += wrapped_text(first_error_text(sweep), 2);
-  if (sweep.intervals) text += wrapped_text(intervals_text(*sweep.intervals, has_places(sweep)), 2);
+  if (sweep.intervals && with_intervals)
+    text += wrapped_text(intervals_text(*sweep.intervals, has_places(sweep)), 2);
   const std::string filter = filter_text(sweep, cell.path);
   const bool may_generalize = sweep.score == &probability_kind() || knows_untrained(sweep);
   return text + (!filter.empty()  ? filter
@@ -334,17 +357,12 @@ std::string recommendation_text(const Sweep& sweep) {
 }
 
 std::string validation_text(const ValidatedCell& validation) {
-  const Counts& counts = validation.cell.counts;
-  const auto pair_text = [](const LabelCounts& labels) {
-    return fmt::format("{} correct, {} incorrect", labels.correct, labels.incorrect);
-  };
-  std::string text =
-      fmt::format("On {}: pairs {}", validation.query_name, pair_text(counts.recognitions));
-  if (counts.clusters) text += fmt::format("; places {}", pair_text(*counts.clusters));
-  const BestMatchCounts& best = counts.best_match;
-  text += fmt::format("; best matches of {} of {} correct.", best.correct,
-                      counted(best.frames, "frame"));
-  return wrapped_text(text, 2);
+  const CellCounts& cell = validation.cell;
+  return wrapped_text(
+      fmt::format("On {}: {} of {} correctly, {} incorrectly.", validation.query_name,
+                  cell.path.correct, counted(cell.counts.best_match.frames, "frame"),
+                  cell.path.incorrect),
+      2);
 }
 
 }  // namespace vpr

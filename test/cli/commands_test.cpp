@@ -247,7 +247,7 @@ TEST_CASE(
       CHECK(line.size() <= 80 + out.path().string().size());
   };
   is_answer(query("one"), ", 1.0x\n");
-  is_answer(query("one"), "Next: vpr-eval ");
+  is_answer(query("one"), "next: vpr-eval ");
   is_answer(query("one", {"--speed", "2"}), ", 2.0x\n");
   is_answer(query("again", {"--speed", "reversed"}),
             "The query walked in the opposite direction: ");

@@ -144,7 +144,7 @@ TEST_CASE("a result is summed up in 12 lines of 80 columns, with its incorrect r
   CHECK(run.out.starts_with("1 of 3 frames with a match recognized, 1 of them incorrectly;"));
   CHECK(has(run.out, "\n  settings      fastable, c_l 3, raw, t_r 0.9 relative\n"));
   CHECK(has(run.out, ": incorrect"));
-  CHECK(has(run.out, "next: vpr-tune DB --query QUERY --ground-truth G compares methods\n"));
+  CHECK(has(run.out, "next: compare methods with\n  vpr-tune " + world().database()));
   const auto silent = run_program("vpr-eval", {out / "r.json", "--html", out / "e.html"});
   CHECK(has(silent.out, "Nothing is judged"));
   CHECK(has(silent.out, "next: judge each place by its images with --ask-places PAGE.html\n"));
@@ -275,8 +275,8 @@ TEST_CASE("images: a page with the frames of both sequences, and plots") {
               "precision-recall.svg", "recall-at.png", "recall-at.svg", "risk-coverage.png",
               "risk-coverage.svg", "timeline.png", "timeline.svg"});
   CHECK(run.out.starts_with(
-      "Best match correct in 9 of 12 frames (75.0 %); 4 can be accepted before the\n"
-      "first mistake (at a threshold chosen with the ground truth).\n"));
+      "Best match correct in 9 of 12 frames (75.0 %); 4 frames can be accepted before\n"
+      "the first mistake (threshold chosen with the ground truth).\n"));
   CHECK(has(page, "Best match correct in 9 of 12 frames"));
   CHECK_FALSE(has(page, "frames recognized"));
   CHECK(run_program("vpr-eval", words(folder / "q")).exit_code == 2);  // the page exists

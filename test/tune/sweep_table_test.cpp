@@ -30,6 +30,12 @@ Sweep example() {
   return sweep;
 }
 
+// Without the line breaks of wrapped_text.
+std::string unwrapped(std::string text) {
+  for (size_t at; (at = text.find("\n  ")) != std::string::npos;) text.replace(at, 3, " ");
+  return text;
+}
+
 }  // namespace
 
 TEST_CASE("a sweep as CSV has one row per cell, with recognitions and places") {
@@ -72,15 +78,34 @@ TEST_CASE(
   CHECK(both.rows.size() == 6);
 }
 
+TEST_CASE("the best cell of each window is listed, without errors if possible") {
+  Sweep sweep = example();
+  sweep.cells.push_back(cell(10, 0.3, {1, 2, 0}, {0, 1, 0}, 0));
+  sweep.cells.push_back(cell(10, 0.4, {9, 1, 0}, {0, 1, 0}, 0));
+  sweep.cells[0].path.correct = 2;
+  sweep.cells[2].path.correct = 5;
+  sweep.cells[4].path.correct = 6;
+  const Table table = best_cells_table(sweep);
+  CHECK(table.title ==
+        "a walk, \"quoted\": best t_r of each c_l, over 9 frames with a match (* recommended)");
+  CHECK(table.rows == std::vector<std::vector<std::string>>{{"5*", "0.3", "2", "0", "0"},
+                                                            {"10", "0.4", "6", "0", "1"}});
+}
+
 TEST_CASE("the recommendation names the first error") {
-  const std::string text = recommendation_text(example());
-  CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct") != std::string::npos);
-  CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect pairs, 24 correct") !=
-        std::string::npos);
+  Sweep sweep = example();
+  sweep.cells[0].path.correct = 2;
+  sweep.cells[2].path.correct = 5;
+  sweep.cells[2].path.incorrect = 1;
+  const std::string text = unwrapped(recommendation_text(sweep, false));
+  CHECK(text.starts_with("Recommended: c_l 5, t_r 0.3 (relative): 2 of 9 frames correctly, 0"));
+  CHECK(text.find("The first error of c_l 5 is at t_r 0.5, where 8 of the 34 accepted pairs are "
+                  "incorrect.\n") != std::string::npos);
   Sweep short_grid = example();
   short_grid.cells.resize(1);
   short_grid.recommendation = recommend(short_grid.cells, ScoreOrder::distance);
-  CHECK(recommendation_text(short_grid).find("the grid has no looser t_r") != std::string::npos);
+  CHECK(unwrapped(recommendation_text(short_grid, false)).find("the grid has no looser t_r") !=
+        std::string::npos);
 }
 
 TEST_CASE("a sweep names the filter if it recognizes more frames and no more incorrectly") {
@@ -92,9 +117,9 @@ TEST_CASE("a sweep names the filter if it recognizes more frames and no more inc
   filter.correct = 68;
   const auto says = [&](const std::string& words) {
     sweep.filter = filter;
-    return recommendation_text(sweep).find(words) != std::string::npos;
+    return unwrapped(recommendation_text(sweep, false)).find(words) != std::string::npos;
   };
-  CHECK(says("It recognizes 36 of 111 frames correctly, 0 incorrectly."));
+  CHECK(says("36 of 111 frames correctly, 0 incorrectly"));
   CHECK(says("the filter, recognizes 68 correctly and 0 incorrectly."));
   filter.incorrect = 1;
   CHECK_FALSE(says("filter"));
