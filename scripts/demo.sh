@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # The whole path from images to a table of counts:
-#   scripts/demo.sh                  on a small rendered building
+#   scripts/demo.sh                  on a small building, rendered for the demo
 #   scripts/demo.sh DATASET.json     on a data set description of your own
 # Results stay in out/demo.
 set -euo pipefail
 dataset=${1:+$(realpath "$1")}
 cd "$(dirname "$0")/.."
-scripts/install-deps.sh
+scripts/install-deps.sh --build
 cmake --preset release >/dev/null
 cmake --build --preset release --parallel "$(nproc)" --target vpr-synth vpr-train vpr-query vpr-eval
 bin=build/release/bin
@@ -14,7 +14,7 @@ out=out/demo
 mkdir -p "$out"
 
 if [[ -z $dataset ]]; then
-  echo; echo "== render walks through a small building"
+  echo; echo "== render walks through a small building (no recording of a real one is needed)"
   "$bin/vpr-synth" configs/worlds/small.json -o "$out/building" --force
   dataset=$out/building/dataset.json
 fi

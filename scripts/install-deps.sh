@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs missing dependencies (Debian 12).
-#   scripts/install-deps.sh            build, test, demo
+#   scripts/install-deps.sh            build and test
+#   scripts/install-deps.sh --build    build only, as the demo does
 #   scripts/install-deps.sh --check    also those of scripts/check.sh
 #   scripts/install-deps.sh --ci       also those of tests that are skipped without them
 #   scripts/install-deps.sh --package  also those of building and testing the Debian package
@@ -10,14 +11,15 @@
 set -euo pipefail
 libraries=(
   libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev
-  libcli11-dev nlohmann-json3-dev catch2
+  libcli11-dev nlohmann-json3-dev
   libdlib-dev libblas-dev liblapack-dev # the first links the others, but does not depend on them
 )
-[[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
-packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil)
+[[ ${1:-} == --libraries ]] && { echo "${libraries[@]}" catch2; exit 0; }
+packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}")
+[[ ${1:-} == --build ]] || packages+=(catch2 python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --ci ]] && packages+=(chromium python3-pandas snakemake)
-[[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
+[[ ${1:-} == --package ]] && packages+=(dpkg-dev file lintian mmdebstrap)
 [[ ${1:-} == --cluster ]] && packages+=(snakemake)
 [[ ${1:-} == --arm64 ]] && packages+=(crossbuild-essential-arm64 mmdebstrap qemu-user-static)
 

@@ -271,8 +271,8 @@ Program::Program(const std::string& name, const std::string& description,
   command()
       .add_option(
           "--completion", completion_,
-          "print completions for bash, or the manual page; cannot be combined with other flags")
-      .type_name("bash|man")
+          "print completions for a shell, or the manual page; cannot be combined with other flags")
+      .type_name("bash|zsh|fish|man")
       .group(kCommonGroup);
 }
 

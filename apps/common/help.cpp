@@ -1,4 +1,4 @@
-// Texts about a program: --help, bash completions and manual pages.
+// Texts about a program: --help, completions for shells and manual pages.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -188,6 +188,78 @@ std::string bash_completion(const CommandEntry& program) {
                       function, program.name);
 }
 
+// The help up to the first semicolon, in single quotes; characters of `special` have a backslash.
+std::string quoted_summary(const std::string& help, const std::string& special = "") {
+  std::string text;
+  for (const char letter : help.substr(0, help.find(';')))
+    text += letter == '\''                              ? std::string("'\\''")
+            : special.find(letter) != std::string::npos ? fmt::format("\\{}", letter)
+                                                        : std::string(1, letter);
+  return text;
+}
+
+// "'*--method[matching method]:METHOD:(filter fastable)'" for each name of the flag.
+std::string zsh_flag(const FlagEntry& flag) {
+  std::string value;
+  if (!flag.choices.empty())
+    value = fmt::format(":{}:({})", flag.names.back(), fmt::join(flag.choices, " "));
+  else if (!flag.value.empty())
+    value = fmt::format(":{}:_files", flag.names.back());
+  std::string words;
+  for (const std::string& name : flag.names)
+    words += fmt::format(" \\\n        '{}{}[{}]{}'", value.empty() ? "" : "*", name,
+                         quoted_summary(flag.help, "[]"), value);
+  return words;
+}
+
+std::string zsh_completion(const CommandEntry& program) {
+  const std::string function = "_" + replaced(program.name, "-", "_");
+  const std::string commands = fmt::format("{}", fmt::join(names_of(program.commands), " "));
+  std::string script =
+      fmt::format("#compdef {}\n{}() {{\n  local command= word\n", program.name, function);
+  if (!commands.empty())
+    script += fmt::format(
+        "  for word in ${{words[2,CURRENT-1]}}; do\n    case $word in\n      {}) command=$word; "
+        "break ;;\n    esac\n  done\n",
+        replaced(commands, " ", "|"));
+  script += "  case $command in\n";
+  for (const auto& [level, command] : levels(program)) {
+    script += fmt::format("    '{}') _arguments", level);
+    for (const FlagEntry& flag : command->flags) script += zsh_flag(flag);
+    script += level.empty() && !commands.empty()
+                  ? fmt::format(" \\\n        '*: :{{compadd {}; _files}}' ;;\n", commands)
+                  : " \\\n        '*: :_files' ;;\n";
+  }
+  return script + fmt::format("  esac\n}}\n{} \"$@\"\n", function);
+}
+
+std::string fish_completion(const CommandEntry& program) {
+  const std::string commands = fmt::format("{}", fmt::join(names_of(program.commands), " "));
+  std::string script;
+  for (const auto& [level, command] : levels(program)) {
+    const std::string condition =
+        !level.empty()       ? fmt::format(" -n '__fish_seen_subcommand_from {}'", level)
+        : !commands.empty() ? fmt::format(" -n 'not __fish_seen_subcommand_from {}'", commands)
+                            : "";
+    const std::string start = fmt::format("complete -c {}{}", program.name, condition);
+    for (const FlagEntry& flag : command->flags) {
+      script += start;
+      for (const std::string& name : flag.names)
+        script += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+      if (!flag.choices.empty())
+        script += fmt::format(" -x -a '{}'", fmt::join(flag.choices, " "));
+      else if (!flag.value.empty())
+        script += " -r";
+      script += fmt::format(" -d '{}'\n", quoted_summary(flag.help));
+    }
+    if (level.empty())
+      for (const CommandEntry& inner : command->commands)
+        script += fmt::format("{} -a {} -d '{}'\n", start, inner.name,
+                              quoted_summary(inner.description));
+  }
+  return script;
+}
+
 std::string manual_page(const CommandEntry& program, const std::string& version) {
   std::string description = program.description;
   if (description.ends_with('.')) description.pop_back();
@@ -249,8 +321,11 @@ std::string short_help_text(const CommandEntry& command, const std::string& path
 std::string completion_text(const CommandEntry& program, const std::string& kind,
                             const std::string& version) {
   if (kind == "bash") return bash_completion(program);
+  if (kind == "zsh") return zsh_completion(program);
+  if (kind == "fish") return fish_completion(program);
   if (kind == "man") return manual_page(program, version);
-  throw Error(ErrorKind::usage, fmt::format("--completion takes bash or man, found {}", kind));
+  throw Error(ErrorKind::usage,
+              fmt::format("--completion takes bash, zsh, fish or man, found {}", kind));
 }
 
 }  // namespace vpr

@@ -380,7 +380,7 @@ void add_report(Program& program) {
   const auto inputs = std::make_shared<ReportInputs>();
   const Command command =
       program.add_command("report", "Show the reports of a folder as a table and a page.",
-                          "  vpr-eval report results --ground-truth pairs.csv --html results.html\n"
+                          "  vpr-eval report . --ground-truth pairs.csv --html results.html\n"
                           "  vpr-eval report results --dataset dataset.json --format latex",
                           [inputs](Session& session) { run_report(session, *inputs); });
   command

@@ -41,8 +41,8 @@ constexpr std::array<QueryCommand, 5> kCommands = {
       "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"},
      {"matrix", Feature::matrix, "Match the windows of a score matrix of any program.",
       add_matrix_flags,
-      "  vpr-query matrix scores.npy --distance --name tuesday --c-l 20 --score zscore -o "
-      "windows.json\n"
+      "  vpr-query matrix scores.npy --distance --name tuesday --c-l 20 --score zscore --t-r=-1.5 "
+      "-o windows.json\n"
       "  vpr-query matrix similarities.npy --similarity --c-l 20 --t-r 0.6 --save-matrix "
       "windows.npy"},
      {"explain", Feature::explain,

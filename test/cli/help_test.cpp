@@ -170,7 +170,7 @@ TEST_CASE("the help of a command has its own examples, without those of its prog
 TEST_CASE("completions and manual pages of every program contain all its flags") {
   for (const std::string& program : kPrograms) {
     const std::string help = run_program(program, {"--help"}).out;
-    for (const std::string kind : {"bash", "man"}) {
+    for (const std::string kind : {"bash", "zsh", "fish", "man"}) {
       const auto run = run_ok(program, {"--completion", kind});
       for (size_t at = 0; (at = help.find("\n  --", at)) != std::string::npos; ++at) {
         const size_t end = help.find_first_of(" \n,", at + 5);
@@ -178,11 +178,12 @@ TEST_CASE("completions and manual pages of every program contain all its flags")
         if (kind == "man")
           for (size_t dash = 0; (dash = name.find('-', dash)) != std::string::npos; dash += 2)
             name.replace(dash, 1, "\\-");
+        if (kind == "fish") name = "-l " + name;
         INFO(program << " " << kind << " " << name);
         CHECK(has(run.out, name));
       }
     }
-    CHECK(run_program(program, {"--completion", "zsh"}).exit_code == 2);
+    CHECK(run_program(program, {"--completion", "tcsh"}).exit_code == 2);
   }
 }
 

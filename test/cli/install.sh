@@ -8,12 +8,19 @@ trap 'rm -rf "$out"' EXIT
 "$cmake" --install "$build" --prefix "$out" >/dev/null
 for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
   [[ $("$out/bin/$program" --version) == "$program "* ]]
-  for file in bash-completion/completions/$program man/man1/$program.1; do
+  for file in bash-completion/completions/$program zsh/vendor-completions/_$program \
+      fish/vendor_completions.d/$program.fish man/man1/$program.1.gz; do
     [[ -s $out/share/$file ]] || { echo "$file is missing"; exit 1; }
   done
   bash -n "$out/share/bash-completion/completions/$program"
+  ! command -v zsh >/dev/null || zsh -n "$out/share/zsh/vendor-completions/_$program"
+  ! command -v fish >/dev/null || fish -n "$out/share/fish/vendor_completions.d/$program.fish"
 done
-for file in report common; do [[ -s $out/share/doc/vpr-toolkit/schemas/$file.schema.json ]]; done
+for file in copyright README.md changelog.gz schemas/report.schema.json schemas/common.schema.json; do
+  [[ -s $out/share/doc/vpr-toolkit/$file ]] || { echo "$file is missing"; exit 1; }
+done
+[[ -s $out/share/vpr-toolkit/worlds/small.json ]]
+"$(dirname "$0")/examples.sh" "$out/bin" "$out/share/vpr-toolkit/example"
 [[ -x $out/share/vpr-toolkit/convert/mat.py ]]
 
 source "$out/share/bash-completion/completions/vpr-eval"

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Runs the example of every -h, in a copy of the example data set (scripts/example.sh).
+#   examples.sh BIN EXAMPLE
+set -euo pipefail
+export PATH=$(realpath "$1"):$PATH
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cp -r "$2/." "$folder"
+cd "$folder"
+
+example_of() {  # the command after "Example:", without its line breaks
+  "$@" -h | sed -n '/^Example:$/,/^$/p' | sed '1d; s/ \\$//' | tr '\n' ' '
+}
+
+run() {
+  local example
+  example=$(example_of "$@")
+  [[ $example == *"$1 "* ]] || { echo "$* -h has no example"; exit 1; }
+  bash -c "$example" >out 2>&1 || { echo "failed: $example"; cat out; exit 1; }
+  ran+=("$*")
+}
+
+ran=()
+# Commands that write what others read come first.
+for command in fastable export descriptors fabmap info add ''; do run vpr-train $command; done
+for command in '' matrix live loops explain; do run vpr-query $command; done
+for command in '' matrix loops compare report convert check; do run vpr-eval $command; done
+for command in '' fastable fabmap calibrate threshold; do run vpr-tune $command; done
+for command in '' matching describe fabmap realtime compare; do run vpr-bench $command; done
+run vpr-synth
+for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
+  for command in '' $("$program" -h | sed -n '/^Commands:$/,/^$/s/^  \([a-z]*\)  .*/\1/p'); do
+    printf '%s\n' "${ran[@]}" | grep -qx "$program${command:+ $command}" || { echo "$program $command -h was not run"; exit 1; }
+  done
+done
+echo "${#ran[@]} examples of -h run"
