@@ -121,13 +121,14 @@ std::vector<float> as_floats(const DescriptorStore& store, DescriptorRow row) {
              : as_floats<int16_t>(row, element == ElementType::points16 ? store.unit : 1);
 }
 
-// Exports bits and gray levels as uint8, vectors and points as float32; unreadable frames are 0 or
-// NaN.
+// Exports bits and gray levels as uint8, vectors and points as float32, and of ldb+hog the code;
+// unreadable frames are 0 or NaN.
 void export_descriptors(const Session& session, const std::string& path, const std::string& file) {
   session.outputs.claim_file(file);
   const SequenceDatabase database = read_sequence_database(path);
   const DescriptorStore& store = database.descriptors;
-  const DescriptorShape shape = store.shape();
+  const DescriptorShape shape =
+      store.shape().element == ElementType::ldb_hog ? kLdbShape : store.shape();
   const bool as_float =
       shape.element != ElementType::bits && shape.element != ElementType::gray_levels;
   const size_t columns = shape.element == ElementType::bits ? (shape.length + 7) / 8 : shape.length;

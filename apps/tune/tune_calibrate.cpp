@@ -97,7 +97,7 @@ void compute_thresholds(Session& session, const Threshold& command) {
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
     check_window_length(length);
     check_sums(database.descriptors, length);
-    all.push_back(compute_thresholds(descriptor_spans(database), length, command.safety_factor,
+    all.push_back(compute_thresholds(code_spans(database), length, command.safety_factor,
                                      session.kernels, session.monitor));
     warn_of_overlaps(database, all.back(), session.monitor);
   }

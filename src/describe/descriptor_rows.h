@@ -18,14 +18,31 @@ inline constexpr size_t kLdbBits = 1386;
 inline constexpr size_t kLdbBytes = 176;
 using LdbCode = std::array<uint8_t, kLdbBytes>;
 
+/// Values of a HOG vector: 3 x 3 blocks of 2 x 2 cells with 8 directions.
+inline constexpr size_t kHogLength = size_t{3} * 3 * 4 * 8;
+using HogVector = std::array<int8_t, kHogLength>;
+
+/// A code of LDB and the HOG vector of the same frame.
+using LdbHogRow = std::array<uint8_t, kLdbBytes + kHogLength>;
+
 /// The visual words of a frame or view: word ids, increasing, without duplicates.
 using WordSet = std::vector<uint32_t>;
 
 /// The element type of a descriptor, which determines the distance: bits; signed integers of 8 or
 /// 16 bits (vectors, compared by direction only); points with 16-bit coordinates (one unit for a
-/// whole database); gray levels of 8 bits (images); or only the number of the frame, for
-/// precomputed distances.
-enum class ElementType { bits, int8, int16, points16, gray_levels, frame_numbers };
+/// whole database); gray levels of 8 bits (images); a code of LDB followed by a HOG vector,
+/// compared by both or by the code alone; or only the number of the frame, for precomputed
+/// distances.
+enum class ElementType {
+  bits,
+  int8,
+  int16,
+  points16,
+  gray_levels,
+  ldb_hog,
+  ldb_of_ldb_hog,
+  frame_numbers
+};
 
 /// The longest descriptors that can be compared: distances of bits must fit 16 bits, scalar
 /// products of integers 32 bits.
@@ -49,8 +66,7 @@ struct DescriptorShape {
   constexpr size_t row_bytes() const {
     if (element == ElementType::bits) return (length + 63) / 64 * 8;
     if (element == ElementType::frame_numbers) return 4 * length;
-    return element == ElementType::int8 || element == ElementType::gray_levels ? length
-                                                                               : 2 * length;
+    return element == ElementType::int16 || element == ElementType::points16 ? 2 * length : length;
   }
 };
 
@@ -62,6 +78,9 @@ constexpr std::string_view element_noun(const DescriptorShape& shape) {
 
 inline constexpr DescriptorShape kLdbShape = {ElementType::bits, kLdbBits};
 static_assert(kLdbShape.row_bytes() == sizeof(LdbCode));
+inline constexpr DescriptorShape kHogShape = {ElementType::int8, kHogLength};
+inline constexpr DescriptorShape kLdbHogShape = {ElementType::ldb_hog,
+                                                 std::tuple_size_v<LdbHogRow>};
 
 /// The descriptor of one frame: row_bytes() bytes.
 using DescriptorRow = std::span<const uint8_t>;
@@ -88,6 +107,12 @@ struct DescriptorRows {
   }
   DescriptorRows first(size_t count) const { return subspan(0, count); }
 };
+
+/// The rows by their LDB code alone, if they also have a HOG vector; otherwise unchanged.
+inline DescriptorRows codes_of(DescriptorRows rows) {
+  if (rows.shape.element == ElementType::ldb_hog) rows.shape.element = ElementType::ldb_of_ldb_hog;
+  return rows;
+}
 
 class PrecomputedDistances;
 

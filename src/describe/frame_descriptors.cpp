@@ -56,16 +56,16 @@ constexpr DescriptorKind imported(std::string_view name, std::string_view summar
   return {name, summary, {element, 0}, import_kind, true};
 }
 
-constexpr std::array<DescriptorKind, 10> kKinds = {{
+constexpr std::array<DescriptorKind, 11> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
      "the frame in 64x32 gray levels, normalized in squares, as in SeqSLAM",
      {ElementType::gray_levels, std::tuple_size_v<Thumbnail64>},
      describe_by<describe_thumbnail>},
-    {"hog",
-     "histograms of oriented gradients of the whole frame, 30752 values",
-     {ElementType::int8, kHogLength},
+    {"hog", "histograms of oriented gradients of the whole frame, 288 values", kHogShape,
      describe_by<describe_hog>},
+    {"ldb+hog", "both, for z-scores and the filter; other methods use ldb", kLdbHogShape,
+     describe_by<describe_ldb_hog>},
     {"brief",
      "a binary code of the whole frame from pairs of pixels, of 256 bits",
      {ElementType::bits, kCenterBits},

@@ -11,7 +11,6 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/objdetect.hpp>
 
 #include "base/random.h"
 #include "describe/imported.h"
@@ -76,6 +75,84 @@ cv::Mat resized(const cv::Mat& gray, int side) {
   cv::Mat square;
   cv::resize(gray, square, {side, side}, 0, 0, cv::INTER_LINEAR_EXACT);
   return square;
+}
+
+constexpr int kHogSide = 64;
+constexpr int kHogCell = 16;
+constexpr size_t kHogCells = kHogSide / kHogCell;  // per side
+constexpr size_t kHogDirections = 8;
+// Unit vectors of the directions, 22.5 degrees apart, from 11.25 degrees on.
+constexpr std::array<std::array<double, 2>, kHogDirections> kHogAxes = {
+    {{0.98078528040323044, 0.19509032201612827},
+     {0.83146961230254524, 0.55557023301960222},
+     {0.55557023301960222, 0.83146961230254524},
+     {0.19509032201612827, 0.98078528040323044},
+     {-0.19509032201612827, 0.98078528040323044},
+     {-0.55557023301960222, 0.83146961230254524},
+     {-0.83146961230254524, 0.55557023301960222},
+     {-0.98078528040323044, 0.19509032201612827}}};
+constexpr double kHogNeighbor = 0.92387953251128674;  // cosine of 22.5 degrees
+
+using HogCell = std::array<double, kHogDirections>;
+using HogCells = std::array<std::array<HogCell, kHogCells>, kHogCells>;
+
+// The two cells of a line of cells that are next to a pixel, with their shares.
+std::array<std::pair<int, double>, 2> cells_near(int pixel) {
+  const int twice = 2 * pixel + 1 - kHogCell;  // to the center of the first cell, in half pixels
+  const int before = twice < 0 ? -1 : twice / (2 * kHogCell);
+  const double share = twice / (2.0 * kHogCell) - before;
+  return {{{before, 1 - share}, {before + 1, share}}};
+}
+
+// Histograms of the directions of gradients, weighted by their length. A direction's weight is 0
+// at the next directions.
+HogCells gradient_cells(const cv::Mat_<uint8_t>& image) {
+  HogCells cells{};
+  const auto at = [&](int y, int x) {
+    return int{image(std::clamp(y, 0, kHogSide - 1), std::clamp(x, 0, kHogSide - 1))};
+  };
+  for (int y = 0; y < kHogSide; ++y)
+    for (int x = 0; x < kHogSide; ++x) {
+      const double across = at(y, x + 1) - at(y, x - 1);
+      const double down = at(y + 1, x) - at(y - 1, x);
+      const double length = std::sqrt(across * across + down * down);
+      for (size_t k = 0; k < kHogDirections; ++k) {
+        const double along = std::abs(across * kHogAxes[k][0] + down * kHogAxes[k][1]);
+        const double weight = along - kHogNeighbor * length;
+        if (weight <= 0) continue;
+        for (const auto& [row, vertical] : cells_near(y))
+          for (const auto& [column, horizontal] : cells_near(x))
+            if (row >= 0 && column >= 0 && row < int{kHogCells} && column < int{kHogCells})
+              cells[static_cast<size_t>(row)][static_cast<size_t>(column)][k] +=
+                  weight * vertical * horizontal;
+      }
+    }
+  return cells;
+}
+
+void normalize(std::span<double> block) {
+  double square = 0;
+  for (const double value : block) square += value * value;
+  if (square == 0) return;
+  const double length = std::sqrt(square);
+  for (double& value : block) value /= length;
+}
+
+std::vector<double> normalized_blocks(const HogCells& cells) {
+  constexpr double kMost = 0.2;
+  std::vector<double> blocks;
+  for (size_t y = 0; y + 1 < kHogCells; ++y)
+    for (size_t x = 0; x + 1 < kHogCells; ++x) {
+      const size_t first = blocks.size();
+      for (const HogCell& cell :
+           {cells[y][x], cells[y][x + 1], cells[y + 1][x], cells[y + 1][x + 1]})
+        blocks.insert(blocks.end(), cell.begin(), cell.end());
+      const auto block = std::span(blocks).subspan(first);
+      normalize(block);
+      for (double& value : block) value = std::min(value, kMost);
+      normalize(block);
+    }
+  return blocks;
 }
 
 // The sum of twelve uniform integers: no mathematical library can round it differently.
@@ -168,19 +245,21 @@ Thumbnail64 describe_thumbnail(const cv::Mat& gray) {
   return thumbnail;
 }
 
-std::vector<int8_t> describe_hog(const cv::Mat& gray) {
-  constexpr int kSide = 512;
-  constexpr int kCell = 16;
-  constexpr int kDirections = 8;
-  const cv::HOGDescriptor hog({kSide, kSide}, {2 * kCell, 2 * kCell}, {kCell, kCell},
-                              {kCell, kCell}, kDirections);
-  std::vector<float> values;
-  hog.compute(resized(gray, kSide), values);
-  std::vector<int8_t> numbers(kHogLength, 0);
-  const std::vector<double> vector(values.begin(), values.end());
-  if (std::any_of(vector.begin(), vector.end(), [](double value) { return value != 0; }))
+HogVector describe_hog(const cv::Mat& gray) {
+  const std::vector<double> vector = normalized_blocks(gradient_cells(resized(gray, kHogSide)));
+  HogVector numbers{};
+  if (std::ranges::any_of(vector, [](double value) { return value != 0; }))
     quantize_numbers(vector, std::span(numbers));
   return numbers;
+}
+
+LdbHogRow describe_ldb_hog(const cv::Mat& gray) {
+  const LdbCode code = describe_ldb(gray);
+  const HogVector hog = describe_hog(gray);
+  LdbHogRow row;
+  std::memcpy(row.data(), code.data(), code.size());
+  std::memcpy(row.data() + code.size(), hog.data(), hog.size());
+  return row;
 }
 
 cv::Mat illumination_invariant(const cv::Mat& bgr) {

@@ -46,15 +46,16 @@ using Thumbnail64 = std::array<uint8_t, size_t{kThumbnailWidth} * kThumbnailHeig
 /// after them follow IEEE 754: the same on every machine.
 Thumbnail64 describe_thumbnail(const cv::Mat& gray);
 
-/// Values per descriptor: 31 x 31 blocks that overlap by half, of 2 x 2 cells with 8 directions.
-inline constexpr size_t kHogLength = size_t{31} * 31 * 4 * 8;
+/// Histograms of oriented gradients of the whole frame (Dalal & Triggs). `gray`: 8 bits, one
+/// channel, at least 1x1. Resized to 64x64 (bilinear, bit-exact). Each pixel adds to the cells
+/// (16x16 pixels) and directions (8 of 180 degrees) next to it. The 3 x 3 blocks of 2 x 2 cells
+/// overlap by half; each is normalized to length 1, clipped at 0.2, and normalized again. Stored as
+/// 8-bit integers (quantize_numbers); all zero for an image without gradients. Only sums, products,
+/// quotients and roots of doubles in a fixed order: the same on every machine.
+HogVector describe_hog(const cv::Mat& gray);
 
-/// Histograms of oriented gradients of the whole frame (Dalal & Triggs), as used for place
-/// recognition (Zaffar et al., CoHOG). `gray`: 8 bits, one channel, at least 1x1. Resized to
-/// 512x512 (bilinear, bit-exact), described by OpenCV's HOGDescriptor with cells of 16x16 pixels,
-/// and stored as 8-bit integers (quantize_numbers); all zero for an image without gradients. OpenCV
-/// computes in float32: another version or another processor type may round differently.
-std::vector<int8_t> describe_hog(const cv::Mat& gray);
+/// LDB and HOG of one frame, for the element type ldb_hog.
+LdbHogRow describe_ldb_hog(const cv::Mat& gray);
 
 /// Illumination invariance for color frames (McManus et al., as ABLE-M uses it). `bgr`: 8 bits,
 /// three channels. Returns gray of the same size:

@@ -169,6 +169,12 @@ extern const DistanceKind kPointDistance;
 /// nearest, ties up. Projections are exact if the number of pixels is a power of two.
 extern const DistanceKind kGrayDistance;
 
+/// The Hamming distance of the LDB codes plus the cosine distance of the HOG vectors, in units of
+/// 2/1024 and rounded to nearest, ties up. Rows of bytes 0 have a distance of 512.
+extern const DistanceKind kLdbHogDistance;
+/// The Hamming distance of the LDB codes of the same rows.
+extern const DistanceKind kLdbOfLdbHogDistance;
+
 /// Precomputed distances (precomputed_distances.h).
 extern const DistanceKind kPrecomputedDistance;
 

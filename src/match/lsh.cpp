@@ -44,6 +44,24 @@ uint64_t key_bits(const LshSettings& settings, size_t windows) {
   return std::clamp<uint64_t>(std::bit_width(windows) + 2, 4, kMostKeyBits);
 }
 
+/// The LDB codes of rows with more bytes, one after the other: windows are strings of bits.
+struct PackedCodes {
+  std::vector<std::vector<LdbCode>> codes;
+  std::vector<DescribedFrames> frames;
+
+  explicit PackedCodes(std::span<const DescribedFrames> sequences)
+      : frames(sequences.begin(), sequences.end()) {
+    for (DescribedFrames& sequence : frames) {
+      std::vector<LdbCode>& packed = codes.emplace_back(sequence.rows.size());
+      for (size_t i = 0; i < packed.size(); ++i)
+        std::ranges::copy(sequence.rows[i].first(kLdbBytes), packed[i].begin());
+      sequence.rows = packed;
+    }
+  }
+  PackedCodes(const PackedCodes&) = delete;
+  PackedCodes& operator=(const PackedCodes&) = delete;
+};
+
 }  // namespace
 
 struct LshIndex::Tables {
@@ -103,6 +121,14 @@ std::vector<LshCandidate> LshIndex::find(const uint8_t* window) const {
 void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume) {
   const DescriptorRows& query = distances.query.rows;
+  if (query.shape.element == ElementType::ldb_of_ldb_hog) {
+    const PackedCodes query_codes({&distances.query, 1});
+    const PackedCodes train_codes(distances.train);
+    FrameDistances packed = distances;
+    packed.query = query_codes.frames.front();
+    packed.train = train_codes.frames;
+    return match_lsh(packed, settings, monitor, consume);
+  }
   if (query.shape.element != ElementType::bits || distances.is_in_order())
     throw Error(ErrorKind::usage, "lsh needs raw distances of binary descriptors; use fastable");
   const size_t length = settings.window_length;

@@ -149,6 +149,14 @@ double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b
       return point_distance(byte_pairs_of(a), byte_pairs_of(b));
     case ElementType::gray_levels:
       return gray_distance(a, b);
+    case ElementType::ldb_hog: {
+      const uint32_t cosine =
+          reference_distance(ElementType::int8, a.subspan(kLdbBytes), b.subspan(kLdbBytes));
+      return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
+             std::floor(cosine / 64.0 + 0.5);
+    }
+    case ElementType::ldb_of_ldb_hog:
+      return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes));
     case ElementType::frame_numbers:
       break;
   }

@@ -29,7 +29,7 @@ std::vector<std::string> names_of(std::span<const TrainSequence> sequences) {
 // The exclusion radius of every sequence: the setting, the stored or the computed one.
 std::vector<uint32_t> radii_of(const SequenceDatabase& database,
                                const std::optional<uint64_t>& radius, const Monitor& monitor) {
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  const std::vector<DescribedFrames> spans = code_spans(database);
   std::vector<uint32_t> radii;
   for (size_t s = 0; s < spans.size(); ++s) {
     const auto& stored = database.sequences[s].exclusion_radius;
@@ -42,8 +42,8 @@ std::vector<uint32_t> radii_of(const SequenceDatabase& database,
 SequencePairs overlapping_sequences(const SequenceDatabase& database, const RowKernels& kernels,
                                     const Monitor& monitor) {
   if (database.overlapping_sequences) return *database.overlapping_sequences;
-  return find_overlapping_sequences(descriptor_spans(database),
-                                    radii_of(database, std::nullopt, monitor), kernels, monitor);
+  return find_overlapping_sequences(code_spans(database), radii_of(database, std::nullopt, monitor),
+                                    kernels, monitor);
 }
 
 // Parses "A=B". Names may contain "=".

@@ -104,7 +104,7 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
       stored != nullptr
           ? *stored
           : ThresholdTable{length, factor,
-                           find_closest_windows(descriptor_spans(database), match, monitor)};
+                           find_closest_windows(code_spans(database), match, monitor)};
   table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
   return table;
 }
@@ -179,8 +179,10 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   plan.query_sequence = sequence;
   plan.query_sequence.name = query_name;
   plan.query_sequence.frames = query.rows.size();
+  const bool is_raw = !score_kind(settings.score).needs_statistics;
   plan.query = query;
-  plan.train = descriptor_spans(database);
+  if (is_raw) plan.query.rows = codes_of(query.rows);
+  plan.train = is_raw ? code_spans(database) : descriptor_spans(database);
   plan.match = {settings.window_length,
                 resources.memory_limit,
                 resources.kernels,
@@ -194,7 +196,9 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
   plan.scores = stages_of(settings, statistics);
   if (statistics != nullptr && !query.precomputed)
-    plan.typical_distance = statistics->typical_distance;
+    plan.typical_distance = is_raw
+                                ? statistics->code_distance.value_or(statistics->typical_distance)
+                                : statistics->typical_distance;
   if (statistics != nullptr && plan.score->needs_statistics)
     plan.statistics = {statistics->settings, statistics->typical_distance};
   return plan;

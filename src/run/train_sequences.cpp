@@ -63,7 +63,7 @@ void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monito
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
                     const RowKernels& kernels, const Monitor& monitor) {
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  const std::vector<DescribedFrames> spans = code_spans(database);
   if (!is_left_to_queries(spans))
     database.thresholds.push_back(
         compute_thresholds(spans, window_length, safety_factor, kernels, monitor));
@@ -81,12 +81,15 @@ void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequen
   for (size_t s = 0; s < sequences.size(); ++s)
     append_sequence(database, sequences[s], skip_unreadable,
                     part_of(monitor, sequences[s].name, s, sequences.size()));
-  const std::vector<DescribedFrames> spans = descriptor_spans(database);
-  for (size_t s = 0; s < spans.size(); ++s)
+  const std::vector<DescribedFrames> codes = code_spans(database);
+  for (size_t s = 0; s < codes.size(); ++s)
     database.sequences[s].typical_distance =
-        typical_distance(database.sequences[s], spans[s], monitor);
+        typical_distance(database.sequences[s], codes[s], monitor);
   ensure_exclusion_zones(database, kernels, monitor);
-  database.statistics = compute_statistics(spans, settings, monitor);
+  database.statistics = compute_statistics(descriptor_spans(database), settings, monitor);
+  if (database.descriptors.shape().element == ElementType::ldb_hog)
+    database.statistics->code_distance =
+        compute_statistics(codes, settings, monitor).typical_distance;
 }
 
 // The difference between a training sequence and the group with its name.
@@ -268,6 +271,12 @@ std::vector<DescribedFrames> descriptor_spans(const SequenceDatabase& database) 
     span.unreadable = train.sequence.unreadable;
     first += frames;
   }
+  return spans;
+}
+
+std::vector<DescribedFrames> code_spans(const SequenceDatabase& database) {
+  std::vector<DescribedFrames> spans = descriptor_spans(database);
+  for (DescribedFrames& span : spans) span.rows = codes_of(span.rows);
   return spans;
 }
 

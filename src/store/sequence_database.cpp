@@ -150,6 +150,9 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
   statistics.typical_distance = read_typical_distance(fields, shape);
   Json json = fields.json();
   json.erase("typical_distance");
+  if (shape.element == ElementType::ldb_hog)
+    statistics.code_distance = read_number(fields, "code_distance", kLdbBits, true);
+  json.erase("code_distance");
   value_from_json(json, statistics.settings, JsonSource{archive.name(), kStoredSettingsForm},
                   "statistics");
   const NpyArray rows = archive.array(kStatisticsFile);
@@ -254,6 +257,8 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   if (database.statistics) {
     manifest["statistics"] = value_to_json(database.statistics->settings);
     manifest["statistics"]["typical_distance"] = database.statistics->typical_distance;
+    if (const auto& distance = database.statistics->code_distance)
+      manifest["statistics"]["code_distance"] = *distance;
   }
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};

@@ -68,6 +68,8 @@ struct TrainStatistics {
   std::optional<TrainComponents> components = std::nullopt;
   /// FAB-MAP's data for these frames, if scores are fused with it; not stored.
   std::shared_ptr<const FusedViews> fused = nullptr;
+  /// The typical distance of LDB codes alone, if the frames also have HOG vectors.
+  std::optional<double> code_distance = std::nullopt;
 
   bool operator==(const TrainStatistics&) const = default;
 };

@@ -347,7 +347,7 @@ TEST_CASE("descriptors without a database must match each other") {
 TEST_CASE("frames can have other built-in descriptors") {
   const TemporaryFolder out;
   const std::string one = world().walk("one");
-  for (const std::string name : {"thumbnail", "hog"}) {
+  for (const std::string name : {"thumbnail", "hog", "ldb+hog"}) {
     run_ok("vpr-train", {"fastable", "--train", one, "--descriptor", name, "--c-l", "5", "-o",
                          out / (name + ".vprdb")});
     const Json json =
@@ -358,7 +358,23 @@ TEST_CASE("frames can have other built-in descriptors") {
   }
   check_failure("vpr-train",
                 {"fastable", "--train", one, "--descriptor", "thumb", "-o", out / "x.vprdb"}, 2,
-                "choose one of ldb, thumbnail, hog");
+                "choose one of ldb, thumbnail, hog, ldb+hog");
+}
+
+TEST_CASE("raw distances use LDB alone if frames also have HOG vectors") {
+  const TemporaryFolder out;
+  std::vector<std::string> arrays;
+  for (const std::string name : {"ldb", "ldb+hog"}) {
+    const std::string database = out / (name + ".vprdb");
+    run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "--train",
+                         world().walk("back"), "--descriptor", name, "--c-l", "5", "-o", database});
+    const std::string result = out / (name + ".json");
+    run_ok("vpr-query", {database, "--query", world().walk("back"), "--c-l", "5", "--t-r", "auto",
+                         "--save-matrix", out / (name + ".npy"), "-o", result});
+    arrays.push_back(read_text(out / (name + ".npy")) + read_text(out / (name + ".best.npy")) +
+                     read_text(out / (name + ".recognitions.npy")));
+  }
+  CHECK(arrays[0] == arrays[1]);
 }
 
 TEST_CASE("chords distinguish frames that are closer than the unit of cosine distances") {

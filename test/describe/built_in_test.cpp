@@ -212,7 +212,6 @@ TEST_CASE("brightness and contrast of a square have no effect, and a uniform squ
 }
 
 TEST_CASE("histograms of gradients have the direction of the image's gradients") {
-  CHECK(describe_hog(ramp(0)).size() == kHogLength);
   for (int bin = 0; bin < 8; ++bin) {
     const int found = strongest_direction(describe_hog(ramp((bin + 0.5) * 22.5)));
     INFO("direction " << bin);
@@ -225,8 +224,33 @@ TEST_CASE("brightness has no effect on HOG, and an image without gradients is al
   cv::Mat brighter;
   picture.convertTo(brighter, CV_8U, 1, 40);
   CHECK(describe_hog(picture) == describe_hog(brighter));
-  const std::vector<int8_t> flat = describe_hog(cv::Mat(120, 160, CV_8U, cv::Scalar(90)));
-  CHECK(flat == std::vector<int8_t>(kHogLength, 0));
+  CHECK(describe_hog(cv::Mat(120, 160, CV_8U, cv::Scalar(90))) == HogVector{});
+}
+
+TEST_CASE("a vertical edge is in the cells and the direction next to it") {
+  cv::Mat edge(64, 64, CV_8U, cv::Scalar(0));
+  edge.colRange(8, 64).setTo(200);  // between the pixels 7 and 8, the center of the first cells
+  const HogVector hog = describe_hog(edge);
+  // The gradient at 0 degrees is between the first direction (11.25) and the last (168.75).
+  const auto value = [&](size_t block, size_t cell, size_t k) {
+    return int{hog[(block * 4 + cell) * 8 + k]};
+  };
+  CHECK(value(0, 0, 0) == 127);
+  CHECK(value(0, 0, 7) == 127);
+  for (size_t k = 1; k < 7; ++k) CHECK(value(0, 0, k) == 0);
+  CHECK(value(0, 1, 0) < 20);    // 1/32 of each pixel
+  CHECK(value(0, 2, 0) == 127);  // the cell below
+  CHECK(value(1, 0, 0) > 0);     // the same cells as in block 0, normalized without the others
+  CHECK(value(2, 0, 0) == 0);    // columns 2 and 3 have no gradient
+}
+
+TEST_CASE("LDB and HOG of a frame follow one another in a row") {
+  const cv::Mat picture = random_image(160, 120, 3);
+  const LdbHogRow row = describe_ldb_hog(picture);
+  const LdbCode code = describe_ldb(picture);
+  const HogVector hog = describe_hog(picture);
+  CHECK(std::equal(code.begin(), code.end(), row.begin()));
+  CHECK(std::memcmp(row.data() + code.size(), hog.data(), hog.size()) == 0);
 }
 
 TEST_CASE("illumination invariance equals its formula, computed by hand") {
