@@ -238,7 +238,7 @@ std::string fish_completion(const CommandEntry& program) {
   std::string script;
   for (const auto& [level, command] : levels(program)) {
     const std::string condition =
-        !level.empty()       ? fmt::format(" -n '__fish_seen_subcommand_from {}'", level)
+        !level.empty()      ? fmt::format(" -n '__fish_seen_subcommand_from {}'", level)
         : !commands.empty() ? fmt::format(" -n 'not __fish_seen_subcommand_from {}'", commands)
                             : "";
     const std::string start = fmt::format("complete -c {}{}", program.name, condition);
@@ -254,8 +254,8 @@ std::string fish_completion(const CommandEntry& program) {
     }
     if (level.empty())
       for (const CommandEntry& inner : command->commands)
-        script += fmt::format("{} -a {} -d '{}'\n", start, inner.name,
-                              quoted_summary(inner.description));
+        script +=
+            fmt::format("{} -a {} -d '{}'\n", start, inner.name, quoted_summary(inner.description));
   }
   return script;
 }

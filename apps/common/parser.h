@@ -178,8 +178,8 @@ std::string help_text(const CommandEntry& command, const std::string& path);
 /// to the first semicolon, and the first example.
 std::string short_help_text(const CommandEntry& command, const std::string& path);
 
-/// A completion script for `kind` "bash", "zsh" or "fish", or a manual page in troff (section 1) for "man". Throws
-/// Error(usage) for another kind.
+/// A completion script for `kind` "bash", "zsh" or "fish", or a manual page in troff (section 1)
+/// for "man". Throws Error(usage) for another kind.
 std::string completion_text(const CommandEntry& program, const std::string& kind,
                             const std::string& version);
 
