@@ -1,26 +1,28 @@
 #!/usr/bin/env bash
-# Builds the Debian package, checks it with lintian, installs it into an empty Debian of this machine's
-# release, and runs the examples of every -h there. Needs root and network access; not part of
+# Builds the Debian packages, checks them with lintian, installs them into an empty Debian of this machine's
+# release, and runs the examples of every -h and the Python module there. Needs root and network access; not part of
 # scripts/test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh --package
 cmake --preset release >/dev/null
 cmake --build --preset release --target package
-package=$(realpath "$(ls -t build/release/*.deb | head -1)")
-lintian --fail-on error "$package"
+programs=$(realpath "$(ls -t build/release/vpr-toolkit_*.deb | head -1)")
+module=$(realpath "$(ls -t build/release/python3-vpr-toolkit_*.deb | head -1)")
+lintian --fail-on error "$programs" "$module"
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
-# The package brings its own dependencies.
+# The packages bring their own dependencies.
 release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
   mmdebstrap --variant=apt --include=man-db "$release" "$root/debian" - >/dev/null
-cp "$package" "$root/debian/vpr-toolkit.deb"
+cp "$programs" "$root/debian/vpr-toolkit.deb"
+cp "$module" "$root/debian/python3-vpr-toolkit.deb"
 cp test/cli/examples.sh "$root/debian/examples.sh"
 chroot "$root/debian" bash -euo pipefail -c '
   export DEBIAN_FRONTEND=noninteractive
   apt-get update -qq
-  apt-get install -y -qq --no-install-recommends ./vpr-toolkit.deb >/dev/null
+  apt-get install -y -qq --no-install-recommends ./vpr-toolkit.deb ./python3-vpr-toolkit.deb >/dev/null
   for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
     $program --version
     $program --help >/dev/null
@@ -31,5 +33,6 @@ chroot "$root/debian" bash -euo pipefail -c '
     done
   done
   for file in copyright changelog.gz README.md; do test -s /usr/share/doc/vpr-toolkit/$file; done
-  ./examples.sh /usr/bin /usr/share/vpr-toolkit/example'
-echo "$package: installs and runs in an empty Debian $release"
+  ./examples.sh /usr/bin /usr/share/vpr-toolkit/example
+  python3 -c "import vpr; print(vpr.__version__)"'
+echo "$programs, $module: install and run in an empty Debian $release"

@@ -9,9 +9,9 @@
 #include "present/evaluation_charts.h"
 #include "present/evaluation_page.h"
 #include "present/questions_page.h"
+#include "present/recorded_frames.h"
 #include "present/report_tables.h"
 #include "sequence/sequence_source.h"
-#include "store/sequence_database.h"
 
 namespace vpr {
 namespace {
@@ -46,54 +46,6 @@ std::vector<std::optional<SequenceSource>> open_references(const std::vector<Nam
   return references;
 }
 
-// The frames at a path of the run, if they are still the same.
-template <class IsSame>
-std::optional<SequenceSource> recorded_source(const std::string& path, const IsSame& is_same) {
-  if (path.empty()) return std::nullopt;
-  try {
-    SequenceSource source = open_sequence(parse_sequence_argument(path));
-    if (source.kind != SequenceKind::descriptors && is_same(source)) return source;
-  } catch (const Error&) {  // they have moved
-  }
-  return std::nullopt;
-}
-
-bool has_names(const SequenceSource& source, const Sequence& expected) {
-  std::vector<std::string> names = file_names(source);
-  if (source.kind == SequenceKind::video) return true;
-  if (names.size() != expected.recorded_frames()) return false;
-  if (!expected.selection.is_all()) names = selected(std::move(names), expected.selection);
-  return names == expected.frame_names;
-}
-
-// The sequences of the run; for FAB-MAP, the query only.
-FrameSources recorded_frames(const Evaluated& evaluated) {
-  const GroundTruthScope& scope = evaluated.evaluation.judgment.layout.scope;
-  FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
-  const auto text_of = [](const auto& texts, const char* role) {
-    const auto found = texts.find(role);
-    return found == texts.end() ? std::string() : found->second;
-  };
-  const RecordedRun& run = evaluated.run;
-  sources.query = recorded_source(text_of(run.paths, "query"), [&](const SequenceSource& source) {
-    return names_checksum(source) == text_of(run.frame_names, "query");
-  });
-  const std::string path = text_of(run.paths, "database");
-  if (path.empty() || evaluated.report.has_places()) return sources;
-  try {
-    const SequenceDatabase database = read_sequence_database(path);
-    if (database.fingerprint != run.database_fingerprint) return sources;
-    for (size_t s = 0; s < std::min(scope.sequences.size(), database.sequences.size()); ++s) {
-      const TrainSequence& train = database.sequences[s];
-      sources.references[s] = recorded_source(train.path, [&](const SequenceSource& source) {
-        return has_names(source, train.sequence);
-      });
-    }
-  } catch (const Error&) {  // it has moved
-  }
-  return sources;
-}
-
 FrameSources find_frames(const EvalInputs& inputs, const Evaluated& evaluated) {
   const Evaluation& evaluation = evaluated.evaluation;
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
@@ -115,7 +67,7 @@ FrameSources find_frames(const EvalInputs& inputs, const Evaluated& evaluated) {
   if (!inputs.train.empty()) train.clear();
   for (const std::string& text : inputs.train) train.push_back({"", parse_sequence_argument(text)});
   sources.references = open_references(train, scope);
-  FrameSources recorded = recorded_frames(evaluated);
+  FrameSources recorded = recorded_frames(scope, evaluated.run, evaluated.report.has_places());
   if (!sources.query) sources.query = std::move(recorded.query);
   for (size_t s = 0; s < sources.references.size(); ++s)
     if (!sources.references[s]) sources.references[s] = std::move(recorded.references[s]);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <memory>
 
 #include <fmt/format.h>
 
@@ -7,9 +6,9 @@
 #include "eval.h"
 #include "evaluate/metrics.h"
 #include "evaluate/prediction_lists.h"
+#include "present/recorded_frames.h"
 #include "sequence/sequence_source.h"
 #include "settings/query_settings.h"
-#include "store/sequence_database.h"
 
 namespace vpr {
 namespace {
@@ -48,24 +47,6 @@ void add_names(EvaluationSettings& by, const EvalInputs& inputs,
     by.query_names = [inputs, query] { return frame_names(*query_argument(inputs, query)); };
   for (const SequenceArgument& argument : train_arguments(inputs))
     by.train_names.emplace_back([argument] { return frame_names(argument); });
-}
-
-// Without sequences, names come from the query and the database of the run.
-void add_recorded_names(EvaluationSettings& by, const StoredResult& stored) {
-  const auto path_of = [&](const char* role) {
-    const auto found = stored.run.paths.find(role);
-    return found == stored.run.paths.end() ? std::string() : found->second;
-  };
-  if (const std::string query = path_of("query"); !by.query_names && !query.empty())
-    by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
-  const std::string database = path_of("database");
-  if (!by.train_names.empty() || database.empty()) return;
-  const auto trained = std::make_shared<std::vector<TrainSequence>>();  // read at most once
-  for (size_t s = 0; s < stored.result.sequences.size(); ++s)
-    by.train_names.emplace_back([database, trained, s] {
-      if (trained->empty()) *trained = read_sequence_database(database).sequences;
-      return trained->at(s).sequence.frame_names;
-    });
 }
 
 EvaluationSettings evaluation_settings(const EvalInputs& inputs,
@@ -257,7 +238,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
       evaluation_settings(inputs, stored ? std::optional(stored->result.query.name) : inputs.query,
                           has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
   if (stored) {
-    if (!has_places) add_recorded_names(evaluated.by, *stored);
+    if (!has_places) add_recorded_names(evaluated.by, stored->run, stored->result.sequences.size());
     evaluation = evaluate_result(std::move(stored->result), std::move(matrix), evaluated.by,
                                  session.monitor);
     evaluation.fingerprint = stored->fingerprint;

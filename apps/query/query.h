@@ -66,9 +66,6 @@ void claim_outputs(const QueryOptions& options, const Session& session);
 /// The context of a result: the run and its paths, except the query.
 ResultContext make_context(const QueryOptions& options, const Session& session);
 
-/// Adds the path of the query, and the checksum of the names of its frames.
-void set_query_path(ResultContext& context, const SequenceArgument& query);
-
 /// The JSON of the result, written to --output, if any.
 Json save_result(const Session& session, const Result& result, const ResultContext& context);
 

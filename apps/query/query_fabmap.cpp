@@ -179,7 +179,7 @@ void query_places(Session& session, const QueryOptions& options,
                               observe, session.monitor);
   ResultContext context = make_context(options, session);
   if (query.images)
-    set_query_path(context, *query.images);
+    set_query_path(context.run, *query.images);
   else
     context.run.paths["query"] = query.path;
   context.seconds = std::move(run.seconds);

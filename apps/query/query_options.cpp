@@ -271,12 +271,6 @@ ResultContext make_context(const QueryOptions& options, const Session& session) 
   return context;
 }
 
-void set_query_path(ResultContext& context, const SequenceArgument& query) {
-  context.run.paths["query"] = argument_text(query);
-  const std::string names = names_checksum(open_sequence({query.path, query.range}));
-  if (!names.empty()) context.run.frame_names["query"] = names;
-}
-
 Json save_result(const Session& session, const Result& result, const ResultContext& context) {
   const std::string& output = session.options.output;
   return output.empty() ? result_json(result, context)

@@ -41,7 +41,7 @@ void read_database(QueryData& data, ResultContext& context, const QueryOptions& 
   data.source = find_query(options, false, session);
   data.database = open_database(options.database, settings, options.fuse, session.monitor);
   data.query = describe_query(data.source.sequence, data.database, settings, session.monitor);
-  set_query_path(context, data.source.sequence);
+  set_query_path(context.run, data.source.sequence);
   context.database_fingerprint = data.database.fingerprint;
   context.query_fingerprint = fingerprint_of(data.query);
   if (const FusedViews* fused = fused_views(data.database))
@@ -118,7 +118,7 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
                     options.loop_times.empty() ? query : options.loop_times,
                     counted(data.times_ns.size(), "time"), query, counted(frames, "frame")));
   data.database = own_database(data.query, data.source.name);
-  set_query_path(context, argument);
+  set_query_path(context.run, argument);
   context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);
 }
 

@@ -98,8 +98,7 @@ std::vector<std::string> given_settings(const Session& session) {
   return keys;
 }
 
-// The choices of a run that are not settings. Also settings that the method or --fuse would
-// replace, if they are given with another value.
+// The choices of a run that are not settings. Also given_features.
 Features choices_of(const Session& session, const QueryOptions& options,
                     const SequenceQuerySettings& settings, DatabaseFamily family, Feature command) {
   Features run = {command};
@@ -110,12 +109,8 @@ Features choices_of(const Session& session, const QueryOptions& options,
   if (!options.fuse.empty()) run.push_back(Feature::fuse);
   if (!options.matrix.empty()) run.push_back(Feature::save_matrix);
   if (options.verify_cells > 0) run.push_back(Feature::verify);
-  const std::vector<std::string> given = given_settings(session);
-  const auto is_given = [&](const char* key) { return std::ranges::count(given, key) > 0; };
-  if (is_given("c_l") && settings.window_length != 1) run.push_back(Feature::window_length);
-  if (is_given("score") && settings.score == Score::raw) run.push_back(Feature::raw_score);
-  if (is_given("decide") && settings.decision == Decision::threshold)
-    run.push_back(Feature::by_threshold);
+  const Features given = given_features(settings, given_settings(session));
+  run.insert(run.end(), given.begin(), given.end());
   return run;
 }
 

@@ -74,27 +74,10 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
   }
 }
 
-std::string_view kind_of(const ImportOptions& options) {
-  if (options.precision != 8 && options.precision != 16)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("--value-bits must be 16 or 8 bits per value, found {}", options.precision));
-  const bool is_cosine = options.metric == DescriptorMetric::cosine;
-  if (options.as_bits && (options.precision != 16 || !is_cosine))
-    throw Error(ErrorKind::usage, "--value-bits and --metric have no effect on --bits; omit them");
-  if (!is_cosine && options.precision != 16)
-    throw Error(ErrorKind::usage,
-                fmt::format("--metric {} needs 16 bits per value; omit --value-bits",
-                            enum_name(options.metric)));
-  if (options.as_bits) return kBitKind;
-  if (!is_cosine) return options.metric == DescriptorMetric::l2 ? kPointKind : kDirectionKind;
-  return options.precision == 16 ? kVectorKind : kNarrowVectorKind;
-}
-
 void import_descriptors(Session& session, const ImportOptions& options) {
   claim_database(session);
   SequenceTrainSettings settings = options.settings;
-  settings.descriptor_kind = kind_of(options);
+  settings.descriptor_kind = imported_kind(options.as_bits, options.metric, options.precision);
   const std::vector<NamedArgument> sequences = find_sequences(options);
   SequenceDatabase database =
       train_sequences(sequences, settings, session.kernels, session.monitor);

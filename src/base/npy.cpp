@@ -121,9 +121,11 @@ std::optional<NpyHeader> parse_npy_header(std::string_view file) {
                    start + length};
 }
 
-std::string npy_header(std::string_view type, const std::vector<size_t>& shape) {
-  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}",
-                                 type, fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+std::string npy_header(std::string_view type, const std::vector<size_t>& shape,
+                       bool is_column_major) {
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': ({}{}), }}", type,
+                                 is_column_major ? "True" : "False", fmt::join(shape, ", "),
+                                 shape.size() == 1 ? "," : "");
   const size_t total = (10 + text.size() + 1 + 63) / 64 * 64;
   text.append(total - 10 - text.size() - 1, ' ');
   text += '\n';
@@ -153,7 +155,23 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
   if (header->offset % type->bytes != 0)
     throw Error(ErrorKind::data, fmt::format("{}: its values are not aligned", name_));
   header_ = *header;
+  values_ = file_.bytes().subspan(header_.offset);
   count_ = bytes / type->bytes;
+}
+
+NpyArray::NpyArray(const std::string& name, NpyHeader header, std::span<const std::byte> values)
+    : name_(name), header_(std::move(header)), values_(values) {
+  const NumberType* const type = find_number_type(header_.type);
+  if (type == nullptr)
+    throw Error(ErrorKind::data, fmt::format("{}: values of type {} are not supported; convert "
+                                             "them with numpy.ndarray.astype",
+                                             name_, header_.type));
+  count_ = values.size() / type->bytes;
+}
+
+std::string NpyArray::header_bytes() const {
+  if (file_.bytes().empty()) return npy_header(type(), shape(), is_column_major());
+  return std::string(file_.text().substr(0, header_.offset));
 }
 
 void NpyArray::require(std::string_view type, size_t dimensions) const {

@@ -40,27 +40,33 @@ inline constexpr size_t kMaxNpyHeader = 65536 + 12;
 std::optional<NpyHeader> parse_npy_header(std::string_view file);
 
 /// The bytes before the values; their number is a multiple of 64.
-std::string npy_header(std::string_view type, const std::vector<size_t>& shape);
+std::string npy_header(std::string_view type, const std::vector<size_t>& shape,
+                       bool is_column_major = false);
 
-/// A memory-mapped array of a type of find_number_type. The header is not trusted: the size of the
-/// file must fit the shape. Throws Error(input) if the file cannot be read, Error(data) if it is
-/// not a supported array.
+/// A memory-mapped array of a type of find_number_type, or a view of one in memory. The header is
+/// not trusted: the size of the file must fit the shape. Throws Error(input) if the file cannot be
+/// read, Error(data) if it is not a supported array.
 class NpyArray {
  public:
   NpyArray() = default;
   explicit NpyArray(const std::filesystem::path& path);
+  /// A view of `values`, which must outlive it and have the size of the header's shape. `name`:
+  /// in messages. Throws Error(data) for an unsupported type.
+  NpyArray(const std::string& name, NpyHeader header, std::span<const std::byte> values);
 
   const std::string& type() const { return header_.type; }
   const std::vector<size_t>& shape() const { return header_.shape; }
   bool is_column_major() const { return header_.is_column_major; }
-  /// The whole file with its header, as checksums cover it.
+  /// The whole file with its header, as checksums cover it; empty for an array in memory.
   std::span<const std::byte> file_bytes() const { return file_.bytes(); }
+  /// The bytes of the file before the values; for an array in memory, as numpy.save writes them.
+  std::string header_bytes() const;
 
   /// The raw bytes of the values, of any type and order.
-  std::span<const std::byte> value_bytes() const { return file_.bytes().subspan(header_.offset); }
+  std::span<const std::byte> value_bytes() const { return values_; }
   /// Releases the memory of values; the system reads them from the file again if needed.
   void forget_values(size_t first_byte, size_t size) const {
-    file_.forget(header_.offset + first_byte, size);
+    if (!file_.bytes().empty()) file_.forget(header_.offset + first_byte, size);
   }
 
   /// The values. Throws Error(data) if the type or the number of dimensions differs, or if the
@@ -68,7 +74,7 @@ class NpyArray {
   template <class T>
   std::span<const T> values(size_t dimensions) const {
     require(npy_type<T>(), dimensions);
-    return {reinterpret_cast<const T*>(file_.bytes().data() + header_.offset), count_};
+    return {reinterpret_cast<const T*>(values_.data()), count_};
   }
 
  private:
@@ -77,7 +83,8 @@ class NpyArray {
   std::string name_;
   MappedFile file_;
   NpyHeader header_;
-  size_t count_ = 0;  ///< of values
+  std::span<const std::byte> values_;  ///< of the file, or of the owner of the view
+  size_t count_ = 0;                   ///< of values
 };
 
 /// How to read numbers of one type.

@@ -122,14 +122,27 @@ DescriptorShape DescriptorStore::shape() const {
 }
 
 DescriptorRows DescriptorStore::rows() const {
-  if (!owned.empty() || mapped.shape().empty()) return {shape(), owned};
-  return {shape(), mapped.values<uint8_t>(2)};
+  if (!array) return {shape(), owned};
+  return {shape(), array->values<uint8_t>(2)};
 }
 
 void DescriptorStore::append(const DescriptorRows& more) {
-  if (owned.empty() && kind->shape.length == 0) length = more.shape.length;
-  assert(mapped.shape().empty() && more.shape == shape());
+  if (rows().empty() && kind->shape.length == 0) length = more.shape.length;
+  assert(more.shape == shape());
+  if (array) {
+    const std::span<const uint8_t> bytes = rows().bytes;
+    owned.assign(bytes.begin(), bytes.end());
+    array = nullptr;
+  }
   owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
+}
+
+void DescriptorStore::append(DescriptorStore&& more) {
+  if (!rows().empty()) return append(more.rows());
+  assert(more.kind == kind);
+  owned = std::move(more.owned);
+  array = std::move(more.array);
+  length = more.length;
 }
 
 DescriptorSet selected(DescriptorSet&& set, const Selection& selection) {

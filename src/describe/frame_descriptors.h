@@ -1,6 +1,7 @@
 // The table of frame descriptors, and the descriptors of a sequence or a database.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -57,18 +58,21 @@ const DescriptorKind& descriptor_kind(std::string_view name);
 /// descriptor is the number of the frame. It is never stored and cannot be selected by a flag.
 const DescriptorKind& precomputed_kind();
 
-/// Descriptors of one kind: in memory, or memory-mapped from a stored database.
+/// Descriptors of one kind: in memory, or memory-mapped from a stored database. Copies share an
+/// array.
 struct DescriptorStore {
   const DescriptorKind* kind = &descriptor_kinds().front();
   std::vector<uint8_t> owned;
-  NpyArray mapped;
+  std::shared_ptr<const NpyArray> array;  ///< of bytes, one row per frame; null: `owned`
   size_t length = 0;  ///< of kinds with a length per set; 0 before the first append
   double unit = 0;    ///< value of a stored coordinate of 1; 0: other kinds, or not known yet
 
   DescriptorShape shape() const;
   DescriptorRows rows() const;
-  /// Requires an empty store of the same kind, or a store in memory with rows of the same shape.
+  /// Requires an empty store of the same kind, or rows of the same shape.
   void append(const DescriptorRows& more);
+  /// Moves all rows of another store instead of copying them if this one is empty.
+  void append(DescriptorStore&& more);
 };
 
 struct DescriptorSet {

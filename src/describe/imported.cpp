@@ -139,7 +139,58 @@ RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
   return {1, store_numbers<int16_t>, check_vector};
 }
 
+// Writes the descriptors of all rows that are not missing.
+void import_rows(const ArrayRows& rows, const RowImport& import, Unreadable unreadable,
+                 const Monitor& monitor, std::span<uint8_t> out, std::vector<uint8_t>& is_missing) {
+  const size_t row_bytes = out.size() / rows.count();
+  const size_t block = std::max<size_t>(kBlockNumbers / rows.length(), 1);
+  const size_t blocks = (rows.count() + block - 1) / block;
+  std::vector<std::optional<Error>> errors(blocks);
+  StepCounter counter(monitor, "import", rows.count());
+  const auto import_row = [&](size_t i, std::span<const double> row) {
+    is_missing[i] = import.check && is_missing_vector(row) ? 1 : 0;
+    if (is_missing[i] != 0 && unreadable == Unreadable::fail)
+      throw Error(ErrorKind::data,
+                  fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore it",
+                              rows.where(i)));
+    if (is_missing[i] != 0) return;
+    if (import.check) import.check(row, rows.where(i));
+    import.store(row, out.subspan(i * row_bytes, row_bytes));
+  };
+  parallel_for(blocks, monitor, [&](size_t b) {
+    const size_t first = b * block;
+    const size_t count = std::min(block, rows.count() - first);
+    std::vector<double> numbers(count * rows.length());
+    try {
+      rows.read(first, count, numbers);
+      for (size_t i = 0; i < count; ++i)
+        import_row(first + i, std::span(numbers).subspan(i * rows.length(), rows.length()));
+    } catch (const Error& error) {
+      errors[b] = error;
+    }
+    counter.add(count);
+  });
+  for (const auto& error : errors)  // the first error, for any order of threads
+    if (error) throw Error(*error);
+}
+
 }  // namespace
+
+std::string_view imported_kind(bool are_bits, DescriptorMetric metric, uint64_t value_bits) {
+  if (value_bits != 8 && value_bits != 16)
+    throw Error(ErrorKind::usage,
+                fmt::format("--value-bits must be 16 or 8 bits per value, found {}", value_bits));
+  const bool is_cosine = metric == DescriptorMetric::cosine;
+  if (are_bits && (value_bits != 16 || !is_cosine))
+    throw Error(ErrorKind::usage, "--value-bits and --metric have no effect on --bits; omit them");
+  if (!is_cosine && value_bits != 16)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("--metric {} needs 16 bits per value; omit --value-bits", enum_name(metric)));
+  if (are_bits) return kBitKind;
+  if (!is_cosine) return metric == DescriptorMetric::l2 ? kPointKind : kDirectionKind;
+  return value_bits == 16 ? kVectorKind : kNarrowVectorKind;
+}
 
 size_t rows_in_range(const SequenceArgument& argument, size_t all) {
   const uint64_t last = argument.range.last.value_or(all);
@@ -153,18 +204,25 @@ size_t rows_in_range(const SequenceArgument& argument, size_t all) {
 ArrayRows::ArrayRows(const SequenceSource& sequence) : sequence_(sequence) {
   assert(sequence.kind == SequenceKind::descriptors);
   const std::string path = sequence.files.front().string();
-  array_ = NpyArray(sequence.files.front());
-  type_ = &number_type(array_.type(), path);
+  array_ = sequence.argument.array;
+  if (!array_) array_ = std::make_shared<const NpyArray>(sequence.files.front());
+  type_ = &number_type(array_->type(), path);
   if (!sequence.is_one_array()) {
-    length_ = length_of_one(array_, path);
+    length_ = length_of_one(*array_, path);
     count_ = sequence.files.size();
     return;
   }
-  const std::vector<size_t>& shape = array_.shape();
+  const std::vector<size_t>& shape = array_->shape();
   if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0)
     refuse_shape(path, shape, "n x d values, one row per frame");
   length_ = shape[1];
   count_ = rows_in_range(sequence.argument, shape[0]);
+}
+
+std::shared_ptr<const NpyArray> ArrayRows::array_in_memory() const {
+  const SequenceArgument& argument = sequence_.argument;
+  const bool is_whole = argument.range.is_all() && argument.sequence.selection.is_all();
+  return is_whole && !array_->is_column_major() ? argument.array : nullptr;
 }
 
 size_t ArrayRows::recorded(size_t row) const {
@@ -196,9 +254,9 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
     }
     return;
   }
-  const std::byte* values = array_.value_bytes().data();
-  const size_t rows = array_.shape()[0];
-  if (array_.is_column_major()) {  // the values of one column are contiguous
+  const std::byte* values = array_->value_bytes().data();
+  const size_t rows = array_->shape()[0];
+  if (array_->is_column_major()) {  // the values of one column are contiguous
     const size_t step = sequence_.argument.range.step * type_->bytes;
     for (size_t x = 0; x < length_; ++x)
       type_->read(values + (x * rows + recorded(first)) * type_->bytes, step, count, out.data() + x,
@@ -209,8 +267,8 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
   for (size_t row = 0; row < count; ++row)
     type_->read(values + recorded(first + row) * row_bytes, type_->bytes, length_,
                 out.data() + row * length_, 1);
-  array_.forget_values(recorded(first) * row_bytes,
-                       (recorded(first + count - 1) - recorded(first) + 1) * row_bytes);
+  array_->forget_values(recorded(first) * row_bytes,
+                        (recorded(first + count - 1) - recorded(first) + 1) * row_bytes);
 }
 
 bool is_missing_vector(std::span<const double> vector) {
@@ -285,38 +343,13 @@ DescriptorSet import_descriptors(const SequenceSource& source, std::string_view 
   set.descriptors.kind = described;
   set.descriptors.length = shape.length;
   set.descriptors.unit = unit;
-  set.descriptors.owned.resize(rows.count() * shape.row_bytes());
-  const size_t block = std::max<size_t>(kBlockNumbers / rows.length(), 1);
-  const size_t blocks = (rows.count() + block - 1) / block;
-  std::vector<std::optional<Error>> errors(blocks);
   std::vector<uint8_t> is_missing(rows.count(), 0);  // the descriptors of missing rows stay zero
-  StepCounter counter(monitor, "import", rows.count());
-  const auto import_row = [&](size_t i, std::span<const double> row) {
-    is_missing[i] = import.check && is_missing_vector(row) ? 1 : 0;
-    if (is_missing[i] != 0 && unreadable == Unreadable::fail)
-      throw Error(ErrorKind::data,
-                  fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore it",
-                              rows.where(i)));
-    if (is_missing[i] != 0) return;
-    if (import.check) import.check(row, rows.where(i));
-    import.store(
-        row, std::span(set.descriptors.owned).subspan(i * shape.row_bytes(), shape.row_bytes()));
-  };
-  parallel_for(blocks, monitor, [&](size_t b) {
-    const size_t first = b * block;
-    const size_t count = std::min(block, rows.count() - first);
-    std::vector<double> numbers(count * rows.length());
-    try {
-      rows.read(first, count, numbers);
-      for (size_t i = 0; i < count; ++i)
-        import_row(first + i, std::span(numbers).subspan(i * rows.length(), rows.length()));
-    } catch (const Error& error) {
-      errors[b] = error;
-    }
-    counter.add(count);
-  });
-  for (const auto& error : errors)  // the first error, for any order of threads
-    if (error) throw Error(*error);
+  const bool are_stored = element == ElementType::bits && rows.length() == shape.row_bytes();
+  if (are_stored) set.descriptors.array = rows.array_in_memory();
+  if (!set.descriptors.array) {
+    set.descriptors.owned.resize(rows.count() * shape.row_bytes());
+    import_rows(rows, import, unreadable, monitor, set.descriptors.owned, is_missing);
+  }
   set.sequence = source.argument.sequence;
   set.sequence.frames = rows.count();
   for (size_t i = 0; i < rows.count(); ++i)

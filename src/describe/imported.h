@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +30,8 @@ class ArrayRows {
   size_t count() const { return count_; }
   /// Values per row.
   size_t length() const { return length_; }
+  /// The array in memory, if its rows are used in place: all of them, in C order.
+  std::shared_ptr<const NpyArray> array_in_memory() const;
   /// NumPy's name of their type: "<f4".
   std::string_view type() const { return type_->name; }
   /// The name of a frame: "#12", or the name of the file.
@@ -44,7 +47,7 @@ class ArrayRows {
   size_t recorded(size_t row) const;
 
   SequenceSource sequence_;
-  NpyArray array_;  ///< if there is a single file
+  std::shared_ptr<const NpyArray> array_;  ///< if there is a single one
   size_t count_ = 0;
   size_t length_ = 0;
   const NumberType* type_ = nullptr;
@@ -69,6 +72,10 @@ inline constexpr std::string_view kNarrowVectorKind = "vectors8";
 inline constexpr std::string_view kPointKind = "points";          ///< vectors with their lengths
 inline constexpr std::string_view kDirectionKind = "directions";  ///< points of length 1
 inline constexpr std::string_view kBitKind = "bits";
+
+/// The kind of imported descriptors: bits, or vectors with this metric and 16 or 8 bits per value.
+/// Throws Error(usage) for another number of bits, and for settings without effect.
+std::string_view imported_kind(bool are_bits, DescriptorMetric metric, uint64_t value_bits);
 
 /// Upper bound of the squared length of a vector of 16-bit integers: scalar products of two vectors
 /// fit 32 bits, for any order of summation.
@@ -104,10 +111,11 @@ double coordinate_unit(std::string_view kind, std::span<const SequenceSource> se
 /// float64 and are compared by direction only; bits are uint8 (8 bits per value) or bool (one bit
 /// per value). Points are vectors in multiples of `unit`, directions are vectors of length 1 in
 /// these multiples; each coordinate is rounded to nearest. With Unreadable::skip, a row of NaN
-/// keeps its index and is unreadable. Memory: the result, and one block of rows per thread. Throws
-/// as ArrayRows does, and Error(data) with the first such row for values that are not finite,
-/// vectors of zeros without a direction, points longer than kLongestPoint, rows that are too long,
-/// and arrays of another type.
+/// keeps its index and is unreadable. Memory: the result, and one block of rows per thread; uint8
+/// rows of an array in memory are not copied if they are multiples of 8 bytes. Throws as ArrayRows
+/// does, and Error(data) with the first such row for values that are not finite, vectors of zeros
+/// without a direction, points longer than kLongestPoint, rows that are too long, and arrays of
+/// another type.
 DescriptorSet import_descriptors(const SequenceSource& source, std::string_view kind,
                                  Unreadable unreadable, const Monitor& monitor, double unit = 0);
 

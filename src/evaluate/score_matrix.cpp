@@ -91,11 +91,14 @@ ScoreOrder order_of(const ScoreFormat& format) {
   return format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
 }
 
-ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format) {
-  const auto file = std::make_shared<const ScoreFile>(path, format);
+ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format)
+    : ScoreMatrix(ScoreFile(path, format)) {}
+
+ScoreMatrix::ScoreMatrix(ScoreFile opened) {
+  const auto file = std::make_shared<const ScoreFile>(std::move(opened));
   scores_.queries = scores_.block = file->queries();
   scores_.references = file->references();
-  scores_.kind = order_of(format);
+  scores_.kind = order_of(file->format());
   scores_.fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
   const auto read = [file](size_t first, size_t count, std::span<double> scores) {
     const size_t references = file->references();
@@ -111,11 +114,12 @@ ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& f
     }
     file->forget(0, references);
   };
-  scores_.compute = [read, path](size_t first, size_t count, std::span<double> scores) {
+  scores_.compute = [read, name = file->name()](size_t first, size_t count,
+                                                std::span<double> scores) {
     try {
       read(first, count, scores);
     } catch (const Error& error) {
-      throw Error(error.kind(), fmt::format("{}: {}", path.string(), error.what()));
+      throw Error(error.kind(), fmt::format("{}: {}", name, error.what()));
     }
   };
 }

@@ -37,6 +37,7 @@ class ScoreMatrix {
  public:
   /// Throws as ScoreFile does.
   ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format);
+  explicit ScoreMatrix(ScoreFile file);
 
   explicit ScoreMatrix(ComputedScores scores) : scores_(std::move(scores)) {}
 

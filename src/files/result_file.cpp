@@ -108,6 +108,25 @@ Json match_json(const Result& result, const Match& match) {
           {"sum", static_cast<int64_t>(match.score)}};
 }
 
+// Adds the checksums of the arrays and of the whole to the JSON of a result, and writes the arrays
+// if there are outputs.
+void seal(Json& json, const fs::path& path, const Result& result, Outputs* outputs) {
+  visit_arrays(result, [&](const ResultArray& array) {
+    std::vector<size_t> shape = {array.rows};
+    if (array.columns.size() > 1) shape.push_back(array.columns.size());
+    const std::string header = npy_header(array.type, shape);
+    ChecksumStream sum;
+    sum.add(std::as_bytes(std::span(header)));
+    sum.add(array.values);
+    json["files"][array.name] = {{"rows", array.rows}, {"checksum", sum.text()}};
+    if (outputs == nullptr) return;
+    Output& file = outputs->file(companion_path(path, array.name + ".npy"));
+    file.write(header);
+    file.write(array.values);
+  });
+  json["checksum"] = result_checksum(json);
+}
+
 }  // namespace
 
 fs::path companion_path(const fs::path& result, const std::string& kind) {
@@ -188,6 +207,42 @@ Json result_json(const Result& result, const ResultContext& context) {
   return json;
 }
 
+void visit_arrays(const Result& result, const std::function<void(const ResultArray&)>& visit) {
+  const auto add = [&]<class T>(const std::string& name, const std::vector<T>& values,
+                                std::vector<std::string_view> columns = {""}) {
+    const size_t rows = values.size() / columns.size();
+    visit({name, npy_type<T>(), rows, std::move(columns), std::as_bytes(std::span(values))});
+  };
+  std::vector<std::string_view> columns = {"query", "sequence", "train"};
+  if (result.places) columns.emplace_back("view");
+  MatchColumns recognitions{columns.size()};
+  recognitions.indices.reserve(columns.size() * result.recognitions.size());
+  for (const Match& recognition : result.recognitions) recognitions.add(recognition);
+  add("recognitions", recognitions.indices, columns);
+  add("recognition_scores", recognitions.scores);
+  MatchColumns best{columns.size()};
+  for (size_t window = 0; window < result.best.size(); ++window)
+    result.best[window] ? best.add(*result.best[window]) : best.add_none(window);
+  add("best", best.indices, columns);
+  add("best_scores", best.scores);
+  if (!result.best_rates.empty()) add("best_rates", result.best_rates);
+  if (!result.margins.empty()) {
+    std::vector<double> margins;
+    for (const auto& margin : result.margins)
+      margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
+    add("margins", margins);
+  }
+  if (result.path) add("path", path_rows(*result.path), {"rate", "path", "decided"});
+  if (result.keyframes) add("keyframes", keyframe_rows(*result.keyframes), {"sequence", "frame"});
+  if (result.places) add("new_place", result.places->new_place);
+  const Sequence* query = &result.query;
+  if (!query->selection.is_all()) add("source_frames", source_rows({&query, 1}));
+  std::vector<const Sequence*> train;
+  for (const ComparedSequence& compared : result.sequences) train.push_back(&compared.sequence);
+  if (const std::vector<int32_t> rows = source_rows(train); !rows.empty())
+    add("train_source_frames", rows);
+}
+
 Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
                   Outputs& outputs) {
   Json json = result_json(result, context);
@@ -196,50 +251,20 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
     json["companions"][file->path().filename().string()] =
         known != context.checksums.end() ? known->second : file_checksum(file->temporary());
   }
-  const auto write = [&]<class T>(const std::string& name, const std::vector<T>& values,
-                                  size_t columns = 1) {
-    std::vector<size_t> shape = {values.size() / columns};
-    if (columns > 1) shape.push_back(columns);
-    const std::string header = npy_header(npy_type<T>(), shape);
-    const auto bytes = std::as_bytes(std::span(values));
-    Output& file = outputs.file(companion_path(path, name + ".npy"));
-    ChecksumStream sum;
-    sum.add(std::as_bytes(std::span(header)));
-    sum.add(bytes);
-    file.write(header);
-    file.write(bytes);
-    json["files"][name] = {{"rows", shape.front()}, {"checksum", sum.text()}};
-  };
-  const size_t columns = result.places ? 4 : 3;
-  MatchColumns recognitions{columns};
-  recognitions.indices.reserve(columns * result.recognitions.size());
-  for (const Match& recognition : result.recognitions) recognitions.add(recognition);
-  write("recognitions", recognitions.indices, columns);
-  write("recognition_scores", recognitions.scores);
-  MatchColumns best{columns};
-  for (size_t window = 0; window < result.best.size(); ++window)
-    result.best[window] ? best.add(*result.best[window]) : best.add_none(window);
-  write("best", best.indices, columns);
-  write("best_scores", best.scores);
-  if (!result.best_rates.empty()) write("best_rates", result.best_rates);
-  if (!result.margins.empty()) {
-    std::vector<double> margins;
-    for (const auto& margin : result.margins)
-      margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
-    write("margins", margins);
-  }
-  if (result.path) write("path", path_rows(*result.path), 3);
-  if (result.keyframes) write("keyframes", keyframe_rows(*result.keyframes), 2);
-  if (result.places) write("new_place", result.places->new_place);
-  const Sequence* query = &result.query;
-  if (!query->selection.is_all()) write("source_frames", source_rows({&query, 1}));
-  std::vector<const Sequence*> train;
-  for (const ComparedSequence& compared : result.sequences) train.push_back(&compared.sequence);
-  if (const std::vector<int32_t> rows = source_rows(train); !rows.empty())
-    write("train_source_frames", rows);
-  json["checksum"] = result_checksum(json);
+  seal(json, path, result, &outputs);
   outputs.file(path).write(to_text(json));
   return json;
+}
+
+Json sealed_result_json(const Result& result, const ResultContext& context) {
+  Json json = result_json(result, context);
+  seal(json, "", result, nullptr);
+  return json;
+}
+
+std::string RecordedRun::path(const std::string& role) const {
+  const auto found = paths.find(role);
+  return found == paths.end() ? std::string() : found->second;
 }
 
 Json live_line(const LineFrame& frame, const Result* result, size_t window) {

@@ -4,14 +4,20 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/json.h"
 #include "base/output.h"
 #include "decide/result.h"
 #include "files/run_info.h"
+#include "store/sequence_database.h"
 
 namespace vpr {
 
@@ -42,6 +48,18 @@ inline constexpr std::array<const char*, 11> kResultArrays = {"recognitions.npy"
                                                               "source_frames.npy",
                                                               "best_rates.npy",
                                                               "train_source_frames.npy"};
+
+/// An array of a result.
+struct ResultArray {
+  std::string name;       ///< of kResultArrays, without its extension
+  std::string_view type;  ///< as npy_type
+  size_t rows = 0;
+  std::vector<std::string_view> columns;  ///< their names; one without a name: not a matrix
+  std::span<const std::byte> values;      ///< row by row; valid during the visit
+};
+
+/// Visits the arrays of a result in the order of their files.
+void visit_arrays(const Result& result, const std::function<void(const ResultArray&)>& visit);
 
 /// RESULT.recognitions.npy for RESULT.json and recognitions.npy.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
@@ -75,11 +93,19 @@ Json result_json(const Result& result, const ResultContext& context);
 Json write_result(const std::filesystem::path& path, const Result& result,
                   const ResultContext& context, Outputs& outputs);
 
+/// The JSON that write_result writes if there are no other outputs.
+Json sealed_result_json(const Result& result, const ResultContext& context);
+
 /// Inputs of a run. Files may have moved or changed since.
 struct RecordedRun {
   std::map<std::string, std::string> paths;        ///< by role, such as "query" and "database"
   std::map<std::string, std::string> frame_names;  ///< names_checksum of their frames
   std::string database_fingerprint;
+  /// The training sequences of a database in memory; null: those of the database at its path.
+  std::shared_ptr<const std::vector<TrainSequence>> train = {};
+
+  /// A value by its role; empty: unknown.
+  std::string path(const std::string& role) const;
 };
 
 /// The content of a result file.

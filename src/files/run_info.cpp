@@ -18,6 +18,13 @@ std::string host_name() {
 
 }  // namespace
 
+void set_query_path(RunInfo& run, const SequenceArgument& query) {
+  if (query.array) return;
+  run.paths["query"] = argument_text(query);
+  const std::string names = names_checksum(open_sequence({query.path, query.range}));
+  if (!names.empty()) run.frame_names["query"] = names;
+}
+
 Provenance provenance_of(const RunInfo& run) {
   return {run.program, program_version(), program_commit(), run.seed};
 }

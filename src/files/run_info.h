@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/json_fwd.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -30,6 +31,10 @@ struct Provenance {
 };
 
 VPR_FIELDS(Provenance, program, version, commit, seed)
+
+/// Adds the path of the query and the checksum of the names of its frames; nothing for an array in
+/// memory.
+void set_query_path(RunInfo& run, const SequenceArgument& query);
 
 Provenance provenance_of(const RunInfo& run);
 /// Without fingerprints of the data.

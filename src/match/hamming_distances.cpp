@@ -90,19 +90,17 @@ struct Training {
   BitCounts counts;  ///< over all readable frames; computed on first use
 };
 
-void fill_tile(const Training& training, const std::vector<uint64_t>& codes,
+// Converts the few query codes again for each tile, which takes less time than a tile, and no
+// memory for the codes of all queries.
+void fill_tile(const Training& training, const DescriptorRows& rows,
                std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
                size_t stride) {
   assert(first % kBlockFrames == 0 && !queries.empty());
   const size_t words = training.words;
-  const uint64_t* from = codes.data() + queries[0] * words;
-  std::vector<uint64_t> gathered(queries.size() == 1 ? 0 : queries.size() * words);
-  if (!gathered.empty()) {
-    for (size_t t = 0; t < queries.size(); ++t)
-      std::copy_n(codes.data() + queries[t] * words, words, gathered.data() + t * words);
-    from = gathered.data();
-  }
-  training.kernels.tile(from, queries.size(), words,
+  std::vector<uint64_t> codes(queries.size() * words);
+  for (size_t t = 0; t < queries.size(); ++t)
+    training.kernels.encode(rows[queries[t]].data(), words, codes.data() + t * words);
+  training.kernels.tile(codes.data(), queries.size(), words,
                         training.lanes.data() + first / kBlockFrames * words,
                         divide_up(last - first, kBlockFrames), out, stride);
 }
@@ -133,13 +131,9 @@ PreparedTraining prepare(std::span<const DescribedFrames> train, const Descripto
     }
   return [training](FrameDistances& distances) {
     const DescriptorRows rows = distances.query.rows;
-    const auto codes = std::make_shared<std::vector<uint64_t>>(rows.size() * training->words);
-    for (size_t i = 0; i < rows.size(); ++i)
-      training->kernels.encode(rows[i].data(), training->words,
-                               codes->data() + i * training->words);
-    distances.tile = [training, codes](std::span<const uint32_t> queries, size_t first, size_t last,
-                                       uint16_t* out, size_t stride) {
-      fill_tile(*training, *codes, queries, first, last, out, stride);
+    distances.tile = [training, rows](std::span<const uint32_t> queries, size_t first, size_t last,
+                                      uint16_t* out, size_t stride) {
+      fill_tile(*training, rows, queries, first, last, out, stride);
     };
     distances.row_total = [training, rows](size_t query) {
       std::call_once(training->has_counts, [&] {

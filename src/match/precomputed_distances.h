@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,6 +29,9 @@ class ScoreFile {
   /// Throws Error(input) if the file cannot be read, Error(data) if it is not a matrix of these
   /// types or has no values.
   ScoreFile(const std::filesystem::path& path, const ScoreFormat& format);
+  /// Throws Error(data) likewise. `name`: of the array in messages.
+  ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& name,
+            const ScoreFormat& format);
 
   const std::string& name() const { return name_; }
   const ScoreFormat& format() const { return format_; }
@@ -56,7 +60,7 @@ class ScoreFile {
 
   std::string name_;
   ScoreFormat format_;
-  NpyArray array_;
+  std::shared_ptr<const NpyArray> array_;
   const NumberType* type_ = nullptr;
   bool is_query_major_ = true;
   size_t queries_ = 0;

@@ -41,14 +41,20 @@ bool by_margin(const Judgment& judgment) {
   return judgment.outcomes.confidence == Confidence::margin;
 }
 
+Chart path_chart(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
+  Chart chart = timeline_chart(report, evaluation.judgment, evaluation.truth, monitor);
+  chart.title = "Best match of every query frame";
+  chart.width = kPageWidth;
+  chart.height = 440;
+  return chart;
+}
+
 PageCharts page_charts(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
-  PageCharts charts = {curve_chart(report, judgment),
-                       risk_chart(report, judgment),
-                       threshold_chart(report, judgment),
-                       timeline_chart(report, judgment, evaluation.truth, monitor),
-                       margin_chart(report, judgment),
-                       matrix_chart(evaluation, report, kMatrixSide, monitor)};
+  PageCharts charts = {
+      curve_chart(report, judgment),     risk_chart(report, judgment),
+      threshold_chart(report, judgment), path_chart(evaluation, report, monitor),
+      margin_chart(report, judgment),    matrix_chart(evaluation, report, kMatrixSide, monitor)};
   charts.curve.title = "Precision and recall";
   charts.risk.title = "Risk and coverage";
   charts.thresholds.title =
@@ -57,9 +63,7 @@ PageCharts page_charts(const Evaluation& evaluation, const Report& report, const
     chart->width = 360;
     chart->height = 320;
   }
-  charts.timeline.title = "Best match of every query frame";
-  charts.timeline.width = charts.margins.width = kPageWidth;
-  charts.timeline.height = 440;
+  charts.margins.width = kPageWidth;
   charts.margins.title = "Margin of every best match: difference to the runner-up";
   charts.margins.height = 240;
   charts.margins.right = layout_of(charts.timeline, true).names_width;
@@ -197,6 +201,19 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
        {"cards", gallery.cards},
        {"single", judgment.layout.window_length == 1 ? " single" : ""},
        {"data", script_json(page_data(report, judgment))}});
+}
+
+std::string evaluation_preview(const Evaluation& evaluation, const Report& report,
+                               const std::string& summary, const FrameSources& sources,
+                               const Monitor& monitor) {
+  const Judgment& judgment = evaluation.judgment;
+  const Gallery gallery = make_gallery(judgment, evaluation.truth, score_unit(report), sources,
+                                       monitor, {3, 5, 1, false});
+  const std::string cards = sources.query ? "<div class=\"cards\">" + gallery.cards + "</div>" : "";
+  return sections_page(evaluation_title(report), summary,
+                       "Ground truth: " + evaluation.truth.protocol,
+                       figure_html(path_chart(evaluation, report, monitor)) + cards, {},
+                       report_json(report)["provenance"]);
 }
 
 }  // namespace vpr

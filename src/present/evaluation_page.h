@@ -16,4 +16,9 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
                             const std::string& summary, const FrameSources& sources,
                             const Monitor& monitor);
 
+/// A page with `summary`, the path and ten images: the query frames and best matches of five cards.
+std::string evaluation_preview(const Evaluation& evaluation, const Report& report,
+                               const std::string& summary, const FrameSources& sources,
+                               const Monitor& monitor);
+
 }  // namespace vpr

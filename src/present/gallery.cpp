@@ -57,8 +57,6 @@ std::vector<std::byte> small_jpeg(const cv::Mat& image, int side) {
   return {bytes.begin(), bytes.end()};
 }
 
-constexpr size_t kMostItems = 9;  // per kind
-constexpr size_t kStripFrames = 5;
 constexpr int kThumbnailSide = 128;  // pixels
 
 std::string strip(const std::string& title, const std::vector<size_t>& frames,
@@ -173,12 +171,13 @@ struct GalleryImages {
 };
 
 GalleryImages read_images(const std::vector<GalleryItem>& items, const Judgment& judgment,
-                          const FrameSources& sources, const Monitor& monitor) {
+                          const FrameSources& sources, size_t strip_length,
+                          const Monitor& monitor) {
   const GroundTruthScope& scope = judgment.layout.scope;
   std::set<size_t> query;
   std::vector<std::set<size_t>> references(scope.sequences.size());
   const auto add = [&](std::set<size_t>& frames, size_t anchor) {
-    const auto strip = strip_frames(anchor, judgment.layout.window_length, kStripFrames);
+    const auto strip = strip_frames(anchor, judgment.layout.window_length, strip_length);
     frames.insert(strip.begin(), strip.end());
   };
   for (const GalleryItem& item : items) {
@@ -224,12 +223,15 @@ std::string kinds_html(const std::vector<GalleryItem>& items, const Judgment& ju
 }  // namespace
 
 Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const ScoreUnit& unit,
-                     const FrameSources& sources, const Monitor& monitor) {
-  const std::vector<GalleryItem> items = choose_gallery(judgment, truth, kMostItems);
-  const GalleryImages images = read_images(items, judgment, sources, monitor);
+                     const FrameSources& sources, const Monitor& monitor, const GallerySize& size) {
+  std::vector<GalleryItem> items = choose_gallery(judgment, truth, size.cards_of_a_kind);
+  if (items.size() > size.cards) items.resize(size.cards);
+  if (!size.has_true_place)
+    for (GalleryItem& item : items) item.truth.reset();
+  const GalleryImages images = read_images(items, judgment, sources, size.strip_frames, monitor);
   const ScoreLayout& layout = judgment.layout;
   const auto frames_at = [&](size_t anchor) {
-    return strip_frames(anchor, layout.window_length, kStripFrames);
+    return strip_frames(anchor, layout.window_length, size.strip_frames);
   };
   const bool is_judged = judgment.by != JudgedBy::nothing;
   Gallery gallery;
@@ -243,11 +245,12 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
         "<article class=\"card {0}{1}\" data-at=\"{4}\" "
         "tabindex=\"0\"><h3>{2}query {3}</h3>",
         enum_name(item.kind), is_judged ? "" : " unjudged", verdict, outcome.frame, item.query);
-    gallery.cards +=
-        fmt::format("<p>{} {:.4g}{}{}</p>", unit.words,
-                    score_of_key(outcome.key, judgment.outcomes.kind) / unit.divisor,
-                    is_recognized(judgment, outcome) ? ", recognized" : ", not recognized",
-                    item.truth || !truth.is_known ? "" : "; the ground truth has no match");
+    gallery.cards += fmt::format(
+        "<p>{} {:.4g}{}{}</p>", unit.words,
+        score_of_key(outcome.key, judgment.outcomes.kind) / unit.divisor,
+        is_recognized(judgment, outcome) ? ", recognized" : ", not recognized",
+        item.truth || !truth.is_known || !size.has_true_place ? ""
+                                                              : "; the ground truth has no match");
     const auto add_strip = [&](const char* title, const FrameMatch& match) {
       gallery.cards +=
           strip(fmt::format("{} {} {}", title, layout.scope.sequences[match.sequence].sequence.name,

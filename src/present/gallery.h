@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -64,8 +65,17 @@ struct Gallery {
   std::string cards;  ///< HTML elements
 };
 
+/// The number of cards and images of a gallery.
+struct GallerySize {
+  size_t cards_of_a_kind = 9;
+  size_t cards = std::numeric_limits<size_t>::max();
+  size_t strip_frames = 5;     ///< images per match
+  bool has_true_place = true;  ///< also shows a correct match
+};
+
 /// `unit`: of the scores. Throws as make_thumbnails does.
 Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const ScoreUnit& unit,
-                     const FrameSources& sources, const Monitor& monitor);
+                     const FrameSources& sources, const Monitor& monitor,
+                     const GallerySize& size = {});
 
 }  // namespace vpr

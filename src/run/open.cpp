@@ -126,6 +126,12 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
                 fmt::format("{}: holds imported descriptors, which cannot be computed for frames "
                             "that arrive",
                             path));
+  prepare_database(database, settings, fabmap, monitor);
+  return database;
+}
+
+void prepare_database(SequenceDatabase& database, const ResolvedSettings& settings,
+                      const std::string& fabmap, const Monitor& monitor) {
   // A sweep sets thresholds and margins itself.
   if (!settings.has(Feature::sweep)) check_automatic(database, *settings);
   if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
@@ -133,7 +139,6 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
     fuse_views(database, read_fabmap_database(fabmap), fabmap);
   else if (settings->fusion_weight)
     throw Error(ErrorKind::usage, kNoFabmap);
-  return database;
 }
 
 void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,

@@ -42,6 +42,10 @@ ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
                                const std::string& fabmap, const Monitor& monitor);
 
+/// Adds what the settings need to a database that was read or trained, as open_database does.
+void prepare_database(SequenceDatabase& database, const ResolvedSettings& settings,
+                      const std::string& fabmap, const Monitor& monitor);
+
 /// Warns of the first searched training sequence whose frame rate differs from the query's by more
 /// than a tenth: windows then have different durations. Only for windows of several frames at the
 /// same rate.

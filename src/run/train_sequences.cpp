@@ -27,12 +27,12 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                               sequence.unreadable.size(), counted(sequence.frames, "frame")));
   const DescriptorShape found = described.descriptors.shape();
   const DescriptorShape expected = database.descriptors.shape();
-  if (!database.descriptors.owned.empty() && found != expected)
+  if (!database.descriptors.rows().empty() && found != expected)
     throw Error(ErrorKind::data,
                 fmt::format("{}: its descriptors have {} {}, descriptors of the database {}",
                             argument.sequence.path.string(), found.length, element_noun(found),
                             expected.length));
-  database.descriptors.append(described.rows());
+  database.descriptors.append(std::move(described.descriptors));
   database.sequences.push_back({std::move(sequence)});
   database.sequences.back().path = argument_text(argument.sequence);
 }

@@ -297,6 +297,7 @@ bool FrameOrderScope::is_used() const { return frame_order_is_used; }
 
 SequenceSource open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;
+  if (argument.array) return {argument, SequenceKind::descriptors, {path}};
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
@@ -378,6 +379,7 @@ std::vector<std::string> frame_names(const SequenceArgument& argument) {
 }
 
 std::string argument_text(const SequenceArgument& argument) {
+  if (argument.array) return "";
   return argument.path.string() + range_text(argument.range);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +20,8 @@ class Mat;
 
 namespace vpr {
 
+class NpyArray;
+
 /// `PATH` or `PATH@FIRST:LAST[:STEP]`.
 struct SequenceArgument {
   std::filesystem::path path;
@@ -26,13 +29,15 @@ struct SequenceArgument {
   std::string speed = {};  ///< applied once the frames are known (Selection); empty: none
   uint64_t seed = 1;       ///< of the speed
   Sequence sequence = {};  ///< without frames; a selection refers to the range's frames
+  /// Descriptors in memory, one row per frame, instead of a file; `path` names them in messages.
+  std::shared_ptr<const NpyArray> array = {};
 };
 
 /// A path that exists as written takes precedence over a range. Throws Error(usage) for an empty or
 /// reversed range, a step of 0, or a number that is too large.
 SequenceArgument parse_sequence_argument(const std::string& text);
 
-/// As parse_sequence_argument reads it.
+/// As parse_sequence_argument reads it; empty for an array in memory.
 std::string argument_text(const SequenceArgument& argument);
 
 /// Names for results: the name of the folder, list or video, with parents ("a/ref", "b/ref"),

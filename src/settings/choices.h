@@ -39,6 +39,10 @@ void check_choices(const SequenceQuerySettings& settings, const Features& run);
 /// if a setting of windows is given, such as c_l, otherwise the filter. `given`: keys of settings.
 std::string_view default_method(std::span<const std::string> given);
 
+/// The features of settings that the method or --fuse would replace and that are given with another
+/// value. `given`: keys of settings.
+Features given_features(const SequenceQuerySettings& settings, std::span<const std::string> given);
+
 /// Settings of a sequence method whose combination and ranges were checked and whose implied values
 /// are filled in. The filter has windows of one frame, z-scores, and a decision by margin with a
 /// default margin. Fused scores are z-scores and have a weight. The default exclusion radius of a

@@ -50,19 +50,21 @@ std::string sealed_manifest(const Json& manifest) {
   return text + fmt::format("{}{}{}", kChecksumStart, checksum(text), kChecksumEnd);
 }
 
-void ArchiveWriter::add_text(const std::string& name, std::string_view text) {
-  write_part(folder_.temporary() / name, text);
-  add_entry(name);
+void ArchiveWriter::add(const std::string& name, std::string_view start,
+                        std::span<const std::byte> rest) {
+  ChecksumStream sum;
+  sum.add(std::as_bytes(std::span(start)));
+  sum.add(rest);
+  files_[name] = {{"bytes", start.size() + rest.size()}, {"checksum", sum.text()}};
+  if (folder_ != nullptr)
+    write_part(folder_->temporary() / name, {std::as_bytes(std::span(start)), rest});
 }
 
-void ArchiveWriter::add_entry(const std::string& name) {
-  const MappedFile file(folder_.temporary() / name);
-  files_[name] = {{"bytes", file.bytes().size()}, {"checksum", checksum(file.bytes())}};
-}
-
-void ArchiveWriter::finish(Json manifest) {
+std::string ArchiveWriter::finish(Json manifest) {
   manifest["files"] = files_;
-  write_part(folder_.temporary() / kManifestName, sealed_manifest(manifest));
+  const std::string text = sealed_manifest(manifest);
+  if (folder_ != nullptr) write_part(folder_->temporary() / kManifestName, text);
+  return parse_json(text)->at("checksum").get<std::string>();
 }
 
 Archive::Archive(fs::path path) : path_(std::move(path)), source_{path_.string(), kManifestForm} {

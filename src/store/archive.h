@@ -27,28 +27,26 @@ bool is_database_folder(const std::filesystem::path& folder);
 /// The text of a manifest, with the checksum of the preceding text as its last key.
 std::string sealed_manifest(const Json& manifest);
 
-/// Writes files into an output, then the manifest.
+/// Writes files into an output, then the manifest. Without a folder, it only computes checksums.
 class ArchiveWriter {
  public:
-  explicit ArchiveWriter(Output& folder) : folder_(folder) {}
+  explicit ArchiveWriter(Output* folder) : folder_(folder) {}
 
   template <class T>
   void add_array(const std::string& name, std::span<const T> values,
                  const std::vector<size_t>& shape) {
-    const std::string header = npy_header(npy_type<T>(), shape);
-    write_part(folder_.temporary() / name,
-               {std::as_bytes(std::span(header)), std::as_bytes(values)});
-    add_entry(name);
+    add(name, npy_header(npy_type<T>(), shape), std::as_bytes(values));
   }
-  void add_text(const std::string& name, std::string_view text);
+  void add_text(const std::string& name, std::string_view text) { add(name, text, {}); }
 
   /// Adds "files" (sizes and checksums) and "checksum" (of the manifest's own text) to `manifest`.
-  void finish(Json manifest);
+  /// Returns that checksum, the fingerprint of the database.
+  std::string finish(Json manifest);
 
  private:
-  void add_entry(const std::string& name);
+  void add(const std::string& name, std::string_view start, std::span<const std::byte> rest);
 
-  Output& folder_;
+  Output* folder_;
   Json files_ = Json::object();
 };
 

@@ -178,53 +178,9 @@ void read_paths(const std::filesystem::path& file, std::vector<TrainSequence>& s
     sequences[s].path = lines[s];
 }
 
-}  // namespace
-
-SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
-  const Archive archive(path);
-  require_family(archive, DatabaseFamily::sequences);
-  SequenceDatabase database;
-  database.fingerprint = archive.fingerprint();
-  const Fields manifest = archive.fields(archive.manifest());
-  manifest.read_settings("settings", database.descriptor);
-  const std::string descriptor = manifest.text("descriptor");
-  const DescriptorKind* kind = find_descriptor_kind(descriptor);
-  if (kind == nullptr)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: its frames are described by {}, which this version does not support",
-                    archive.name(), descriptor));
-  DescriptorShape shape = kind->shape;
-  if (shape.length == 0) shape.length = manifest.count("length", max_elements(shape.element));
-  if (shape.length == 0) archive.fail("\"length\" is out of range");
-  const std::string names = archive.text(kFramesFile);
-  auto frame_names = split(names, '\n');
-  if (frame_names.back().empty()) frame_names.pop_back();  // after the end of the last line
-  database.sequences = read_sequences(archive, frame_names, shape);
-  read_paths(path / kPathsName, database.sequences);
-  database.thresholds = read_thresholds(manifest, database.sequences);
-  const size_t frames = frame_names.size();
-  NpyArray codes = archive.array(kCodesFile);
-  codes.values<uint8_t>(2);
-  if (codes.shape()[0] != frames || codes.shape()[1] != shape.row_bytes())
-    archive.fail(
-        fmt::format("codes.npy does not have one row of {} bytes per frame", shape.row_bytes()));
-  const bool has_unit = shape.element == ElementType::points16;
-  database.descriptors = {
-      kind, {}, std::move(codes), shape.length, has_unit ? read_number(manifest, "unit") : 0};
-  database.statistics = read_statistics(archive, frames, shape);
-  database.overlapping_sequences = read_shared_places(manifest, database.sequences.size());
-  return database;
-}
-
-void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
-                             Outputs& outputs) {
+// Returns the fingerprint.
+std::string write_content(const SequenceDatabase& database, ArchiveWriter writer) {
   const DescriptorRows rows = database.descriptors.rows();
-  Output& folder = outputs.folder(path, is_database_folder);
-  std::string paths;
-  for (const TrainSequence& train : database.sequences) paths += one_line(train.path) + "\n";
-  write_part(folder.temporary() / kPathsName, paths);
-  ArchiveWriter writer(folder);
   writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
   std::string names;  // one per line, in the order of the codes
   for (const TrainSequence& train : database.sequences)
@@ -262,7 +218,62 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   }
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
-  writer.finish(manifest);
+  return writer.finish(manifest);
+}
+
+}  // namespace
+
+SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
+  const Archive archive(path);
+  require_family(archive, DatabaseFamily::sequences);
+  SequenceDatabase database;
+  database.fingerprint = archive.fingerprint();
+  const Fields manifest = archive.fields(archive.manifest());
+  manifest.read_settings("settings", database.descriptor);
+  const std::string descriptor = manifest.text("descriptor");
+  const DescriptorKind* kind = find_descriptor_kind(descriptor);
+  if (kind == nullptr)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: its frames are described by {}, which this version does not support",
+                    archive.name(), descriptor));
+  DescriptorShape shape = kind->shape;
+  if (shape.length == 0) shape.length = manifest.count("length", max_elements(shape.element));
+  if (shape.length == 0) archive.fail("\"length\" is out of range");
+  const std::string names = archive.text(kFramesFile);
+  auto frame_names = split(names, '\n');
+  if (frame_names.back().empty()) frame_names.pop_back();  // after the end of the last line
+  database.sequences = read_sequences(archive, frame_names, shape);
+  read_paths(path / kPathsName, database.sequences);
+  database.thresholds = read_thresholds(manifest, database.sequences);
+  const size_t frames = frame_names.size();
+  NpyArray codes = archive.array(kCodesFile);
+  codes.values<uint8_t>(2);
+  if (codes.shape()[0] != frames || codes.shape()[1] != shape.row_bytes())
+    archive.fail(
+        fmt::format("codes.npy does not have one row of {} bytes per frame", shape.row_bytes()));
+  const bool has_unit = shape.element == ElementType::points16;
+  database.descriptors = {kind,
+                          {},
+                          std::make_shared<const NpyArray>(std::move(codes)),
+                          shape.length,
+                          has_unit ? read_number(manifest, "unit") : 0};
+  database.statistics = read_statistics(archive, frames, shape);
+  database.overlapping_sequences = read_shared_places(manifest, database.sequences.size());
+  return database;
+}
+
+void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
+                             Outputs& outputs) {
+  Output& folder = outputs.folder(path, is_database_folder);
+  std::string paths;
+  for (const TrainSequence& train : database.sequences) paths += one_line(train.path) + "\n";
+  write_part(folder.temporary() / kPathsName, paths);
+  write_content(database, ArchiveWriter(&folder));
+}
+
+std::string database_fingerprint(const SequenceDatabase& database) {
+  return write_content(database, ArchiveWriter(nullptr));
 }
 
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables,

@@ -79,6 +79,9 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path);
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
                              Outputs& outputs);
 
+/// The fingerprint that the database has once it is written.
+std::string database_fingerprint(const SequenceDatabase& database);
+
 /// The table for this window length, or null.
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables, size_t window_length);
 

@@ -74,19 +74,11 @@ NamedSequence named_sequence(ObjectReader& reader, const fs::path& folder) {
           optional_path(reader, "poses", folder)};
 }
 
-std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::string& key,
-                                                const fs::path& folder) {
-  const Json* json = query.find(key);
-  if (json == nullptr) return std::nullopt;
-  ObjectReader reader(*json, query.where() + ", " + key);
-  GroundTruthArgument argument;
+void read_options(ObjectReader& reader, const fs::path& folder, GroundTruthArgument& argument) {
   if (reader.find("format") != nullptr) argument.format = reader.text("format");
-  argument.path = optional_path(reader, "path", folder);
   visit_paths(argument.options, [&](const char* name, fs::path& file) {
     file = optional_path(reader, name, folder);
   });
-  if (argument.format.empty() && argument.path.empty())
-    reader.fail("needs a \"format\" or a \"path\"");
   const auto read = [&](const char* name, auto& field) {
     if (const Json* value = reader.find(name)) value_from_json(*value, field, reader.where(), name);
   };
@@ -94,6 +86,18 @@ std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::
   visit_fields(argument.options, read);
   if (argument.tolerance_frames < 0) reader.fail("\"tolerance\" must not be negative");
   reader.finish();
+}
+
+std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::string& key,
+                                                const fs::path& folder) {
+  const Json* json = query.find(key);
+  if (json == nullptr) return std::nullopt;
+  ObjectReader reader(*json, query.where() + ", " + key);
+  GroundTruthArgument argument;
+  argument.path = optional_path(reader, "path", folder);
+  read_options(reader, folder, argument);
+  if (argument.format.empty() && argument.path.empty())
+    reader.fail("needs a \"format\" or a \"path\"");
   return argument;
 }
 
@@ -109,6 +113,12 @@ void check_names(const auto& items, const std::string& where, auto name_of) {
 }
 
 }  // namespace
+
+void read_ground_truth_settings(const Json& json, const fs::path& folder, const std::string& where,
+                                GroundTruthArgument& argument) {
+  ObjectReader reader(json, where);
+  read_options(reader, folder, argument);
+}
 
 Dataset read_dataset(const fs::path& path) {
   const std::string where = path.string();

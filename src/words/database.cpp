@@ -187,7 +187,7 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
 
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            Outputs& outputs) {
-  ArchiveWriter writer(outputs.folder(path, is_database_folder));
+  ArchiveWriter writer(&outputs.folder(path, is_database_folder));
   const cv::Mat& words = database.vocabulary;
   const std::vector<size_t> shape = {static_cast<size_t>(words.rows),
                                      static_cast<size_t>(words.cols)};

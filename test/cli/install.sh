@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests an installation: programs, completions and manual pages.
-#   install.sh BUILD CMAKE
+#   install.sh BUILD CMAKE [PYTHON]
 set -euo pipefail
 build=$1 cmake=$2
 out=$(mktemp -d)
@@ -22,6 +22,10 @@ done
 [[ -s $out/share/vpr-toolkit/worlds/small.json ]]
 "$(dirname "$0")/examples.sh" "$out/bin" "$out/share/vpr-toolkit/example"
 [[ -x $out/share/vpr-toolkit/convert/mat.py ]]
+if [[ -n ${3:-} ]]; then  # Python, if the module is built
+  (cd "$out" && PYTHONPATH=$(dirname "$out"/lib/python3*/dist-packages/vpr) "$3" -c 'import vpr; vpr.train') ||
+    { echo "the Python module is missing"; exit 1; }
+fi
 
 source "$out/share/bash-completion/completions/vpr-eval"
 expect() {  # the completions, then the words of a command line

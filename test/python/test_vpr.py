@@ -1,0 +1,304 @@
+"""The Python module: the same bytes as the programs, arrays without copies, errors, interruption."""
+
+import html
+import json
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import vpr
+
+
+def written(path):
+    """The content of a JSON file except what may differ between two runs."""
+    content = json.loads(path.read_text())
+    for key in ("machine", "timing"):
+        content.pop(key, None)
+    return content
+
+
+def assert_same_results(one, other):
+    assert written(one) == written(other)
+    arrays = {p.name[len(one.stem):]: p.read_bytes() for p in one.parent.glob(one.stem + ".*.npy")}
+    others = {p.name[len(other.stem):]: p.read_bytes()
+              for p in other.parent.glob(other.stem + ".*.npy")}
+    assert arrays and arrays == others
+
+
+def assert_same_databases(one, other):
+    names = {path.name for path in other.iterdir()} - {"paths.txt"}
+    assert {path.name for path in one.iterdir()} - {"paths.txt"} == names
+    for name in names:
+        assert (one / name).read_bytes() == (other / name).read_bytes(), name
+
+
+def flags(settings):
+    """Command line flags of keyword arguments."""
+    result = []
+    for key, value in settings.items():
+        result += ["--" + key.replace("_", "-")] + ([] if value is True else [value])
+    return result
+
+
+@pytest.mark.parametrize("settings", [{}, {"metric": "l2"}, {"value_bits": 8, "c_l": 10}])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_vectors_are_trained_as_by_the_program(run, walks, tmp_path, settings, order):
+    monday = np.asarray(np.load(walks / "monday.npy"), order=order)
+    db = vpr.train(descriptors={"monday": monday}, **settings)
+    db.save(tmp_path / "p.vprdb")
+    run("vpr-train", "descriptors", "--npy", "monday.npy", *flags(settings), "-o",
+        tmp_path / "c.vprdb", folder=walks)
+    assert_same_databases(tmp_path / "p.vprdb", tmp_path / "c.vprdb")
+
+
+def test_images_are_trained_as_by_the_program(run, walks, tmp_path):
+    db = vpr.train([walks / "monday", walks / "other"], c_l=10)
+    db.save(tmp_path / "p.vprdb")
+    assert db.sequences == ["monday", "other"]
+    run("vpr-train", "fastable", "--train", walks / "monday", "--train", walks / "other", "--c-l",
+        10, "-o", tmp_path / "c.vprdb", folder=walks)
+    assert_same_databases(tmp_path / "p.vprdb", tmp_path / "c.vprdb")
+
+
+QUERIES = [{}, {"c_l": 5, "t_r": 0.6}, {"c_l": 5, "score": "zscore", "decide": "margin"},
+           {"method": "openable", "c_l": 5, "t_r": 0.6}, {"speed": "0.5"}]
+
+
+@pytest.mark.parametrize("settings", QUERIES)
+@pytest.mark.parametrize("kind", ["", "_bits"])
+def test_arrays_are_matched_as_by_the_program(run, walks, tmp_path, settings, kind):
+    bits = ["--bits"] if kind else []
+    run("vpr-train", "descriptors", "--npy", f"monday{kind}.npy", *bits, "--c-l", 5, "-o",
+        tmp_path / "db.vprdb", folder=walks)
+    run("vpr-query", tmp_path / "db.vprdb", "--query-npy", f"tuesday{kind}.npy", *flags(settings),
+        "-o", tmp_path / "c.json", folder=walks)
+    db = vpr.train(descriptors={f"monday{kind}": np.load(walks / f"monday{kind}.npy")}, c_l=5)
+    for source in (db, vpr.load(tmp_path / "db.vprdb")):
+        result = vpr.query(source, descriptors=np.load(walks / f"tuesday{kind}.npy"),
+                           name=f"tuesday{kind}", **settings)
+        result.save(tmp_path / "p.json", force=True)
+        assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+
+
+@pytest.mark.parametrize("settings", QUERIES[:3])
+def test_images_are_matched_as_by_the_program(run, walks, tmp_path, settings):
+    db = vpr.train(walks / "monday", c_l=5)
+    db.save(tmp_path / "db.vprdb")
+    result = vpr.query(db, walks / "tuesday", **settings)
+    result.save(tmp_path / "p.json")
+    assert np.array_equal(np.load(tmp_path / "p.best.npy")[:, 2], result.best["train"])
+    run("vpr-query", tmp_path / "db.vprdb", "--query", walks / "tuesday", *flags(settings), "-o",
+        tmp_path / "c.json", folder=walks)
+    assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+    assert len(result.recognitions) > 0
+
+
+def test_places_are_recognized_as_by_the_program(run, walks, tmp_path):
+    settings = {"features": "orb", "words": 50}
+    db = vpr.train(walks / "monday", pretrain=walks / "other", **settings)
+    db.save(tmp_path / "p.vprdb")
+    run("vpr-train", "fabmap", "--pretrain", walks / "other", "--train", walks / "monday",
+        *flags(settings), "-o", tmp_path / "c.vprdb", folder=walks)
+    assert_same_databases(tmp_path / "p.vprdb", tmp_path / "c.vprdb")
+    places = vpr.query(vpr.load(tmp_path / "c.vprdb"), walks / "tuesday", t_p=0.5)
+    places.save(tmp_path / "p.json")
+    assert places.best.dtype.names == ("query", "sequence", "train", "view")
+    with pytest.raises(AttributeError, match="no margins"):
+        places.margins
+    run("vpr-query", tmp_path / "c.vprdb", "--query", walks / "tuesday", "--t-p", 0.5, "-o",
+        tmp_path / "c.json", folder=walks)
+    assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+    with pytest.raises(vpr.DataError, match="has no frame descriptors"):
+        db.descriptors
+
+
+def matched(walks, **settings):
+    db = vpr.train(descriptors=walks / "monday.npy", c_l=5)
+    return vpr.query(db, descriptors=walks / "tuesday.npy", c_l=5, t_r=0.5, **settings)
+
+
+@pytest.mark.parametrize("saved", [False, True])
+def test_results_are_judged_as_by_the_program(run, walks, tmp_path, saved):
+    result = matched(walks)
+    result.save(tmp_path / "r.json")
+    if saved:
+        result = vpr.load(tmp_path / "r.json")
+    report = vpr.evaluate(result, "aligned", tolerance=3, recall_at=[1, 5])
+    report.save(tmp_path / "p.json")
+    run("vpr-eval", tmp_path / "r.json", "--ground-truth", "aligned", "--tolerance", 3,
+        "-o", tmp_path / "c.json", folder=walks)
+    program = written(tmp_path / "c.json")
+    assert written(tmp_path / "p.json") == program
+    assert report.recall_at[1] == program["metrics"]["recall_at"]["1"]
+    assert report.counts.pairs.correct == program["counts"]["pairs"]["correct"] > 0
+    assert 0 < report.curve[-1, 1] <= report.single_best.positives
+    report.html(tmp_path / "page.html")
+    assert report.summary in (tmp_path / "page.html").read_text()
+    assert "<iframe" in report._repr_html_() and report.summary in repr(report)
+
+
+def test_reports_show_ten_images_in_a_notebook(walks):
+    result = vpr.query(vpr.train(walks / "monday"), walks / "tuesday", c_l=5, t_r=0.6)
+    page = html.unescape(vpr.evaluate(result, "aligned", tolerance=3)._repr_html_())
+    assert page.count("<img") == 10 and "<svg" in page
+
+
+def test_scores_are_judged_as_by_the_program(run, walks, tmp_path):
+    scores = np.load(walks / "tuesday.npy") @ np.load(walks / "monday.npy").T
+    np.save(tmp_path / "S.npy", scores)
+    run("vpr-eval", "matrix", "S.npy", "--similarity", "--ground-truth", "aligned", "-o", "c.json",
+        folder=tmp_path)
+    for given in (scores, np.asfortranarray(scores)[:, ::1], tmp_path / "S.npy"):
+        report = vpr.evaluate_scores(given, "aligned", similarity=True, name="S")
+        report.save(tmp_path / "p.json", force=True)
+        program = written(tmp_path / "c.json")
+        own = written(tmp_path / "p.json")
+        assert own.pop("name") == "S"
+        if np.isfortran(given) if isinstance(given, np.ndarray) else False:
+            own["provenance"]["scores"] = program["provenance"]["scores"]  # of another file
+        assert own == program
+    with pytest.raises(vpr.UsageError, match="similarity=True"):
+        vpr.evaluate_scores(scores, "aligned")
+
+
+def test_ground_truths_may_be_arrays(walks):
+    result = matched(walks)
+    frames = np.arange(200)
+    aligned = vpr.evaluate(result, "aligned").counts
+    assert vpr.evaluate(result, np.column_stack([frames, frames])).counts == aligned
+    assert vpr.evaluate(result, np.eye(200, dtype=bool)).counts == aligned
+    positions = np.column_stack([1.5 * frames, np.zeros(200)])
+    assert vpr.evaluate(result, positions, reference=positions.copy(), radius_m=1).counts == aligned
+    unjudged = vpr.evaluate(result)
+    assert unjudged.judged == "nothing"
+
+
+def test_distances_are_those_of_the_descriptors(walks):
+    db = vpr.train(descriptors=walks / "monday_bits.npy")
+    query = np.load(walks / "tuesday_bits.npy")
+    found = vpr.distances(db, query)
+    expected = np.unpackbits(query[:, None] ^ db.descriptors[None, :, :query.shape[1]],
+                             axis=2).sum(axis=2)
+    assert found.shape == (200, 200) and found.unit == 1 and len(found) == 200
+    assert np.array_equal(np.asarray(found), expected)
+    assert np.array_equal(found[-1], expected[-1])
+    with pytest.raises(IndexError):
+        found[200]
+
+
+def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
+    db = vpr.train(walks / "monday")
+    db.save(tmp_path / "db.vprdb")
+    live = vpr.Live(db, c_l=5, score="zscore", decide="margin")
+    images = sorted((walks / "tuesday").iterdir())
+    (tmp_path / "list.txt").write_text("".join(f"{path}\n" for path in images))
+    program = run("vpr-query", "live", tmp_path / "db.vprdb", "--query", tmp_path / "list.txt",
+                  "--c-l", 5, "--score", "zscore", "--decide", "margin", folder=walks)
+    lines = [json.loads(line) for line in program.stdout.splitlines()]
+    assert [live.add(path) for path in images] == lines
+    assert any(line["recognized"] for line in lines)
+    live = vpr.Live(db, c_l=5, score="zscore", decide="margin")
+    for path, line in zip(images, lines):
+        pixels = np.frombuffer(path.read_bytes()[-64 * 96:], np.uint8).reshape(64, 96)
+        assert live.add(pixels, name=path.name) == line
+    assert live.add(None)["readable"] is False
+    assert live.finish() is None
+    with pytest.raises(vpr.DataError, match="an image has"):
+        live.add(np.zeros((4, 4, 2), np.uint8))
+
+
+def test_live_descriptors_are_matched_as_in_a_query(walks):
+    db = vpr.train(descriptors=walks / "monday.npy")
+    rows = np.load(walks / "tuesday.npy")
+    settings = {"c_l": 5, "score": "zscore", "decide": "margin"}
+    result = vpr.query(db, descriptors=rows, **settings)
+    live = vpr.Live(db, **settings)
+    lines = [live.add(row) for row in rows]
+    assert [line["match"]["sum"] for line in lines[4:]] == result.best_scores.tolist()
+
+
+@pytest.mark.parametrize("call, kind", [
+    (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_L=5), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l=0), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l="a"), "UsageError"),
+    (lambda db, walks: vpr.query(db), "UsageError"),
+    (lambda db, walks: vpr.query(db, walks / "missing"), "InputError"),
+    (lambda db, walks: vpr.query(db, walks / "tuesday"), "DataError"),
+    (lambda db, walks: vpr.query(db, descriptors=np.zeros((3, 64))), "DataError"),
+    (lambda db, walks: vpr.query(db, descriptors=np.ones((3, 64), ">f4")), "DataError"),
+    (lambda db, walks: vpr.train(descriptors=np.ones(3)), "DataError"),
+    (lambda db, walks: vpr.load(walks / "missing.vprdb"), "InputError"),
+    (lambda db, walks: db.save(walks / "missing" / "x.vprdb"), "OutputError")])
+def test_errors_have_the_kinds_of_the_programs(walks, call, kind):
+    db = vpr.train(descriptors=walks / "monday.npy")
+    with pytest.raises(vpr.Error) as error:
+        call(db, walks)
+    assert type(error.value) is getattr(vpr, kind) and str(error.value)
+
+
+def test_errors_have_the_sentences_of_the_programs(run, walks, tmp_path):
+    db = vpr.train(descriptors=walks / "monday.npy")
+    db.save(tmp_path / "db.vprdb")
+    program = run("vpr-query", tmp_path / "db.vprdb", "--query-npy", walks / "tuesday.npy", "--c-l",
+                  0, folder=walks, code=2)
+    with pytest.raises(vpr.UsageError) as error:
+        vpr.query(db, descriptors=walks / "tuesday.npy", c_l=0)
+    assert program.stderr == f"vpr-query: {error.value}\n"
+    with pytest.raises(vpr.UsageError, match="already"):
+        db.save(tmp_path / "db.vprdb")
+
+
+def test_arrays_are_not_copied(walks):
+    bits = np.load(walks / "monday_bits.npy")
+    db = vpr.train(descriptors=bits)
+    assert np.shares_memory(db.descriptors, bits)
+    assert not db.descriptors.flags.writeable
+    with pytest.raises(ValueError):
+        db.descriptors[0, 0] = 1
+    view = db.descriptors
+    del db
+    assert np.array_equal(view, bits)
+
+
+def test_progress_is_reported_and_may_stop_the_work(walks):
+    bits = np.random.default_rng(1).integers(0, 256, (20000, 176), np.uint8)
+    db = vpr.train(descriptors=bits)
+    steps = []
+    vpr.query(db, descriptors=bits[:1000], c_l=10, t_r=0.1,
+              progress=lambda step, done, total: steps.append((step, done, total)))
+    assert steps and all(done <= total for _, done, total in steps)
+
+    def refuse(step, done, total):
+        raise RuntimeError(step)
+    with pytest.raises(RuntimeError):
+        vpr.query(db, descriptors=bits, c_l=10, t_r=0.1, progress=refuse)
+
+
+def test_other_threads_run_and_interrupts_stop_the_work():
+    bits = np.random.default_rng(1).integers(0, 256, (60000, 176), np.uint8)
+    db = vpr.train(descriptors=bits)
+    ticks = []
+
+    def interrupt():
+        for _ in range(5):
+            time.sleep(0.02)
+            ticks.append(1)
+        os.kill(os.getpid(), signal.SIGINT)
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    started = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        vpr.query(db, descriptors=bits, c_l=10, t_r=0.1)
+    thread.join()
+    assert len(ticks) == 5
+    assert time.monotonic() - started < 60
+
+
+def test_warnings_are_those_of_the_programs(walks):
+    db = vpr.train(descriptors=walks / "monday.npy")
+    with pytest.warns(UserWarning, match="the same frames as the training sequence"):
+        vpr.query(db, descriptors=walks / "monday.npy")
