@@ -105,7 +105,7 @@ void fill_tile(const Training& training, const DescriptorRows& rows,
                         divide_up(last - first, kBlockFrames), out, stride);
 }
 
-// Bytes of the code in a row.
+// Bytes of the code within a row.
 size_t code_bytes(const DescriptorShape& shape) {
   return shape.element == ElementType::ldb_of_ldb_hog ? kLdbBytes : shape.row_bytes();
 }

@@ -73,7 +73,7 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
 /// Descriptors and unreadable frames of every sequence. They point into the database.
 std::vector<DescribedFrames> descriptor_spans(const SequenceDatabase& database);
 
-/// The same frames by their LDB codes alone (codes_of): for raw distances, and for what is known of
+/// The same frames by their LDB codes alone (codes_of): for raw distances, and for properties of
 /// training sequences apart from z-scores.
 std::vector<DescribedFrames> code_spans(const SequenceDatabase& database);
 

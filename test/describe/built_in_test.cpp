@@ -244,7 +244,7 @@ TEST_CASE("a vertical edge is in the cells and the direction next to it") {
   CHECK(value(2, 0, 0) == 0);    // columns 2 and 3 have no gradient
 }
 
-TEST_CASE("LDB and HOG of a frame follow one another in a row") {
+TEST_CASE("LDB and HOG of a frame follow one another within a row") {
   const cv::Mat picture = random_image(160, 120, 3);
   const LdbHogRow row = describe_ldb_hog(picture);
   const LdbCode code = describe_ldb(picture);
