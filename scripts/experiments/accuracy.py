@@ -3,7 +3,7 @@
 
   scripts/experiments/accuracy.py DATA [--bin BIN] [--work FOLDER] [--into PAGE]
 
-DATA: folder with corridor/, nordland/, loop/ and tower/. Buildings are rendered from
+DATA: folder with corridor/, nordland/, loop/ and tower/, and perhaps tracks/. Buildings are rendered from
 configs/worlds/speeds.json. Every table replaces the lines between "<!-- NAME: begin -->" and
 "<!-- NAME: end -->" of the page. Databases and buildings in FOLDER are reused (default: a temporary
 folder). Two programs run at a time, with one thread each. Needs numpy."""
@@ -34,6 +34,9 @@ TOWER = "tower, 30 pairs"
 BUILDINGS = {"building 1": (21, 0.3), "building 2": (22, 0.8), "building 3": (23, 0.5)}  # seed, resemblance
 ON_MAP = ["same", "slow", "fast", "varying", "detour", "carried"]
 OFF_MAP = ["back", "upstairs", "elsewhere"]
+MARGINS = [10, 12, 14, 16, 18, 20]  # in deviations
+FOREIGN, REVERSED, LAPS = "off the map", "reversed", "laps"
+ONE_LAP = {"garage": 361, "flat": 273, "rendered ring": None}  # frames of the first lap; None: a walk of its own
 
 
 def run(program, *words):
@@ -116,6 +119,7 @@ class Result:
             self.train_keyframes = keyframes[keyframes[:, 0] == 0, 1]
             self.source = read("source_frames") if replay else np.arange(self.frames)
             confidence = -read("best_scores") if method == "FastABLE" else read("margins")
+            self.reversed_frames = description["totals"].get("reversed_frames", 0)
             if method == "filter":
                 self.decided = read("path")[:, 2]
             behind = train_behind = np.zeros(len(best), int)  # from the last frame to the judged one
@@ -135,6 +139,11 @@ class Result:
         """Frames that are known, recognized correctly, by near misses, and incorrectly otherwise."""
         near = (self.off > 0) & (self.off <= NEAR_FRAMES)
         return np.array([self.known.sum(), (self.off == 0).sum(), near.sum(), (self.off > NEAR_FRAMES).sum()])
+
+    def accepted(self, margin):
+        """Frames that this margin of the filter accepts, and the correct ones of them."""
+        is_accepted = self.confidence >= 1024 * margin
+        return is_accepted.sum(), (is_accepted & (self.best_off == 0)).sum()
 
     def ranked(self):
         """Recall at 100 % precision: correct frames of more confidence than any incorrect one."""
@@ -212,6 +221,68 @@ def building(name):
             for walk in ON_MAP + OFF_MAP}
 
 
+def tracks():
+    return [name for name in ("garage", "flat") if (options.data / "tracks" / name).exists()]
+
+
+def foreign_cases():
+    """Queries of other buildings, by map."""
+    data = options.data
+    walks = {"corridor": (data / "corridor/ref", data / "corridor/query"),
+             "loop": (data / "loop/images", data / "loop/images"),
+             "tower floor": (data / "tower/floor9", data / "tower/floor12"),
+             "Nordland": (data / "nordland/summer", data / "nordland/winter"),
+             "building 1": (options.work / "building-1/trained", options.work / "building-1/same"),
+             **{name: (data / "tracks" / name / "a", data / "tracks" / name / "b") for name in tracks()}}
+    return {name: [Case(database(f"map-{name.replace(' ', '-')}", train), query, different_places())
+                   for other, (_, query) in walks.items() if other != name]
+            for name, (train, _) in walks.items()}
+
+
+def reversed_cases():
+    """Queries that are replayed in reverse, by map."""
+    cases = {name: [case] for name, case in real_cases().items() if "loop" not in name}
+    for name in tracks():
+        folder = options.data / "tracks" / name
+        cases[name] = [Case(database(f"map-{name}", folder / "a"), folder / "b", different_places())]
+    for [case] in cases.values():
+        case.judge, case.on_map = different_places()
+    return cases
+
+
+def ring():
+    """A rendered ring of corridors, walked three times."""
+    folder = options.work / "ring"
+    corners = [[1.5, 1.5], [22.5, 1.5], [22.5, 14.5], [1.5, 14.5]]
+    walk = {"floor": "ring", "use": "train"}
+    if not folder.exists():
+        world = json.loads((ROOT / "configs/worlds/speeds.json").read_text())
+        world["floors"] = [{"name": "ring", "rooms": [
+            {"kind": "corridor", "x": 0, "y": 0, "width": 24, "depth": 3},
+            {"kind": "corridor", "x": 21, "y": 0, "width": 3, "depth": 16},
+            {"kind": "corridor", "x": 0, "y": 13, "width": 24, "depth": 3},
+            {"kind": "corridor", "x": 0, "y": 0, "width": 3, "depth": 16}]}]
+        world["walks"] = [{**walk, "name": "three", "path": 3 * corners + corners[:1]},
+                          {**walk, "name": "one", "path": corners + corners[:1]},
+                          {**walk, "name": "query", "use": "query", "path": corners + corners[:1],
+                           "conditions": {"daylight": 0.7, "warmth": 0.2, "noise": 4}}]
+        file = folder.with_suffix(".json")
+        file.write_text(json.dumps(world))
+        run("vpr-synth", file, "-o", folder)
+    return folder
+
+
+def lap_cases():
+    """A query of one lap of a track, with one lap and with all laps of one recording trained."""
+    cases = {"rendered ring": (ring() / "one", ring() / "three", ring() / "query")}
+    for name in tracks():
+        folder = options.data / "tracks" / name
+        cases[name] = (f"{folder}/b@0:{ONE_LAP[name]}", folder / "b", folder / "a")
+    return {name: [Case(database(f"{name.replace(' ', '-')}-{laps}", train), query, different_places())
+                   for laps, train in (("one", one), ("all", every))]
+            for name, (one, every, query) in cases.items()}
+
+
 def table(head, rows):
     lines = ["||" + "|".join(head) + "|", "|---|" + "---:|" * len(head)]
     return "\n".join(lines + [f"|{title}|" + "|".join(cells) + "|" for title, *cells in rows]) + "\n"
@@ -263,6 +334,10 @@ def measure(pool):
             add(TOWER, case, "windows", column)
     for name, walks in rendered.items():
         jobs += [(name, method, walk, walks[walk], None, 1) for walk in walks for method in METHODS]
+    for column, sets in ((FOREIGN, foreign_cases()), (REVERSED, reversed_cases()), (LAPS, lap_cases())):
+        for name, cases in sets.items():
+            jobs += [(name, "filter", column, case, "reversed" if column == REVERSED else None, 1)
+                     for case in cases]
     found = {}
     for job, result in zip(jobs, pool.map(lambda job: Result(job[3], job[1], *job[4:]), jobs)):
         found.setdefault(job[:3], []).append(result)
@@ -300,6 +375,41 @@ def tables(real, found):
         row("delay", BUILDINGS, filter_only, ON_MAP, delay) + [""] * len(OFF_MAP)])
 
 
+def silence_tables(found):
+    """Tables of queries off the map, of laps, and of margins."""
+    results = lambda column: {name: each for (name, _, at), each in found.items() if at == column}
+    rows = []
+    for title, column in (("other buildings", FOREIGN), ("reversed", REVERSED)):
+        for name, each in results(column).items():
+            rows.append([f"{name}, {title}", str(sum(one.frames for one in each)),
+                         str(sum(len(one.query) for one in each)),
+                         str(sum(one.reversed_frames for one in each)),
+                         f"{max(one.confidence.max() for one in each) / 1024:.1f}"])
+    yield "silence", table(["frames", "recognized", "with reversed training sequences", "largest margin"], rows)
+    yield "laps", table(["frames", "one lap trained", "all laps trained"],
+                        [[name, str(one.frames), str(len(one.query)), str(len(every.query))]
+                         for name, (one, every) in results(LAPS).items()])
+
+    def row(title, names, column, index=1):
+        each = [one for name in names for one in found[(name, "filter", column)]]
+        whole = sum(one.known.sum() if index else one.frames for one in each)
+        return [title, *(f"{100 * sum(one.accepted(margin)[index] for one in each) / whole:.{2 - index}f}"
+                         for margin in MARGINS)]
+
+    on_map = [name for name, _, column in found if column == "1.5x"]
+    sets = {title: [name for name in dict.fromkeys(on_map) if title in name]
+            for title in ("corridor", "Nordland", "loop")}
+    yield "margins", table(
+        [str(margin) for margin in MARGINS],
+        [row("other buildings", results(FOREIGN), FOREIGN, 0), row("reversed", results(REVERSED), REVERSED, 0),
+         row("tower", [TOWER], "equal speed", 0), row("rendered, same plan", BUILDINGS, "upstairs", 0),
+         row("rendered, way back", BUILDINGS, "back", 0),
+         *(row(title, names, "equal speed") for title, names in sets.items()),
+         *(row(f"{title}, 1.5x", names, "1.5x") for title, names in sets.items() if title != "loop"),
+         row("rendered, same walk", BUILDINGS, "same"),
+         *([row("tracks", tracks(), LAPS, 0)] if tracks() else [])])
+
+
 def write_into(page, name, text):
     begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
     before, rest = page.read_text().split(begin)
@@ -310,7 +420,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
         options.work = (options.work or pathlib.Path(folder)).resolve()
         options.work.mkdir(parents=True, exist_ok=True)
-        for name, text in tables(*measure(pool)):
+        real, found = measure(pool)
+        for name, text in itertools.chain(tables(real, found), silence_tables(found)):
             print(f"{name}\n{text}", flush=True)
             if options.into:
                 write_into(options.into, name, text)

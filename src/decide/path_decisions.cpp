@@ -1,21 +1,20 @@
 #include "decide/path_decisions.h"
 
+#include <algorithm>
 #include <cassert>
 #include <limits>
 
 namespace vpr {
 
 std::vector<Cell> PathDecisions::take(const PathReport& report) {
-  if (report.path != path_) open_.clear();
-  path_ = report.path;
   margin_ = report.margin;
+  while (!open_.empty() && open_.front().query_window < report.first) open_.pop_front();
   for (const Cell& match : report.matches) {
     const size_t index = open_.empty() ? 0 : match.query_window - open_.front().query_window;
     assert(index <= open_.size());  // a recognized frame has no later report
     if (index == open_.size()) open_.emplace_back();
     open_[index] = match;
   }
-  while (!open_.empty() && open_.front().query_window < report.first) open_.pop_front();
   return pop_before(report.settled);
 }
 
@@ -36,13 +35,9 @@ std::vector<uint32_t> settled_margins(std::vector<PathReport> steps) {
   std::deque<size_t> best;  // steps that recognize the frame, with decreasing margins
   size_t next = 0;          // the first step that was not considered
   for (size_t frame = 0; frame < steps.size(); ++frame) {
-    const uint32_t path = steps[frame].path;
-    if (path == 0) continue;
-    if (frame == 0 || steps[frame - 1].path != path) {
-      best.clear();
-      next = frame;
-    }
-    for (; next < steps.size() && steps[next].path == path && steps[next].first <= frame; ++next) {
+    if (steps[frame].path == 0) continue;
+    next = std::max(next, frame);
+    for (; next < steps.size() && steps[next].path != 0 && steps[next].first <= frame; ++next) {
       while (!best.empty() && steps[best.back()].margin <= steps[next].margin) best.pop_back();
       best.push_back(next);
     }

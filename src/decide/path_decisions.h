@@ -30,7 +30,6 @@ class PathDecisions {
   std::vector<Cell> pop_before(size_t frame);
 
   uint32_t least_margin_;
-  uint32_t path_ = 0;
   uint32_t margin_ = 0;
   std::deque<Cell> open_;  ///< consecutive frames of the path that may still be recognized
 };

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 #include "base/error.h"
 #include "base/exponentials.h"
@@ -72,7 +74,9 @@ void find_likelihoods(FilterState& state, std::span<const uint16_t> scores, size
     const size_t end = std::min(last, run.first + run.count);
     for (size_t cell = std::max(first, run.first); cell < end; ++cell)
       state.likelihoods[cell] =
-          state.likelihood_of[scores[cells.frames[cell]] / kScoresPerLikelihood];
+          cells.trained_cell(cell) < state.known
+              ? state.likelihood_of[scores[cells.frames[cell]] / kScoresPerLikelihood]
+              : 0;
   }
 }
 
@@ -227,6 +231,49 @@ const CellStretch& run_of(const FilterCells& cells, size_t cell) {
                        [](size_t c, const CellStretch& run) { return c < run.first; });
   assert(behind != cells.runs.begin());
   return *std::prev(behind);
+}
+
+void apply_passes(FilterCells& cells, std::span<const RepeatedPlace> passes) {
+  if (passes.empty()) return;
+  cells.first_passes.resize(cells.decoys);
+  std::iota(cells.first_passes.begin(), cells.first_passes.end(), 0U);
+  const auto cell_of = [&](uint32_t frame) -> std::optional<size_t> {
+    for (const CellStretch& run : cells.trained()) {
+      if (frame >= run.frames_end || frame < cells.frames[run.first]) continue;
+      const auto first = cells.frames.begin() + static_cast<ptrdiff_t>(run.first);
+      const auto after = std::upper_bound(first, first + static_cast<ptrdiff_t>(run.count), frame);
+      return static_cast<size_t>(after - cells.frames.begin()) - 1;
+    }
+    return std::nullopt;
+  };
+  for (const RepeatedPlace& repeated : passes) {
+    const auto cell = cell_of(repeated.frame);
+    const auto first = cell_of(repeated.first_pass);
+    if (cell && first) cells.first_passes[*cell] = static_cast<uint32_t>(*first);
+  }
+}
+
+CellRange same_place(const FilterCells& cells, size_t cell, size_t near) {
+  const size_t trained = cells.trained_cell(cell);
+  const size_t place = cells.first_passes.empty() ? trained : cells.first_passes[trained];
+  const size_t sequence = run_of(cells, place).sequence;
+  const auto sequence_at = [](const CellStretch& run) { return run.sequence; };
+  const auto runs = std::ranges::equal_range(cells.trained(), sequence, {}, sequence_at);
+  const CellStretch& last = runs.back();
+  return {std::max(runs.front().first, place - std::min(place, near)),
+          std::min(last.first + last.count, place + near + 1)};
+}
+
+const FrameStretch& stretch_of(const FilterCells& cells, const FrameDistances& distances,
+                               size_t cell) {
+  const auto run = static_cast<size_t>(&run_of(cells, cell) - cells.runs.data());
+  return distances.train_runs[std::min(run, cells.runs.size() - 1 - run)];
+}
+
+DescriptorRow descriptor_of(const FilterCells& cells, const FrameDistances& distances,
+                            size_t cell) {
+  const FrameStretch& run = stretch_of(cells, distances, cell);
+  return distances.train[run.sequence].rows[cells.frames[cell] - run.first + run.first_in_sequence];
 }
 
 size_t keyframe_end(const FilterCells& cells, const CellStretch& run, size_t cell) {

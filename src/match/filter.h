@@ -36,10 +36,17 @@ struct FilterCells {
   std::vector<CellStretch> runs;  ///< increasing; the second half are decoys
   size_t places = 0;              ///< number of cells that are places, without decoys
   size_t decoys = 0;              ///< the first cell of the decoys
+  /// The cell of the first pass through the place of each trained cell: its own, unless it repeats
+  /// an earlier one. Empty: no place has several passes.
+  std::vector<uint32_t> first_passes;
 
   size_t size() const { return frames.size(); }
   std::span<const CellStretch> trained() const { return std::span(runs).first(runs.size() / 2); }
   bool is_decoy(size_t cell) const { return cell >= decoys; }
+  /// The trained cell of a place, which may be a decoy.
+  size_t trained_cell(size_t cell) const {
+    return is_decoy(cell) ? size() - 1 - cell + kLongestStep : cell;
+  }
 };
 
 /// Every run begins with a keyframe; a frame that differs by at least least_change from the last
@@ -48,6 +55,28 @@ FilterCells find_cells(const FrameDistances& distances, double least_change);
 
 /// Adds the decoys of all runs, as the second half of the runs.
 void add_decoys(FilterCells& cells);
+
+/// Sets first_passes of the cells. Repeated places of frames that are not in a cell have no effect.
+void apply_passes(FilterCells& cells, std::span<const RepeatedPlace> passes);
+
+/// A range of cells.
+struct CellRange {
+  size_t first = 0;
+  size_t last = 0;  ///< exclusive
+
+  bool contains(size_t cell) const { return cell >= first && cell < last; }
+};
+
+/// The cells of first passes that are the same place as this one: at most `near` cells away from
+/// its own first pass, in one sequence.
+CellRange same_place(const FilterCells& cells, size_t cell, size_t near);
+
+/// The descriptor of the keyframe of a place.
+DescriptorRow descriptor_of(const FilterCells& cells, const FrameDistances& distances, size_t cell);
+
+/// The training frames of the run of a place. Decoys are in reverse order.
+const FrameStretch& stretch_of(const FilterCells& cells, const FrameDistances& distances,
+                               size_t cell);
 
 /// The run that contains a place.
 const CellStretch& run_of(const FilterCells& cells, size_t cell);
@@ -85,7 +114,8 @@ struct FilterState {
   std::vector<float> likelihoods;  ///< of the keyframe; 0 for a cell that is not a place
   std::array<std::vector<float>, kRates> before;  ///< by rate: after changes of the rate
   std::array<std::vector<float>, kRates> after;
-  std::vector<float> masses;     ///< of every cell, summed over rates
+  std::vector<float> masses;                          ///< of every cell, summed over rates
+  size_t known = std::numeric_limits<size_t>::max();  ///< trained cells from here on have no mass
   double kept = 1;               ///< factor of all masses: no evidence exceeds kMostEvidence
   std::vector<uint32_t> values;  ///< of every cell: kScoreBias - log(kept * mass) / kSharpness
   std::vector<std::vector<uint32_t>> earlier;  ///< values of earlier keyframes, the latest first

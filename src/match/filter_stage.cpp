@@ -8,10 +8,6 @@
 namespace vpr {
 namespace {
 
-// Largest mean distance of a recognized path, as a share of the typical distance of unrelated
-// training frames: paths of other buildings are farther (docs/experiments/filter.md).
-constexpr double kFarthest = 1.05;
-
 /// A query filtered frame by frame. Valid for one FrameDistances, of z-scores.
 struct FilteredQuery {
   FilterState filter;
@@ -63,13 +59,6 @@ void write_best(FilteredQuery& query, size_t position) {
   query.row[position] = best.value;
 }
 
-// The training frames of the run of a cell. Decoys are in reverse order.
-const FrameStretch& stretch_of(const FilterCells& cells, const FrameDistances& distances,
-                               size_t cell) {
-  const auto run = static_cast<size_t>(&run_of(cells, cell) - cells.runs.data());
-  return distances.train_runs[std::min(run, cells.runs.size() - 1 - run)];
-}
-
 // The matches of the query frames of a keyframe before `end`.
 void add_matches(FilteredQuery& query, const FrameDistances& distances,
                  const PathKeyframe& keyframe, size_t first, size_t end, double rate) {
@@ -116,6 +105,7 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   FilteredQuery query;
   query.least_change = settings.filter.keyframe_change * distances.typical_distance;
   query.filter = start_filter(distances, settings.filter, query.least_change);
+  apply_passes(query.filter.cells, settings.passes);
   query.track.settings = settings.filter;
   query.track.kernels = settings.kernels;
   query.track.overlapping = settings.overlapping_sequences;
@@ -135,18 +125,6 @@ void restart(FilteredQuery& query) {
   query.keyframe.clear();
 }
 
-// The distance of the last keyframe to the best place of a track; 0 for precomputed distances.
-uint32_t distance_to_best(const FilteredQuery& query, const PathTrack& track,
-                          const FrameDistances& distances) {
-  if (distances.query.precomputed != nullptr) return 0;
-  const FilterCells& cells = query.filter.cells;
-  const size_t cell = best_place(track, query.filter);
-  const FrameStretch& run = stretch_of(cells, distances, cell);
-  const DescriptorRows& rows = distances.train[run.sequence].rows;
-  const size_t frame = cells.frames[cell] - run.first + run.first_in_sequence;
-  return distance_of(rows.shape.element).pair(query.keyframe, rows[frame]);
-}
-
 // Adds the next readable query frame and writes its row. There must be a place.
 PathReport add_frame(FilteredQuery& query, const FrameDistances& distances,
                      const QueryFrame& frame) {
@@ -157,9 +135,13 @@ PathReport add_frame(FilteredQuery& query, const FrameDistances& distances,
     const DescriptorRow row = distances.query.rows[frame.row];
     query.keyframe.assign(row.begin(), row.end());
     advance_filter(query.filter, query.scores);
+    const auto distance_to = [&](size_t cell) -> uint32_t {
+      if (distances.query.precomputed != nullptr) return 0;  // unknown
+      return distance_of(distances.query.rows.shape.element)
+          .pair(query.keyframe, descriptor_of(query.filter.cells, distances, cell));
+    };
     for (PathTrack* track : {&query.track, &query.reversed})
-      follow_keyframe(*track, query.filter, frame.number,
-                      distance_to_best(query, *track, distances));
+      follow_keyframe(*track, query.filter, frame.number, distance_to);
     write_keyframes(query);
   }
   const PathReport report = full_report_at(query, distances, frame.number, is_new);

@@ -8,16 +8,59 @@ namespace {
 
 constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 
+// Evidence by which another pass must be better, in units of values.
+constexpr uint32_t kOtherPass = 5 * kScoreUnit;
+
+size_t difference(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
+
+// The smallest value of cells [first, last).
 uint32_t least_of(const PathTrack& track, const FilterState& state, size_t first, size_t last) {
   return first < last ? track.kernels.minimum(state.values.data() + first, last - first) : kNoValue;
 }
 
-bool continues_path(const PathTrack& track, const FilterState& state, size_t cell) {
-  if (track.keyframes == 0) return false;
+// The same without other passes of the place of `cell`.
+uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_t cell,
+                         size_t first, size_t last) {
+  const FilterCells& cells = state.cells;
+  if (cells.first_passes.empty()) return least_of(track, state, first, last);
+  const size_t near = track.settings.near_keyframes;
+  const size_t own = cells.trained_cell(cell);
+  const CellRange same = same_place(cells, cell, near);
+  uint32_t least = kNoValue;
+  for (size_t other = first; other < last; ++other) {
+    const size_t trained = cells.trained_cell(other);
+    if (!same.contains(cells.first_passes[trained]) || difference(trained, own) <= near)
+      least = std::min(least, state.values[other]);
+  }
+  return least;
+}
+
+// The first cell of [first, last) with the smallest value.
+size_t best_of(const PathTrack& track, const FilterState& state, size_t first, size_t last) {
+  const uint32_t least = least_of(track, state, first, last);
+  return track.kernels.find_below(state.values.data(), first, last, least + 1);
+}
+
+bool is_in_pass(const PathTrack& track, const FilterState& state, size_t cell) {
   const size_t last = track.recent.back().cell;
-  const size_t gap = std::max(cell, last) - std::min(cell, last);
-  return gap <= track.settings.near_keyframes &&
+  return difference(cell, last) <= track.settings.near_keyframes &&
          run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
+}
+
+// The next place of the path; nullopt if another path is the best one.
+std::optional<size_t> next_on_path(const PathTrack& track, const FilterState& state, size_t best) {
+  if (track.keyframes == 0) return std::nullopt;
+  if (is_in_pass(track, state, best)) return best;
+  const FilterCells& cells = state.cells;
+  const size_t near = track.settings.near_keyframes;
+  const size_t last = track.recent.back().cell;
+  if (cells.first_passes.empty() ||
+      !same_place(cells, last, near).contains(cells.first_passes[cells.trained_cell(best)]))
+    return std::nullopt;
+  const CellStretch& run = run_of(cells, last);
+  const size_t in_pass = best_of(track, state, std::max(run.first, last - std::min(last, near)),
+                                 std::min(run.first + run.count, last + near + 1));
+  return state.values[in_pass] <= state.values[best] + kOtherPass ? in_pass : best;
 }
 
 // The smallest value of a runner-up and of a new path.
@@ -27,28 +70,37 @@ uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_
   const size_t near = track.settings.near_keyframes;
   const size_t before = cell - std::min(cell, near);  // the first near cell
   uint32_t least = kNewPathValue;
+  const auto add = [&](size_t first, size_t last) {
+    least = std::min(least, least_elsewhere(track, state, cell, first, last));
+  };
   for (const CellStretch& run : cells.runs) {
     const size_t end = run.first + run.count;
     const bool has_direction = cells.is_decoy(run.first) == cells.is_decoy(cell);
     if (has_direction && run.sequence == sequence) {
-      least = std::min({least, least_of(track, state, run.first, std::min(end, before)),
-                        least_of(track, state, std::max(run.first, cell + near + 1), end)});
+      add(run.first, std::min(end, before));
+      add(std::max(run.first, cell + near + 1), end);
     } else if (!has_direction || track.overlapping.empty() ||
                track.overlapping[sequence][run.sequence] == 0) {
-      least = std::min(least, least_of(track, state, run.first, end));
+      add(run.first, end);
     }
   }
   return least;
 }
 
-// Whether the last path_keyframes of the path move, and are close to their places.
+// Whether the last path_keyframes of the path move, and are close to their places. Changes of the
+// pass are not motion.
 bool is_plausible(const PathTrack& track) {
   const size_t count = std::max<size_t>(track.settings.path_keyframes, 1);
   const auto first = track.recent.end() - static_cast<ptrdiff_t>(count);
-  uint64_t distances = 0;
-  for (auto keyframe = first; keyframe != track.recent.end(); ++keyframe)
+  uint64_t distances = first->distance;
+  int64_t moved = 0;
+  for (auto keyframe = first + 1; keyframe != track.recent.end(); ++keyframe) {
     distances += keyframe->distance;
-  return track.recent.back().cell >= first->cell + count / 4 &&
+    const size_t before = (keyframe - 1)->cell;
+    if (difference(before, keyframe->cell) <= track.settings.near_keyframes)
+      moved += static_cast<int64_t>(keyframe->cell) - static_cast<int64_t>(before);
+  }
+  return moved >= static_cast<int64_t>(count / 4) &&
          static_cast<double>(distances) <= track.farthest * static_cast<double>(count);
 }
 
@@ -76,23 +128,20 @@ size_t open_keyframes(const PathTrack& track) {
   return std::min<size_t>(track.keyframes, track.settings.path_keyframes / 2);
 }
 
-size_t best_place(const PathTrack& track, const FilterState& state) {
-  const size_t first = track.follows_decoys ? state.cells.decoys : 0;
-  const size_t last = track.follows_decoys ? state.cells.size() : state.cells.decoys;
-  const uint32_t least = least_of(track, state, first, last);
-  return track.kernels.find_below(state.values.data(), first, last, least + 1);
-}
-
 void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
-                     uint32_t distance) {
-  const size_t cell = best_place(track, state);
-  if (!continues_path(track, state, cell)) {
+                     const std::function<uint32_t(size_t cell)>& distance_to) {
+  const FilterCells& cells = state.cells;
+  const size_t best = best_of(track, state, track.follows_decoys ? cells.decoys : 0,
+                              track.follows_decoys ? cells.size() : cells.decoys);
+  const std::optional<size_t> next = next_on_path(track, state, best);
+  const size_t cell = next.value_or(best);
+  if (!next || !is_in_pass(track, state, cell)) ++track.number;
+  if (!next) {
     track.keyframes = 0;
     track.recent.clear();
-    ++track.number;
   }
   ++track.keyframes;
-  track.recent.push_back({query_frame, cell, state.values[cell], distance});
+  track.recent.push_back({query_frame, cell, state.values[cell], distance_to(cell)});
   if (track.recent.size() > track.settings.path_keyframes * 3 / 2 + 1) track.recent.pop_front();
   trace_back(track, state);
   track.margin = 0;
@@ -102,12 +151,17 @@ void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_fr
 }
 
 std::optional<double> recent_rate(const PathTrack& track, const FilterCells& cells) {
-  if (track.recent.size() < kFewKeyframes) return std::nullopt;
-  const size_t before = std::min<size_t>(track.recent.size() - 1, track.settings.path_keyframes);
-  const PathKeyframe& from = track.recent[track.recent.size() - 1 - before];
-  const PathKeyframe& to = track.recent.back();
-  const size_t first = cells.frames[from.cell];
-  const size_t passed = std::max<size_t>(cells.frames[to.cell], first) - first;
+  const size_t last = track.recent.size() - 1;
+  size_t first = last;  // of the pass
+  while (first > 0 && last - first < track.settings.path_keyframes &&
+         difference(track.recent[first - 1].cell, track.recent[first].cell) <=
+             track.settings.near_keyframes)
+    --first;
+  if (last - first + 1 < kFewKeyframes) return std::nullopt;
+  const PathKeyframe& from = track.recent[first];
+  const PathKeyframe& to = track.recent[last];
+  const size_t first_frame = cells.frames[from.cell];
+  const size_t passed = std::max<size_t>(cells.frames[to.cell], first_frame) - first_frame;
   return static_cast<double>(passed) / static_cast<double>(to.frame - from.frame);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -10,12 +11,16 @@
 
 namespace vpr {
 
+/// Largest mean distance of a recognized path, as a share of the typical distance of unrelated
+/// training frames: paths of other buildings are farther (docs/experiments/filter.md).
+inline constexpr double kFarthest = 1.05;
+
 /// A keyframe of the query on a path.
 struct PathKeyframe {
   size_t frame = 0;  ///< its first frame
   size_t cell = 0;
   uint32_t value = 0;     ///< of the cell
-  uint32_t distance = 0;  ///< of the frame to the best place when it arrived
+  uint32_t distance = 0;  ///< of the frame to the place when it arrived
 };
 
 /// The path that ends at the best place of the last keyframe.
@@ -25,31 +30,33 @@ struct PathTrack {
   FilterSettings settings;
   RowKernels kernels;
   std::vector<std::vector<uint8_t>> overlapping;  ///< MatchSettings::overlapping_sequences
-  uint32_t number = 0;                            ///< of the path, from 1 on
+  uint32_t number = 0;                            ///< of the path in one pass, from 1 on
   size_t keyframes = 0;                           ///< of the path; 0 before the first one
   uint32_t margin = 0;                            ///< 0: the path has fewer than path_keyframes
   std::deque<PathKeyframe> recent;  ///< its last keyframes, at most path_keyframes * 3 / 2 + 1
 };
 
-/// The best place of the filter's state in the direction of the track: that with the smallest value
-/// (ties: the first cell).
-size_t best_place(const PathTrack& track, const FilterState& state);
-
-/// Adds the filter's state for the next keyframe, whose distance to the best place is `distance`.
-/// The best place continues the path if it is at most near_keyframes from the last place, in the
-/// same sequence. The path is then traced back over path_keyframes / 2 keyframes: each place is the
-/// best one (ties: the first cell) of those from which a step leads to the next. The margin is the
-/// smallest value of a place outside near_keyframes around the best one in its sequence, of a place
-/// in a sequence of another place, of any place in the other direction, and of a new path, minus
-/// the best value. It is 0 unless the path, over its last path_keyframes, passes path_keyframes / 4
-/// places and has a mean distance of at most `farthest`.
+/// Adds the filter's state for the next keyframe; distance_to(cell) is its distance to a place. The
+/// best place has the smallest value in the direction of the track (ties: the first cell). It
+/// continues the path if it is at most near_keyframes from the last place, in the same sequence, or
+/// the same place (same_place) in another pass. There the path stays in its pass if that has a
+/// place near the last one of at most 5 deviations less evidence; otherwise the path gets a new
+/// number.
+///
+/// The path is then traced back over path_keyframes / 2 keyframes: each place is the best one
+/// (ties: the first cell) of those from which a step leads to the next. The margin is the smallest
+/// value of a runner-up and of a new path, minus the value of the path. Runners-up are all places
+/// in both directions, except for those within near_keyframes in this direction and sequence, in
+/// this direction in sequences of the same place, and in other passes of the same place. It is 0
+/// unless the path, over its last path_keyframes, passes path_keyframes / 4 places and has a mean
+/// distance of at most `farthest`.
 void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
-                     uint32_t distance);
+                     const std::function<uint32_t(size_t cell)>& distance_to);
 
 /// The number of recent keyframes whose places may still change.
 size_t open_keyframes(const PathTrack& track);
 
-/// Training frames per query frame over the last path_keyframes; nullopt after too few keyframes.
+/// Training frames per query frame over the last path_keyframes in one pass; nullopt after too few.
 std::optional<double> recent_rate(const PathTrack& track, const FilterCells& cells);
 
 /// The training frame of a query frame of this keyframe, among all training frames, if the query

@@ -32,10 +32,10 @@ struct Cell {
 
 /// The path of the filter at a query frame, in units of the row's values.
 struct PathReport {
-  uint32_t path = 0;    ///< number of the path, from 1 on
+  uint32_t path = 0;    ///< number of the path in one pass, from 1 on
   uint32_t margin = 0;  ///< of the path over any other; 0: it has too few keyframes
-  /// The margin recognizes the query frames of the path in [first, settled): their matches are
-  /// final.
+  /// The margin recognizes the query frames of the path, in all its passes, in [first, settled):
+  /// their matches are final.
   size_t first = 0;
   size_t settled = 0;
   /// recent training frames per query frame; unset after few frames
@@ -118,6 +118,7 @@ struct MatchSettings {
   FilterSettings filter = {};
   /// For the method filter: which training sequences overlap, [a][b]; empty: none.
   std::vector<std::vector<uint8_t>> overlapping_sequences = {};
+  std::vector<RepeatedPlace> passes = {};                    ///< for the method filter, increasing
   const SequenceMethod* method = sequence_methods().data();  ///< never null
 };
 

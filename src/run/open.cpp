@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
+#include "match/passes.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
 
@@ -104,9 +105,19 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
 
 void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
                             const Monitor& monitor) {
+  ensure_statistics(database, monitor);
   const std::vector<uint32_t> radii = radii_of(database, std::nullopt, monitor);
   for (size_t s = 0; s < radii.size(); ++s) database.sequences[s].exclusion_radius = radii[s];
   database.overlapping_sequences = overlapping_sequences(database, kernels, monitor);
+  database.repeated_places = repeated_places(database, kernels, monitor);
+}
+
+std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
+                                           const RowKernels& kernels, const Monitor& monitor) {
+  if (database.repeated_places) return *database.repeated_places;
+  constexpr auto kLeastMargin = static_cast<uint32_t>(kFilterMargin * kScoreUnit);
+  return find_passes(descriptor_spans(database), *database.statistics, kLeastMargin, kernels,
+                     monitor);
 }
 
 ExclusionZones exclusion_zones_of(const SequenceDatabase& database,

@@ -23,8 +23,8 @@ void check_sums(const DescriptorStore& descriptors, uint64_t window_length);
 /// stored, and statistics by default settings if the database has none.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
-/// Adds the exclusion radius of each sequence and the pairs of overlapping sequences, unless the
-/// database has them.
+/// Adds statistics (ensure_statistics), the exclusion radius of each sequence, the pairs of
+/// overlapping sequences and the repeated places, unless the database has them.
 void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
                             const Monitor& monitor);
 
@@ -33,6 +33,11 @@ void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernel
 ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
                                   const SequenceQuerySettings& settings, const RowKernels& kernels,
                                   const Monitor& monitor);
+
+/// The repeated places of the database, computed if it has none. The database has statistics with
+/// components.
+std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
+                                           const RowKernels& kernels, const Monitor& monitor);
 
 /// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
 /// with the FAB-MAP database at `fabmap` unless this is empty. Throws what read_sequence_database,

@@ -191,6 +191,7 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
                 parse_rates(settings.rates),
                 settings.filter,
                 {},
+                {},
                 &find_sequence_method(settings.method)};
   plan.score = &score_kind(settings.score);
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
@@ -211,6 +212,8 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
   if (!plan.match.method->is_approximate() && (has_radii || settings.exclusion_frames)) {
     plan.exclusion_zones = exclusion_zones_of(database, settings, plan.match.kernels, monitor);
     plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
+    if (plan.match.method->has_paths && has_radii && settings.same_place.empty())
+      plan.match.passes = repeated_places(database, plan.match.kernels, monitor);
   }
   plan_decision(plan, database, settings, monitor);
 }

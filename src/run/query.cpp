@@ -149,9 +149,11 @@ void PathRows::operator()(std::span<const ScoreRow> row) {
   steps_[frame] = report;
   steps_[frame].matches = {};
   reversed_[frame] = *row.front().reversed;
-  for (const Cell& match : report.matches) found_.best[match.query_window] = match;
+  for (const Cell& match : report.matches) {
+    found_.best[match.query_window] = match;
+    path_.numbers[match.query_window] = report.path;
+  }
   path_.rates[frame] = report.rate;
-  path_.numbers[frame] = report.path;
   decide(decisions_.take(report), frame);
 }
 

@@ -85,11 +85,11 @@ void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequen
   for (size_t s = 0; s < codes.size(); ++s)
     database.sequences[s].typical_distance =
         typical_distance(database.sequences[s], codes[s], monitor);
-  ensure_exclusion_zones(database, kernels, monitor);
   database.statistics = compute_statistics(descriptor_spans(database), settings, monitor);
   if (database.descriptors.shape().element == ElementType::ldb_hog)
     database.statistics->code_distance =
         compute_statistics(codes, settings, monitor).typical_distance;
+  ensure_exclusion_zones(database, kernels, monitor);
 }
 
 // The difference between a training sequence and the group with its name.

@@ -143,6 +143,19 @@ std::vector<std::pair<size_t, size_t>> read_shared_places(const Fields& manifest
   return pairs;
 }
 
+std::vector<RepeatedPlace> read_repeated_places(const Fields& manifest, size_t frames) {
+  std::vector<std::vector<uint32_t>> rows;
+  manifest.read("repeated_places", rows);
+  std::vector<RepeatedPlace> places;
+  for (const std::vector<uint32_t>& row : rows) {
+    if (row.size() != 2 || row[0] >= frames || row[1] >= row[0] ||
+        (!places.empty() && row[0] <= places.back().frame))
+      manifest.fail("its \"repeated_places\" are not pairs of frames in order");
+    places.push_back({row[0], row[1]});
+  }
+  return places;
+}
+
 TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
                                 const DescriptorShape& shape) {
   const Fields fields = archive.fields(archive.manifest()).object("statistics");
@@ -210,6 +223,11 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
     for (const auto& [a, b] : *database.overlapping_sequences)
       manifest["overlapping_sequences"].push_back({a, b});
   }
+  if (database.repeated_places) {
+    manifest["repeated_places"] = Json::array();
+    for (const RepeatedPlace& place : *database.repeated_places)
+      manifest["repeated_places"].push_back({place.frame, place.first_pass});
+  }
   if (database.statistics) {
     manifest["statistics"] = value_to_json(database.statistics->settings);
     manifest["statistics"]["typical_distance"] = database.statistics->typical_distance;
@@ -260,6 +278,8 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
                           has_unit ? read_number(manifest, "unit") : 0};
   database.statistics = read_statistics(archive, frames, shape);
   database.overlapping_sequences = read_shared_places(manifest, database.sequences.size());
+  if (manifest.has("repeated_places"))
+    database.repeated_places = read_repeated_places(manifest, frames);
   return database;
 }
 

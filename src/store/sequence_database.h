@@ -67,6 +67,7 @@ struct SequenceDatabase {
   std::optional<TrainStatistics> statistics;  ///< unset before training
   /// Pairs of sequences that show the same place, a < b, increasing; unset before training.
   std::optional<std::vector<std::pair<size_t, size_t>>> overlapping_sequences;
+  std::optional<std::vector<RepeatedPlace>> repeated_places;  ///< increasing; unset: unknown
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 

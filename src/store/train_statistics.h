@@ -38,6 +38,15 @@ struct TrainComponents {
   DescriptorRows rows() const { return {shape, bytes}; }
 };
 
+/// A training frame of a place that the training sequences passed before. Frames count over all
+/// sequences.
+struct RepeatedPlace {
+  uint32_t frame = 0;
+  uint32_t first_pass = 0;  ///< the frame of the first pass, less than `frame`
+
+  bool operator==(const RepeatedPlace&) const = default;
+};
+
 struct FusedViews;
 
 /// The training frames that each training frame is compared with.

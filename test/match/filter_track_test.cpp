@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include <catch2/catch.hpp>
 
@@ -15,6 +16,11 @@ using namespace vpr;
 namespace {
 
 constexpr uint32_t kUnit = kScoreUnit;
+
+// The distance of a keyframe to any place.
+auto at(uint32_t distance) {
+  return [distance](size_t) { return distance; };
+}
 
 /// Two sequences of 40 and 30 places, two frames each.
 struct Places {
@@ -45,6 +51,14 @@ struct Places {
     return state.cells.size() - 1 - cell(sequence, place) + kLongestStep;
   }
 
+  // Places 20 to 39 of the first sequence are another pass through places 0 to 19.
+  void add_second_pass() {
+    state.cells.first_passes.resize(state.cells.decoys);
+    std::iota(state.cells.first_passes.begin(), state.cells.first_passes.end(), 0U);
+    for (size_t place = 20; place < 40; ++place)
+      state.cells.first_passes[cell(0, place)] = static_cast<uint32_t>(cell(0, place - 20));
+  }
+
   // The next keyframe, without evidence.
   void advance() {
     std::rotate(state.earlier.begin(), state.earlier.end() - 1, state.earlier.end());
@@ -58,7 +72,7 @@ struct Places {
            uint32_t distance = 50) {
     advance();
     state.values[cell(sequence, place)] = kNewPathValue - evidence;
-    follow_keyframe(track, state, query_frame, distance);
+    follow_keyframe(track, state, query_frame, at(distance));
   }
 
   size_t open() const { return open_keyframes(track); }
@@ -85,7 +99,7 @@ TEST_CASE("a place with less evidence than a new path has no margin") {
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
   places.advance();
   places.state.values[places.cell(0, 20)] = kNewPathValue + kUnit;
-  follow_keyframe(places.track, places.state, 20, 50);
+  follow_keyframe(places.track, places.state, 20, at(50));
   CHECK(places.track.keyframes == 21);
   CHECK(places.track.margin == 0);
 }
@@ -114,7 +128,7 @@ TEST_CASE("the same places in the other direction compete, however near, and hav
     places.state.values[places.cell(0, 10 + view)] = kNewPathValue - 9 * kUnit;
     places.state.values[places.decoy(0, 29 - view)] = kNewPathValue - 24 * kUnit;
     for (PathTrack* track : {&places.track, &reversed})
-      follow_keyframe(*track, places.state, view, 50);
+      follow_keyframe(*track, places.state, view, at(50));
   }
   CHECK(places.track.recent.back().cell == places.cell(0, 29));
   CHECK(places.track.margin == 0);
@@ -130,7 +144,7 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
   places.advance();
   places.state.values[places.cell(0, 18)] = kNewPathValue - 25 * kUnit;
   places.state.values[places.cell(0, 10)] = kNewPathValue - 24 * kUnit;
-  follow_keyframe(places.track, places.state, 10, 50);
+  follow_keyframe(places.track, places.state, 10, at(50));
   CHECK(places.track.recent.back().cell == places.cell(0, 18));
   for (size_t view = 11; view < 18; ++view) {
     places.see(0, view, view);
@@ -150,6 +164,7 @@ TEST_CASE("paths equal the reference implementation") {
     Places places;
     RandomEngine engine(seed);
     places.track.follows_decoys = seed % 2 == 0;
+    if (seed % 3 > 0) places.add_second_pass();
     const PathTrack start = places.track;
     const auto followed = [&](size_t sequence, size_t place) {
       return places.track.follows_decoys ? places.decoy(sequence, 29 - place)
@@ -176,7 +191,7 @@ TEST_CASE("paths equal the reference implementation") {
       places.state.values[followed(sequence, std::min<size_t>(place + wrong, 29))] =
           kNewPathValue - 9 - static_cast<uint32_t>(uniform_below(engine, 9));
       distances.push_back(static_cast<uint32_t>(uniform_below(engine, 196)));
-      follow_keyframe(places.track, places.state, view, distances.back());
+      follow_keyframe(places.track, places.state, view, at(distances.back()));
       values.push_back(places.state.values);
       found.push_back({places.track.number, places.track.margin, 0});
       for (const PathKeyframe& keyframe : places.track.recent)
@@ -199,6 +214,33 @@ TEST_CASE("paths equal the reference implementation") {
   CHECK(traced > 100);
 }
 
+TEST_CASE("passes of one place do not compete, and the path stays in its pass") {
+  const auto follow = [](uint32_t evidence, bool has_passes) {
+    Places places;
+    if (has_passes) places.add_second_pass();
+    for (size_t view = 0; view < 20; ++view) {
+      places.advance();
+      places.state.values[places.cell(0, view)] = kNewPathValue - 20 * kUnit;
+      places.state.values[places.cell(0, 20 + view)] =
+          kNewPathValue - (view < 17 ? 19 * kUnit : evidence);
+      places.state.values[places.decoy(0, 20 + view)] = kNewPathValue - 12 * kUnit;
+      follow_keyframe(places.track, places.state, view, at(50));
+    }
+    return places;
+  };
+  CHECK(follow(25 * kUnit, false).track.margin == 0);  // of a new path
+  const Places same = follow(25 * kUnit, true);
+  CHECK(same.track.recent.back().cell == same.cell(0, 19));
+  CHECK(same.track.margin == 20 * kUnit);
+  CHECK(same.track.number == 1);
+  const Places other = follow(25 * kUnit + 1, true);
+  CHECK(other.track.recent.back().cell == other.cell(0, 39));
+  CHECK(other.track.margin == 13 * kUnit + 1);  // its own decoy
+  CHECK(other.track.number == 2);
+  CHECK(other.track.keyframes == 20);
+  CHECK(*recent_rate(other.track, other.state.cells) == 2);  // 9 keyframes, traced back
+}
+
 TEST_CASE("places near the best one, or of an overlapping sequence, are in the exclusion zone") {
   Places places;
   const auto margin_with = [&](size_t sequence, size_t place) {
@@ -206,7 +248,7 @@ TEST_CASE("places near the best one, or of an overlapping sequence, are in the e
     places.advance();
     places.state.values[places.cell(0, 20)] = kNewPathValue - 24 * kUnit;
     places.state.values[places.cell(sequence, place)] = kNewPathValue - 14 * kUnit;
-    follow_keyframe(places.track, places.state, 20, 50);
+    follow_keyframe(places.track, places.state, 20, at(50));
     return places.track.margin;
   };
   CHECK(margin_with(0, 10) == 24 * kUnit);

@@ -41,13 +41,46 @@ bool is_near(const FilterCells& cells, size_t a, size_t b, size_t near) {
          cells.is_decoy(a) == cells.is_decoy(b) && std::abs(gap) <= static_cast<double>(near);
 }
 
+size_t first_pass(const FilterCells& cells, size_t cell) {
+  const size_t trained = cells.trained_cell(cell);
+  return cells.first_passes.empty() ? trained : cells.first_passes[trained];
+}
+
+// The same place in another pass, in either direction.
+bool is_other_pass(const FilterCells& cells, size_t a, size_t b, size_t near) {
+  return is_near(cells, first_pass(cells, a), first_pass(cells, b), near) &&
+         !is_near(cells, cells.trained_cell(a), cells.trained_cell(b), near);
+}
+
 uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>& values,
                           size_t best, size_t near) {
   uint32_t least = kNewPathValue;
   for (const CellStretch& run : cells.runs)
     for (size_t cell = run.first; cell < run.first + run.count; ++cell)
-      if (!is_near(cells, cell, best, near)) least = std::min(least, values[cell]);
+      if (!is_near(cells, cell, best, near) && !is_other_pass(cells, cell, best, near))
+        least = std::min(least, values[cell]);
   return least - std::min(least, values[best]);
+}
+
+// The places of a track by keyframe, which stay in their pass.
+std::vector<size_t> chosen_places(const FilterCells& cells,
+                                  std::span<const std::vector<uint32_t>> values,
+                                  const PathTrack& track) {
+  const size_t near = track.settings.near_keyframes;
+  std::vector<size_t> chosen;
+  for (const std::vector<uint32_t>& row : values) {
+    size_t best = best_of(cells, row, track.follows_decoys);
+    if (!chosen.empty() && is_other_pass(cells, best, chosen.back(), near) &&
+        !is_near(cells, best, chosen.back(), near)) {
+      const CellStretch& run = run_of(cells, chosen.back());
+      size_t in_pass = chosen.back();
+      for (size_t cell = run.first + run.count; cell-- > run.first;)
+        if (is_near(cells, cell, chosen.back(), near) && row[cell] <= row[in_pass]) in_pass = cell;
+      if (row[in_pass] <= row[best] + 5 * kScoreUnit) best = in_pass;
+    }
+    chosen.push_back(best);
+  }
+  return chosen;
 }
 
 }  // namespace
@@ -85,13 +118,13 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
                                                std::span<const uint32_t> distances,
                                                const PathTrack& track) {
   const FilterSettings& settings = track.settings;
-  std::vector<size_t> best;
-  for (const std::vector<uint32_t>& row : values)
-    best.push_back(best_of(cells, row, track.follows_decoys));
+  const size_t near = settings.near_keyframes;
+  const std::vector<size_t> best = chosen_places(cells, values, track);
   std::vector<ReferenceKeyframe> keyframes(values.size());
   size_t path = 0;
-  // The place of keyframe k, traced back from keyframe `at`.
-  const auto traced = [&](size_t k, size_t at) {
+  // The place of keyframe k, traced back from keyframe `last` or path_keyframes / 2 later.
+  const auto traced = [&](size_t k, size_t last) {
+    size_t at = std::min(k + settings.path_keyframes / 2, last);
     size_t cell = best[at];
     for (; at > k; --at) {
       size_t before = cell;
@@ -101,23 +134,30 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
     }
     return cell;
   };
+  const auto margin_at = [&](size_t k) -> uint32_t {
+    const size_t start = k + 1 - settings.path_keyframes;
+    double distance = distances[start];
+    double moved = 0;
+    for (size_t view = start + 1; view <= k; ++view) {
+      distance += distances[view];
+      const double step =
+          static_cast<double>(traced(view, k)) - static_cast<double>(traced(view - 1, k));
+      if (std::abs(step) <= static_cast<double>(near)) moved += step;
+    }
+    const auto count = static_cast<double>(settings.path_keyframes);
+    return moved >= std::floor(count / 4) && distance <= track.farthest * count
+               ? reference_margin(cells, values[k], best[k], near)
+               : 0;
+  };
   for (size_t first = 0; first < values.size();) {
-    ++path;
     size_t end = first + 1;  // of the path
-    while (end < values.size() && is_near(cells, best[end - 1], best[end], settings.near_keyframes))
+    while (end < values.size() && (is_near(cells, best[end - 1], best[end], near) ||
+                                   is_other_pass(cells, best[end - 1], best[end], near)))
       ++end;
     for (size_t k = first; k < end; ++k) {
-      uint32_t margin = 0;
-      if (k + 1 - first >= settings.path_keyframes) {
-        const size_t start = k + 1 - settings.path_keyframes;
-        double sum = 0;
-        for (size_t view = start; view <= k; ++view) sum += distances[view];
-        const size_t from = traced(start, start + settings.path_keyframes / 2);
-        if (best[k] >= from + settings.path_keyframes / 4 &&
-            sum <= track.farthest * static_cast<double>(settings.path_keyframes))
-          margin = reference_margin(cells, values[k], best[k], settings.near_keyframes);
-      }
-      keyframes[k] = {path, margin, traced(k, std::min(k + settings.path_keyframes / 2, end - 1))};
+      if (k == first || !is_near(cells, best[k - 1], best[k], near)) ++path;
+      keyframes[k] = {path, k + 1 - first >= settings.path_keyframes ? margin_at(k) : 0,
+                      traced(k, end - 1)};
     }
     first = end;
   }

@@ -167,6 +167,24 @@ TEST_CASE("exclusion radii and overlapping sequences are read back, and refused 
   CHECK(kind(1, {{0, 1}, {0, 1}}) == ErrorKind::data);
 }
 
+TEST_CASE("repeated places are stored, and refused out of order") {
+  const TemporaryFolder folder;
+  const auto stored = [&](std::vector<RepeatedPlace> places) {
+    SequenceDatabase database = example();
+    database.repeated_places = std::move(places);
+    write(folder / "d.vprdb", database, Existing::replace);
+    return read_sequence_database(folder / "d.vprdb").repeated_places;
+  };
+  CHECK(stored({}) == std::vector<RepeatedPlace>{});
+  CHECK(stored({{2, 0}, {3, 1}}) == std::vector<RepeatedPlace>{{2, 0}, {3, 1}});
+  const auto kind = [&](std::vector<RepeatedPlace> places) {
+    return error_kind([&] { stored(std::move(places)); });
+  };
+  CHECK(kind({{2, 2}}) == ErrorKind::data);
+  CHECK(kind({{2, 0}, {2, 1}}) == ErrorKind::data);
+  CHECK(kind({{100, 0}}) == ErrorKind::data);
+}
+
 TEST_CASE("the manifest names the descriptor of its frames") {
   const TemporaryFolder folder;
   const fs::path path = write_example(folder);

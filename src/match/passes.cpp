@@ -1,0 +1,130 @@
+#include "match/passes.h"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "match/filter_track.h"
+#include "match/zscores.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostPairs = size_t{1} << 32;
+
+/// The passes found so far, by cell of the whole training set.
+struct PassSearch {
+  FilterState state;
+  PathTrack track;
+  size_t least_gap = 0;  ///< of a pass from the earlier one, and most keyframes of a gap
+  uint32_t least_margin = 0;
+  std::optional<size_t> last;  ///< the last recognized cell
+
+  uint32_t& first_pass(size_t cell) { return state.cells.first_passes[cell]; }
+};
+
+// Recognized cells of one run, at most least_gap apart, whose matches fit speeds of 1/2 to 2.
+void fill_gap(PassSearch& search, size_t first, size_t last) {
+  const auto near = static_cast<int64_t>(search.track.settings.near_keyframes);
+  const auto cells = static_cast<int64_t>(last - first);
+  const FilterCells& all = search.state.cells;
+  const uint32_t from = search.first_pass(first);
+  const uint32_t to = search.first_pass(last);
+  const int64_t passed = int64_t{to} - int64_t{from};
+  if (last - first > search.least_gap || passed < cells / 2 - near || passed > 2 * cells + near ||
+      &run_of(all, first) != &run_of(all, last) || &run_of(all, from) != &run_of(all, to))
+    return;
+  for (int64_t k = 1; k < cells; ++k)
+    search.first_pass(first + static_cast<size_t>(k)) =
+        static_cast<uint32_t>(int64_t{from} + passed * k / cells);
+}
+
+// Adds the recognized keyframes of the path. PathKeyframe::frame is the cell of the keyframe.
+void add_recognized(PassSearch& search, bool is_end) {
+  const PathTrack& track = search.track;
+  if (track.keyframes == 0 || track.margin < search.least_margin) return;
+  const size_t settled = track.recent.size() - (is_end ? 0 : open_keyframes(track));
+  for (size_t k = 0; k < settled; ++k) {
+    const size_t cell = track.recent[k].frame;
+    if (search.first_pass(cell) != cell) continue;
+    search.first_pass(cell) = search.first_pass(track.recent[k].cell);
+    if (search.last) fill_gap(search, *search.last, cell);
+    search.last = cell;
+  }
+}
+
+void search_run(PassSearch& search, const FrameDistances& own, const FrameStretch& stretch,
+                const CellStretch& run, size_t first_of_sequence) {
+  FilterState& state = search.state;
+  const DescriptorRows& rows = own.query.rows;
+  std::vector<uint16_t> scores;
+  size_t cell = run.first;
+  for (size_t k = 0; k < stretch.count; ++k) {
+    const size_t frame = stretch.first_in_sequence + k;
+    own.start_row(frame);
+    compute_row(own, frame, scores);
+    if (cell == run.first + run.count || state.cells.frames[cell] != stretch.first + k) continue;
+    const size_t earlier = cell + 1 - std::min(cell + 1, search.least_gap);
+    state.known = std::max(first_of_sequence, earlier);
+    if (state.known > state.cells.runs.front().first) {
+      advance_filter(state, scores);
+      follow_keyframe(search.track, state, cell, [&](size_t place) {
+        return distance_of(rows.shape.element)
+            .pair(rows[frame], descriptor_of(state.cells, own, place));
+      });
+      add_recognized(search, false);
+    }
+    ++cell;
+  }
+  add_recognized(search, true);
+}
+
+}  // namespace
+
+std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
+                                       const TrainStatistics& statistics, uint32_t least_margin,
+                                       const RowKernels& kernels, const Monitor& monitor) {
+  const size_t frames = count_frames(train);
+  if (frames == 0 || frames > kMostPairs / frames) return {};
+  const FilterSettings settings;
+  ZScoreSettings zscore;
+  zscore.start_weight = settings.start_weight;
+  const ScoreBasis basis = make_score_basis(zscore, false, statistics);
+  const FrameDistances raw = frame_distances(train, {train[0].rows.first(0), {}});
+  const double typical = statistics.typical_distance;
+  PassSearch search;
+  search.least_gap = 2 * settings.path_keyframes;
+  search.least_margin = least_margin;
+  search.state = start_filter(raw, settings, settings.keyframe_change * typical);
+  search.track.settings = settings;
+  search.track.kernels = kernels;
+  search.track.farthest = kFarthest * typical;
+  FilterCells& cells = search.state.cells;
+  if (cells.places == 0) return {};
+  cells.first_passes.resize(cells.decoys);
+  std::iota(cells.first_passes.begin(), cells.first_passes.end(), 0U);
+  std::optional<size_t> sequence;
+  size_t first_of_sequence = 0;
+  FrameDistances own;
+  for (size_t r = 0; r < raw.train_runs.size(); ++r) {
+    check_stop(monitor);
+    const CellStretch& run = cells.runs[r];
+    if (sequence != run.sequence) {
+      sequence = run.sequence;
+      first_of_sequence = run.first;
+      own = zscores(raw.of_query(train[run.sequence]), basis, monitor);
+    }
+    restart_filter(search.state);
+    search.track.keyframes = 0;
+    search.last.reset();
+    search_run(search, own, raw.train_runs[r], run, first_of_sequence);
+  }
+  std::vector<RepeatedPlace> passes;
+  for (const CellStretch& run : cells.trained())
+    for (size_t cell = run.first; cell < run.first + run.count; ++cell)
+      if (const uint32_t first = cells.first_passes[cell]; first != cell)
+        passes.push_back({cells.frames[cell], cells.frames[first]});
+  return passes;
+}
+
+}  // namespace vpr
