@@ -84,11 +84,9 @@ void check_square(const cv::Mat& small, const Thumbnail64& found, int left, int 
   }
 }
 
-// The direction of a block in the middle of the image, without the Gaussian weights and the
-// interpolation between cells: with a constant gradient, only directions matter. One of 8 over half
-// a turn.
+// The strongest direction of the block in the middle of the image: one of 8 over half a turn.
 int strongest_direction(const HogVector& descriptor) {
-  const auto block = descriptor.begin() + (15 * 31 + 15) * 32;
+  const auto block = descriptor.begin() + (1 * 3 + 1) * 32;
   return static_cast<int>(std::max_element(block, block + 8) - block);
 }
 
