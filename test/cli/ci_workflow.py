@@ -36,9 +36,14 @@ def main(source, bin):
     steps = dict(steps_of(open(f"{source}/docs/guide/ci/recognition.yml").read()))
     assert list(steps) == ["Install the toolkit", "Train", "Recognize", "Judge"], list(steps)
     with tempfile.TemporaryDirectory() as folder:
-        world = f"vpr-synth {source}/configs/worlds/small.json -o world --quiet && cp -r world/* . && mv dataset.json walks.json"
+        world = f"vpr-synth {source}/configs/worlds/building.json -o world --quiet && cp -r world/* ."
         first = run(world, folder, bin)
         assert first.returncode == 0, first.stderr
+        dataset = json.load(open(f"{folder}/dataset.json"))
+        dataset["queries"] = [query for query in dataset["queries"] if query["name"] == "tuesday"]
+        dataset["queries"][0]["name"] = "walk"
+        assert len(dataset["train"]) == 1, dataset["train"]
+        json.dump(dataset, open(f"{folder}/walks.json", "w"))
         for name in ("Train", "Recognize"):
             found = run(steps[name], folder, bin)
             assert found.returncode == 0, (name, found.stderr)
