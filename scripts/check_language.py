@@ -31,6 +31,13 @@ RULES = {
     r'\b(believ(e|es|ed)|look(s|ed) at|asked for)\b': 'programs confirm, read, request',
     r'\bstandardi[sz]ed scores?\b': 'z-scores',
     r'\bpictures?\b': 'image',
+    r'\bwere (its|their|the|these) \w+ not\b': 'if it were not',
+    r'\bmay give (less|more)\b': 'expect lower or higher numbers',
+    r'\bthe most of all\b': 'the highest count',
+    r'^- \*[\w ]+\*: (need|depend|err|confirm|follow|cost)s?\b': 'a sentence with a subject',
+    r'(?<=[.] )So (?!that\b|far\b)': 'join the sentences with so, because or but',
+    r'\b(until (lately|now)|of older date|used to be)\b': 'docs state the present',
+    r'\bNext: vpr-': 'next: vpr-',
 }
 # Legitimate uses: part of the path, part of the line.
 ALLOWED = [('check_language', ''), ('scripts/reproduce/', 'per cent'), ('test/cli/', 'per cent'), ('configs/paper/', '')]

@@ -263,21 +263,11 @@ def failing(results):
 
 
 def holding(results):
-    """The findings that hold, were not measured, or are not counted, of each experiment."""
-    lines = []
+    """The number of findings that hold, and of those that are counted, of each experiment."""
+    lines = ["| experiment | hold | of |", "|---|---:|---:|"]
     for result in results:
-        outcomes = result["findings"]
-        counts = summary(outcomes)
-        lines += [*([""] if lines else []), f"### {result['title']}", "",
-                  f"{counts['hold']} of {counts['hold'] + counts['fail']}:", ""]
-        for outcome in outcomes:
-            text = f"{outcome['finding']} ({outcome['place']})"
-            if "contradicted" in outcome:
-                lines.append(f"- not counted, since {outcome['contradicted']}: {text}")
-            elif outcome["holds"]:
-                lines.append(f"- {text}")
-            elif outcome["holds"] is None:
-                lines.append(f"- not measured, {outcome['reason']}: {text}")
+        counts = summary(result["findings"])
+        lines.append(f"| {result['title']} | {counts['hold']} | {counts['hold'] + counts['fail']} |")
     return lines
 
 

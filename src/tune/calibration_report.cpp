@@ -112,7 +112,7 @@ std::string calibration_text(const CalibratedSequence& calibrated,
   text += fmt::format("False recognitions to expect in {}: {:.0f} (95 %: {:.0f} to {:.0f}).\n",
                       request.fps ? "an hour" : "1000 windows", rate.expected, rate.interval.low,
                       rate.interval.high);
-  return text + "Other rooms or another speed may give more.\n";
+  return text + "Expect more in other rooms and at another speed.\n";
 }
 
 std::string calibration_failure(const CalibratedSequence& calibrated) {
