@@ -255,9 +255,9 @@ def failing(results):
     lines = summary_table(outcomes)
     for subject in SUBJECTS:
         lines += ["", f"### Findings on {subject} that do not hold", "",
-                  "| finding | in the paper | our numbers that do not fit | what was tried |", "|---|---|---|---|"]
-        lines += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} | "
-                  f"{outcome.get('tried', 'unexplained')} |" for outcome in outcomes
+                  "| finding | in the paper | our numbers that do not fit |", "|---|---|---|"]
+        lines += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} |"
+                  for outcome in outcomes
                   if outcome["holds"] is False and outcome["subject"] == subject]
     return lines
 
