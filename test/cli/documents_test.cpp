@@ -111,7 +111,9 @@ class Recordings {
  public:
   Recordings() {
     const fs::path& root = folder_.path();
-    run_ok("vpr-synth", {source_path("configs/worlds/small.json"), "-o", root / "building"});
+    const std::string small = source_path("configs/worlds/small.json");
+    const std::string at = root.string() + "/";
+    run_ok("vpr-synth " + small + " -o " + at + "building");
     link_walk(root / "building/corridor", SIZE_MAX, root / "monday");
     link_walk(root / "building/upstairs", SIZE_MAX, root / "upstairs");
     link_walk(root / "building/query", kTuesdayFrames, root / "tuesday");
@@ -124,7 +126,7 @@ class Recordings {
           std::stoul(std::string(fields[0])) < kTuesdayFrames)
         pairs << fields[0] << ',' << fields[2] << '\n';
     }
-    Json lap = Json::parse(read_text(source_path("configs/worlds/small.json")));
+    Json lap = Json::parse(read_text(small));
     lap.erase("places");
     lap["floors"] = Json::parse(
         R"([{"name": "hall", "rooms": [{"kind": "hall", "x": 0, "y": 0, "width": 10, "depth": 6}]}])");
@@ -132,7 +134,7 @@ class Recordings {
         Json::parse(R"([{"name": "lap", "use": "train", "floor": "hall", "speed_m_s": 1.6,
         "path": [[1.5, 1.5], [8.5, 1.5], [8.5, 4.5], [1.5, 4.5], [1.5, 1.5], [8.5, 1.5], [8.5, 4.5]]}])");
     write_text(root / "lap.json", lap.dump());
-    run_ok("vpr-synth", {root / "lap.json", "-o", root / "laps"});
+    run_ok("vpr-synth " + at + "lap.json -o " + at + "laps");
     link_walk(root / "laps/lap", SIZE_MAX, root / "lap");
     derive();
   }

@@ -21,286 +21,206 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Two short training sequences, a query and a database with c_l 5.
-struct Bench {
-  TemporaryFolder folder;
-  Bench() {
-    uint64_t seed = 0;
-    for (const char* name : {"one", "two", "query"}) {
-      fs::create_directory(folder / name);
-      for (int i = 0; i < 8; ++i) write_image(folder / name / fmt::format("{}.png", i), ++seed);
-    }
-    fs::create_directory(folder / "empty");
-    ok(train({"--train", folder / "one", "--train", folder / "two", "-o", database()}));
-  }
-  std::string database() const { return folder / "db.vprdb"; }
-  static RunOutcome train(Words words) {
-    return run_program("vpr-train", joined({"fastable", "--c-l", "5"}, words));
-  }
-  RunOutcome query(Words words) const {
-    return run_program(
-        "vpr-query",
-        joined({database(), "--query", folder / "query", "-o", folder / "r.json"}, words));
-  }
-};
-
-const Bench& bench() {
-  static const Bench kShared;
-  return kShared;
+// Two short training sequences, a query and a database with c_l 5.
+void make_walks() {
+  write_walk("one", 8, 1);
+  write_walk("two", 8, 9);
+  write_walk("query", 8, 17);
+  fs::create_directory("empty");
+  run_ok("vpr-train fastable --c-l 5 --train one --train two -o db.vprdb");
 }
 
-// Also checks that the output has no result.
-void check_refused(const RunOutcome& outcome, int exit_code, const std::string& word) {
-  CHECK(outcome.out.empty());
-  check_failure(outcome, exit_code, word);
-}
+const std::string kTrain = "vpr-train fastable --c-l 5";
+const std::string kQuery = "vpr-query db.vprdb --query query -o r.json";
 
 // Checks that the folder is unchanged: no result, no temporary file.
 void check_nothing_written() {
-  CHECK(list_folder(bench().folder.path()) == Words{"db.vprdb", "empty", "one", "query", "two"});
+  CHECK(list_folder(".") == Words{"db.vprdb", "empty", "one", "query", "two"});
 }
 
 }  // namespace
 
 TEST_CASE("sequences that are missing, empty or out of range are refused") {
-  const auto& folder = bench().folder;
-  const std::string out = folder / "x.vprdb";
-  check_refused(Bench::train({"--train", folder / "none", "-o", out}), 3, "none");
-  check_refused(Bench::train({"--train", folder / "empty", "-o", out}), 3, "no images");
-  check_refused(Bench::train({"--train", (folder / "one").string() + "@0:9", "-o", out}), 2,
-                "8 frames");
-  check_refused(Bench::train({"--train", (folder / "one").string() + "@5:2", "-o", out}), 2,
-                "range");
-  check_refused(Bench::train({"--train", folder / "one", "--train", folder / "one", "-o", out}), 2,
-                "once");
-  check_refused(Bench::train({"-o", out}), 2, "--train");
-  check_refused(Bench::train({"--train", folder / "one"}), 2, "-o");
-  check_refused(Bench::train({"--train-folders", folder / "one", "-o", out}), 3, "subfolders");
+  start_with(make_walks);
+  check_refused(kTrain, {{"--train none -o x.vprdb", 3, "none"},
+                         {"--train empty -o x.vprdb", 3, "no images"},
+                         {"--train one@0:9 -o x.vprdb", 2, "8 frames"},
+                         {"--train one@5:2 -o x.vprdb", 2, "range"},
+                         {"--train one --train one -o x.vprdb", 2, "once"},
+                         {"-o x.vprdb", 2, "--train"},
+                         {"--train one", 2, "-o"},
+                         {"--train-folders one -o x.vprdb", 3, "subfolders"},
+                         {"--train one -o /proc/x.vprdb", 3, "can't be written"}});
   check_nothing_written();
 }
 
-TEST_CASE("settings out of range are refused") {
-  check_refused(bench().query({"--c-l", "0"}), 2, "c_l");
-  check_refused(bench().query({"--c-l", "-3"}), 2, "c-l");
-  check_refused(bench().query({"--c-l", "9"}), 2, "smaller --c-l");
-  check_refused(bench().query({"--c-l", "99999999999999999999"}), 2, "c-l");
-  check_refused(bench().query({"--c-l", "5", "--t-r", "nan"}), 2, "t-r");
-  check_refused(bench().query({"--c-l", "5", "--t-r", "1e999"}), 2, "t-r");
-  check_refused(bench().query({"--c-l", "5", "--t-r", "-1"}), 2, "t_r");
-  check_refused(bench().query({"--c-l", "5", "--t-r-scale", "bytes"}), 2, "relative");
-  check_refused(bench().query({"--c-l", "5", "--method", "fastabel"}), 2, "openable");
-  for (const char* size : {"lots", "5X", "17179869184G"})
-    check_refused(bench().query({"--c-l", "5", "--max-memory", size}), 2, "512M");
-  check_refused(bench().query({"--c-l", "5", "--save-matrix", "m.tiff"}), 2, ".npy");
-  check_refused(bench().query({"--c-l", "5", "--threads", "x"}), 2, "threads");
-  check_refused(run_program("vpr-query", {}), 2, "DB");
-  check_refused(run_program("vpr-query", {"--no-such-flag"}), 2, "--help");
-  check_refused(run_program("vpr-query", {bench().database(), "--query", "q"}, {"VPR_SIMD=AVX9"}),
-                2, "choose one of");
+TEST_CASE("settings out of range, and flags of another method, are refused") {
+  start_with(make_walks);
+  check_refused(kQuery, {{"--c-l 0", 2, "c_l"},
+                         {"--c-l -3", 2, "c-l"},
+                         {"--c-l 9", 2, "smaller --c-l"},
+                         {"--c-l 99999999999999999999", 2, "c-l"},
+                         {"--c-l 5 --t-r nan", 2, "t-r"},
+                         {"--c-l 5 --t-r 1e999", 2, "t-r"},
+                         {"--c-l 5 --t-r -1", 2, "t_r"},
+                         {"--c-l 5 --t-r-scale bytes", 2, "relative"},
+                         {"--c-l 5 --method fastabel", 2, "openable"},
+                         {"--c-l 5 --max-memory lots", 2, "512M"},
+                         {"--c-l 5 --max-memory 5X", 2, "512M"},
+                         {"--c-l 5 --max-memory 17179869184G", 2, "512M"},
+                         {"--c-l 5 --save-matrix m.tiff", 2, ".npy"},
+                         {"--c-l 5 --save-matrix no/m.npy", 3, "does not exist"},
+                         {"--c-l 5 --threads x", 2, "threads"},
+                         {"--threads -1", 2, "threads"},
+                         {"--seed 99999999999999999999999", 2, "seed"},
+                         {"--verify -1", 2, "verify"},
+                         {"--t-p 0.5", 2, "--t-p"},
+                         {"--method fabmap", 4, "fabmap"},
+                         {"--c-l 5 --t-r 55", 2, "--t-r 55 --t-r-scale bits"},
+                         {"--c-l 5 --score zscore --t-r 0.5", 2, "--t-r -1.5"}});
+  check_refused("vpr-query", {{"", 2, "DB"}, {"--no-such-flag", 2, "--help"}});
+  check_failure(run(kQuery, "VPR_SIMD=AVX9"), 2, "choose one of");
   check_nothing_written();
-}
-
-TEST_CASE("thresholds on another scale are refused, and the converted one is suggested") {
-  check_refused(bench().query({"--c-l", "5", "--t-r", "55"}), 2, "--t-r 55 --t-r-scale bits");
-  check_refused(bench().query({"--c-l", "5", "--score", "zscore", "--t-r", "0.5"}), 2,
-                "--t-r -1.5");
+  ok(run(kQuery + " --c-l 5 --t-r .5"));
+  ok(run(kQuery + " --c-l +5 --t-r 5e-1 --force"));
 }
 
 TEST_CASE("missing, invalid, damaged or newer databases are refused") {
-  const TemporaryFolder out;
-  const auto info = [&](const std::string& path) {
-    return run_program("vpr-train", {"info", path});
-  };
-  check_refused(info(out / "none.vprdb"), 3, "no such database");
-  check_refused(info(bench().folder / "one"), 4, "is not a database");
+  start_with(make_walks);
+  check_refused("vpr-train info",
+                {{"none.vprdb", 3, "no such database"}, {"one", 4, "is not a database"}});
   const auto damaged = [&](const std::string& name, auto change) {
-    fs::remove_all(out / "d.vprdb");
-    fs::copy(bench().database(), out / "d.vprdb");
-    std::string text = read_text(out / "d.vprdb" / name);
+    const std::string whole = read_text("db.vprdb/" + name);
+    std::string text = whole;
     change(text);
-    write_text(out / "d.vprdb" / name, text);
-    return info(out / "d.vprdb");
+    write_text("db.vprdb/" + name, text);
+    const RunOutcome outcome = run("vpr-train info db.vprdb");
+    write_text("db.vprdb/" + name, whole);
+    return outcome;
   };
-  check_refused(damaged("codes.npy", [](std::string& t) { t[t.size() - 9] ^= 1; }), 4, "checksum");
-  check_refused(damaged("manifest.json",
-                        [](std::string& t) { t.replace(t.find("database/3"), 10, "database/7"); }),
-                4, "another version");
-  check_refused(
-      damaged("manifest.json",
-              [](std::string& t) { t.replace(t.find("vpr.database"), 12, "vpr.resultss"); }),
-      4, "expected schema");
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    return damaged("manifest.json",
+                   [&](std::string& t) { t.replace(t.find(from), from.size(), to); });
+  };
+  check_failure(damaged("codes.npy", [](std::string& t) { t[t.size() - 9] ^= 1; }), 4, "checksum");
+  check_failure(replaced("database/3", "database/7"), 4, "another version");
+  check_failure(replaced("vpr.database", "vpr.resultss"), 4, "expected schema");
 }
 
 TEST_CASE("an existing output is refused before any work, and replaced with --force") {
-  const TemporaryFolder out;
-  write_text(out / "r.json", "precious");
-  const auto query = [&](Words more) {
-    return run_program("vpr-query", joined({bench().database(), "--query", bench().folder / "query",
-                                            "--c-l", "5", "-o", out / "r.json"},
-                                           more));
-  };
-  check_refused(query({}), 2, "--force");
-  CHECK(read_text(out / "r.json") == "precious");
-  ok(query({"--force"}));
-  ok(query({"--force"}));
-  check_refused(
-      Bench::train({"--train", bench().folder / "one", "--force", "-o", bench().folder / "two"}), 2,
+  start_with(make_walks);
+  write_text("r.json", "precious");
+  check_failure(kQuery, 2, "--force");
+  CHECK(read_text("r.json") == "precious");
+  for (int i = 0; i < 2; ++i) run_ok(kQuery + " --c-l 5 --force");
+  // A folder with files of other programs is never replaced.
+  fs::create_directory("extension");
+  write_text("extension/manifest.json", R"({"manifest_version": 3})");
+  fs::copy("db.vprdb", "mixed");
+  write_text("mixed/notes.txt", "mine");
+  for (const std::string name : {"two", "extension", "mixed"})
+    check_failure(kTrain + " --train one --force -o " + name, 2, "is not replaced");
+  fs::create_directory("recordings");
+  write_text("recordings/dataset.json", "{}");
+  write_walk("recordings/rec", 1, 1);
+  check_failure(
+      "vpr-synth --force -o recordings " + source_path("configs/worlds/small.json").string(), 2,
       "is not replaced");
-  CHECK(list_folder(bench().folder / "two").size() == 8);
-}
-
-TEST_CASE("--force never replaces a folder with files of other programs") {
-  const TemporaryFolder out;
-  fs::create_directory(out / "extension");
-  write_text(out / "extension/manifest.json", R"({"manifest_version": 3})");
-  fs::copy(bench().database(), out / "mixed");
-  write_text(out / "mixed/notes.txt", "mine");
-  fs::create_directory(out / "recordings");
-  write_text(out / "recordings/dataset.json", "{}");
-  fs::create_directory(out / "recordings/rec");
-  write_image(out / "recordings/rec/1.png", 1);
-  for (const char* name : {"extension", "mixed"})
-    check_refused(Bench::train({"--train", bench().folder / "one", "--force", "-o", out / name}), 2,
-                  "is not replaced");
-  check_refused(run_program("vpr-synth", {source_path("configs/worlds/small.json"), "--force", "-o",
-                                          out / "recordings"}),
-                2, "is not replaced");
-  CHECK(fs::exists(out / "recordings/rec/1.png"));
-  CHECK(fs::exists(out / "mixed/notes.txt"));
+  for (const char* kept :
+       {"two/07.png", "extension/manifest.json", "mixed/notes.txt", "recordings/rec/00.png"})
+    CHECK(fs::exists(kept));
 }
 
 TEST_CASE("hostile nesting is an error, not a crash") {
-  const TemporaryFolder out;
+  start_with(make_walks);
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
-  write_text(out / "c.json", R"({"c_l": )" + deep + "}");
-  check_refused(bench().query({"--config", out / "c.json"}), 2, "not valid JSON");
-  write_text(out / "r.json", R"({"schema": "vpr.result/3", "x": )" + deep + "}");
-  check_refused(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}), 4,
-                "not valid JSON");
+  write_text("c.json", R"({"c_l": )" + deep + "}");
+  check_failure(kQuery + " --config c.json", 2, "not valid JSON");
+  write_text("r.json", R"({"schema": "vpr.result/3", "x": )" + deep + "}");
+  check_failure("vpr-eval r.json --ground-truth aligned", 4, "not valid JSON");
 }
 
 TEST_CASE("writing an output twice is refused, and a failed run leaves no matrix") {
-  const TemporaryFolder out;
-  const Words base = {bench().database(), "--query", bench().folder / "query", "--c-l", "5", "-o",
-                      out / "m.json"};
-  auto twice = joined(base, {"--force", "--save-matrix", out / "m.recognitions.npy"});
-  check_refused(run_program("vpr-query", twice), 2, "written twice");
-  check_refused(run_program("vpr-query", joined(base, {"--max-memory", "1", "--t-r", "1",
-                                                       "--save-matrix", out / "d.npy"})),
-                2, "recognitions");
-  CHECK(list_folder(out.path()).empty());
-}
-
-TEST_CASE("numbers have common notations and are checked for their range") {
-  const TemporaryFolder out;
-  ok(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}));
-  ok(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}));
-  for (const char* kind : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
-                           "r.best_scores.npy", "r.margins.npy", "r.keyframes.npy"})
-    fs::remove(bench().folder / kind);
-  check_refused(bench().query({"--threads", "-1"}), 2, "threads");
-  check_refused(bench().query({"--seed", "99999999999999999999999"}), 2, "seed");
-  check_refused(bench().query({"--verify", "-1"}), 2, "verify");
-}
-
-TEST_CASE("flags of the other family are refused") {
-  check_refused(bench().query({"--t-p", "0.5"}), 2, "--t-p");
-  check_refused(bench().query({"--method", "fabmap"}), 4, "fabmap");
-}
-
-TEST_CASE("outputs that cannot be written are refused") {
-  check_refused(bench().query({"--c-l", "5", "--save-matrix", bench().folder / "no/m.npy"}), 3,
-                "does not exist");
-  check_refused(Bench::train({"--train", bench().folder / "one", "-o", "/proc/x.vprdb"}), 3,
-                "can't be written");
-  if (fs::exists("/dev/full")) {
-    const std::string command = (program_path("vpr-train")).string() + " info " +
-                                bench().database() + " > /dev/full 2>/dev/null";
-    CHECK(WEXITSTATUS(std::system(command.c_str())) == 3);
-  }
+  start_with(make_walks);
+  check_refused(kQuery + " --c-l 5 --t-r 1",
+                {{"--force --save-matrix r.recognitions.npy", 2, "written twice"},
+                 {"--max-memory 1 --save-matrix d.npy", 2, "recognitions"}});
   check_nothing_written();
 }
 
 TEST_CASE("a failure of stdout does not lose the requested files") {
   if (!fs::exists("/dev/full")) return;
-  const TemporaryFolder out;
+  start_with(make_walks);
+  const auto shell = [](const std::string& command) {
+    const auto programs = program_path("").string();
+    return WEXITSTATUS(std::system((programs + command + " > /dev/full 2> said").c_str()));
+  };
+  CHECK(shell("vpr-train info db.vprdb") == 3);
   const auto query = [&](const std::string& flags) {
-    const std::string command = fmt::format(
-        "{} {} --query {} --c-l 2 -o {} --force {} > /dev/full 2> {}",
-        program_path("vpr-query").string(), bench().database(), (bench().folder / "query").string(),
-        (out / "r.json").string(), flags, (out / "said").string());
-    const int exit_code = WEXITSTATUS(std::system(command.c_str()));
-    CHECK(has(read_text(out / "said"), "the output files are complete"));
-    CHECK(fs::exists(out / "r.json"));
-    fs::remove(out / "r.json");
+    const int exit_code = shell(kQuery + " --c-l 2" + flags);
+    CHECK(has(read_text("said"), "the output files are complete"));
+    CHECK(fs::remove("r.json"));
     return exit_code;
   };
   CHECK(query("") == 0);
-  CHECK(query("--json") == 3);  // standard output is an output as well
+  CHECK(query(" --force --json") == 3);  // standard output is an output as well
 }
 
 TEST_CASE("names cannot control a terminal, and an error is a single line") {
-  const TemporaryFolder out;
+  start_with(make_walks);
   const std::string hostile = "a\x1b[31m\x07\nb";
-  const auto is_plain = [](const std::string& text) {
-    return std::none_of(text.begin(), text.end(),
-                        [](char c) { return (c < ' ' && c != '\n') || c == '\x7f'; });
+  const auto check_plain = [](const RunOutcome& outcome) {
+    CHECK(std::ranges::none_of(outcome.out + outcome.err,
+                               [](char c) { return (c < ' ' && c != '\n') || c == '\x7f'; }));
   };
-  check_refused(run_program("vpr-train", {"info", out / hostile}), 3, "a\\x1b[31m\\x07\\x0ab");
-  check_refused(run_program("vpr-query", {bench().database(), "--" + hostile}), 2, "\\x1b");
-  fs::copy(bench().folder / "one", out / hostile);
-  const auto train = ok(Bench::train({"--train", out / hostile, "-o", out / (hostile + ".vprdb")}));
+  check_failure("vpr-train info " + hostile, 3, "a\\x1b[31m\\x07\\x0ab");
+  check_failure("vpr-query db.vprdb --" + hostile, 2, "\\x1b");
+  fs::copy("one", hostile);
+  const auto train = run_ok(kTrain + " --train " + hostile + " -o " + hostile + ".vprdb");
   CHECK(has(train.out, "a\\x1b[31m\\x07\\x0ab"));
-  CHECK(is_plain(train.out));
-  CHECK(is_plain(train.err));
-  const auto query = run_ok("vpr-query", {out / (hostile + ".vprdb"), "--query", out / hostile,
-                                          "--c-l", "2", "--t-r", "0.5"});
-  CHECK(is_plain(query.out));
-  CHECK(is_plain(query.err));
+  check_plain(train);
+  check_plain(run_ok("vpr-query " + hostile + ".vprdb --query " + hostile + " --c-l 2 --t-r 0.5"));
 }
 
 TEST_CASE("a full disk leaves nothing behind") {
+  start_with(make_walks);
   const TemporaryFolder disk;
   if (::mount("tmpfs", disk.path().c_str(), "tmpfs", 0, "size=64k") != 0) {
     WARN("skipped: no permission to mount a small disk");
     return;
   }
-  fs::create_directory(disk / "sub");
+  const std::string folder = disk / "sub";
+  fs::create_directory(folder);
   // One image per frame is small, so fill the disk first.
   write_text(disk / "ballast", std::string(60 * 1024, 'x'));
-  const auto train = Bench::train({"--train", bench().folder / "one", "--train",
-                                   bench().folder / "two", "-o", disk / "sub/db.vprdb"});
-  const auto left = list_folder(disk / "sub");
-  const auto query =
-      run_program("vpr-query", {bench().database(), "--query", bench().folder / "query", "--c-l",
-                                "5", "-o", disk / "sub/r.json"});
-  const auto left_after_query = list_folder(disk / "sub");
+  const auto train = run(kTrain + " --train one --train two -o " + folder + "/db.vprdb");
+  const auto left = list_folder(folder);
+  const auto query = run("vpr-query db.vprdb --query query --c-l 5 -o " + folder + "/r.json");
+  const auto left_after_query = list_folder(folder);
   ::umount(disk.path().c_str());
-  check_refused(train, 3, "No space left");
+  check_failure(train, 3, "No space left");
   CHECK(left.empty());
-  check_refused(query, 3, "No space left");
+  check_failure(query, 3, "No space left");
   CHECK(left_after_query.empty());
 }
 
 TEST_CASE("a folder that cannot be created on a full disk is an output error") {
-  const TemporaryFolder world;
-  write_text(world / "world.json", building(2, {"one"}));
+  write_text("world.json", building(2, {"one"}));
   const TemporaryFolder disk;
   for (const char* files : {"nr_inodes=2", "nr_inodes=3", "nr_inodes=4"}) {
     if (::mount("tmpfs", disk.path().c_str(), "tmpfs", 0, files) != 0) {
       WARN("skipped: no permission to mount a small disk");
       return;
     }
-    const auto synth = run_program("vpr-synth", {world / "world.json", "-o", disk / "walk"});
+    const auto synth = run("vpr-synth world.json -o " + (disk / "walk").string());
     const auto left = list_folder(disk.path());
     ::umount(disk.path().c_str());
-    check_refused(synth, 3, "No space left");
+    check_failure(synth, 3, "No space left");
     CHECK(left.empty());
   }
 }
 
 TEST_CASE("libraries print no messages about images") {
-  const TemporaryFolder out;
   cv::Mat noise(48, 64, CV_8UC1);
   cv::randu(noise, 0, 256);
   const auto encoded = [&](const std::string& extension) {
@@ -309,13 +229,10 @@ TEST_CASE("libraries print no messages about images") {
     return std::string(bytes.begin(), bytes.end());
   };
   const auto train = [&](const std::string& extension, const std::string& bytes) {
-    fs::remove_all(out / "walk");
-    fs::create_directory(out / "walk");
-    for (int i = 0; i < 6; ++i)
-      write_image(out / "walk" / fmt::format("{}.png", i), static_cast<uint64_t>(i), 64, 48);
-    write_text(out / "walk" / ("6" + extension), bytes);
-    return run_program("vpr-train",
-                       {"fastable", "--train", out / "walk", "--force", "-o", out / "x.vprdb"});
+    fs::remove_all("walk");
+    write_walk("walk", 6, 0, 64, 48);
+    write_text("walk/6" + extension, bytes);
+    return run("vpr-train fastable --train walk --force -o x.vprdb");
   };
   const std::string png = encoded(".png");
   const std::string jpeg = encoded(".jpg");
@@ -336,7 +253,7 @@ TEST_CASE("libraries print no messages about images") {
       {".bmp", encoded(".bmp").substr(0, 100)},
       {".pgm", encoded(".pgm").substr(0, 100)}};
   for (const auto& [extension, bytes] : damaged)
-    check_refused(train(extension, bytes), 3, "6" + extension + ": can't be decoded");
+    check_failure(train(extension, bytes), 3, "6" + extension + ": can't be decoded");
   // Readable images that cause messages of a library.
   for (const auto& [extension, bytes] :
        {std::pair<std::string, std::string>{".png", comment},
@@ -347,59 +264,47 @@ TEST_CASE("libraries print no messages about images") {
 }
 
 TEST_CASE("frames above the size limit are refused, or accepted with a higher limit") {
-  const TemporaryFolder out;
-  for (int i = 0; i < 6; ++i)
-    write_image(out / fmt::format("{}.png", i), static_cast<uint64_t>(i), 1200, 1000);
-  const auto train = [&](Words more) {
-    return Bench::train(joined({"--train", out.path(), "--force", "-o", out / "x.vprdb"}, more));
-  };
-  check_refused(train({"--max-megapixels", "1"}), 2, "0.png: has 1200 x 1000 pixels");
-  check_refused(train({"--max-megapixels", "0"}), 2, "from 1 to 1073");
-  write_text(out / "c.json", R"({"max_megapixels": 1})");
-  check_refused(train({"--config", out / "c.json"}), 2, "--max-megapixels 2");
-  ok(train({"--config", out / "c.json", "--max-megapixels", "2"}));
-  ok(train({}));
+  write_walk("big", 6, 0, 1200, 1000);
+  write_text("c.json", R"({"max_megapixels": 1})");
+  const std::string train = kTrain + " --train big --force -o x.vprdb";
+  check_refused(train, {{"--max-megapixels 1", 2, "0.png: has 1200 x 1000 pixels"},
+                        {"--max-megapixels 0", 2, "from 1 to 1073"},
+                        {"--config c.json", 2, "--max-megapixels 2"}});
+  run_ok(train + " --config c.json --max-megapixels 2");
+  run_ok(train);
 }
 
 TEST_CASE("ground truth that is missing or does not match is refused") {
-  const TemporaryFolder out;
-  run_ok("vpr-query", {bench().database(), "--query", bench().folder / "query", "--c-l", "5", "-o",
-                       out / "r.json"});
-  const auto eval = [&](const std::string& csv) {
-    write_text(out / "g.csv", csv);
-    return run_program("vpr-eval", {out / "r.json", "--ground-truth", out / "g.csv"});
-  };
-  check_refused(run_program("vpr-eval", {out / "r.json", "--ground-truth", out / "no.csv"}), 3,
-                "no.csv");
-  CHECK(has(run_ok("vpr-eval", {out / "r.json"}).out, "Nothing is judged"));
-  check_refused(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}), 2,
-                "exactly one");
-  check_refused(eval("query,sequence,reference\n0,one,8\n"), 4, "out of range");
-  check_refused(eval("query,sequence,reference\n8,one,0\n"), 4, "line 2");
-  check_refused(eval("query,sequence,reference\n0,three,0\n"), 4, "three");
-  check_refused(eval("query,reference\n0,0\n"), 2, "exactly one");
-  check_refused(eval("nonsense"), 4, "header");
-  check_refused(
-      run_program("vpr-eval", {bench().database() + "/manifest.json", "--ground-truth", "aligned"}),
-      4, "vpr.result/3");
+  start_with(make_walks);
+  run_ok(kQuery + " --c-l 5");
+  CHECK(has(run_ok("vpr-eval r.json").out, "Nothing is judged"));
+  check_refused("vpr-eval", {{"r.json --ground-truth no.csv", 3, "no.csv"},
+                             {"r.json --ground-truth aligned", 2, "exactly one"},
+                             {"db.vprdb/manifest.json --ground-truth aligned", 4, "vpr.result/3"}});
+  for (const auto& [csv, exit_code, word] :
+       std::vector<Refused>{{"query,sequence,reference\n0,one,8\n", 4, "out of range"},
+                            {"query,sequence,reference\n8,one,0\n", 4, "line 2"},
+                            {"query,sequence,reference\n0,three,0\n", 4, "three"},
+                            {"query,reference\n0,0\n", 2, "exactly one"},
+                            {"nonsense", 4, "header"}}) {
+    write_text("g.csv", csv);
+    check_failure("vpr-eval r.json --ground-truth g.csv", exit_code, word);
+  }
 }
 
 TEST_CASE("an interrupt during training exits with 130 and leaves nothing behind") {
-  const TemporaryFolder folder;
-  fs::create_directory(folder / "long");
-  write_image(folder / "long/0.png", 1, 1500, 1100);
+  fs::create_directory("long");
+  write_image("long/0.png", 1, 1500, 1100);
   std::string list;
   for (int i = 0; i < 3000; ++i) list += "long/0.png\n";
-  write_text(folder / "long.txt", list);
-  const std::string program = program_path("vpr-train").string();
-  const std::string input = folder / "long.txt";
-  const std::string output = folder / "db.vprdb";
+  write_text("long.txt", list);
+  const std::string program = program_path("vpr-train");
   int terminal = -1;
   const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
   REQUIRE(child >= 0);
   if (child == 0) {
-    ::execl(program.c_str(), program.c_str(), "fastable", "--train", input.c_str(), "-o",
-            output.c_str(), nullptr);
+    ::execl(program.c_str(), program.c_str(), "fastable", "--train", "long.txt", "-o", "db.vprdb",
+            nullptr);
     ::_exit(99);
   }
   std::array<char, 256> text{};
@@ -412,5 +317,5 @@ TEST_CASE("an interrupt during training exits with 130 and leaves nothing behind
   ::waitpid(child, &status, 0);
   REQUIRE(WIFEXITED(status));
   CHECK(WEXITSTATUS(status) == 130);
-  CHECK(list_folder(folder.path()) == Words{"long", "long.txt"});
+  CHECK(list_folder(".") == Words{"long", "long.txt"});
 }

@@ -10,64 +10,51 @@ using namespace vpr::test;
 namespace {
 
 /// A database of the sequence in the world's FAB-MAP database.
-const std::string& database() {
-  static const TemporaryFolder kFolder;
-  static const std::string kPath = [] {
-    const std::string path = kFolder / "one.vprdb";
-    run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o", path});
-    return path;
-  }();
-  return kPath;
-}
+void make_database() { run_ok("vpr-train fastable --train $one --c-l 10 -o one.vprdb"); }
 
-RunOutcome query(Words words) {
-  return run_program("vpr-query", joined({database(), "--query", world().walk("again")}, words));
+RunOutcome query(const std::string& words) {
+  return run("vpr-query one.vprdb --query $again " + words);
 }
 
 }  // namespace
 
 TEST_CASE("a fused query reports its FAB-MAP database") {
-  const Json json =
-      printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--t-r", "-2", "--json"}));
+  start_with(make_database);
+  const Json json = printed_json(query("--fuse $fabmap --c-l 10 --t-r -2 --json"));
   CHECK(json["settings"]["score"] == "zscore");
   CHECK(json["settings"]["fusion_weight"] == 0.2);
   CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
   CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
-  const Json alone =
-      printed_json(query({"--score", "zscore", "--c-l", "10", "--t-r", "-2", "--json"}));
+  const Json alone = printed_json(query("--score zscore --c-l 10 --t-r -2 --json"));
   CHECK_FALSE(alone["settings"].contains("fusion_weight"));
   CHECK_FALSE(alone["provenance"].contains("fused"));
   CHECK(alone["provenance"]["query"] == json["provenance"]["query"]);
-  const Json weak = printed_json(query({"--fuse", world().fabmap(), "--fusion-weight", "0", "--c-l",
-                                        "10", "--t-r", "-2", "--json"}));
+  const Json weak =
+      printed_json(query("--fuse $fabmap --fusion-weight 0 --c-l 10 --t-r -2 --json"));
   CHECK(weak["totals"] == alone["totals"]);
   CHECK(weak["clusters"] == alone["clusters"]);
 }
 
 TEST_CASE("a result as settings selects the same database again") {
-  const TemporaryFolder folder;
-  const std::string result = folder / "r.json";
-  ok(query({"--fuse", world().fabmap(), "--fusion-weight", "0.5", "--c-l", "10", "--t-r", "-2",
-            "-o", result}));
-  check_failure(query({"--config", result}), 2, "--fuse");
-  const Json json = printed_json(query({"--config", result, "--fuse", world().fabmap(), "--json"}));
+  ok(query("--fuse $fabmap --fusion-weight 0.5 --c-l 10 --t-r -2 -o r.json"));
+  check_failure(query("--config r.json"), 2, "--fuse");
+  const Json json = printed_json(query("--config r.json --fuse $fabmap --json"));
   CHECK(json["settings"]["fusion_weight"] == 0.5);
 }
 
 TEST_CASE("live frames have the results of the whole fused query") {
-  const TemporaryFolder folder;
+  start_with(make_database);
   std::string list;
   for (const std::string& name : images_of(world().walk("again")))
     list += world().walk("again") + "/" + name + "\n";
-  write_text(folder / "list.txt", list);
-  const auto asked = [&](const Words& command, const Words& more) {
-    const Words words = {database(), "--query", folder / "list.txt", "--fuse", world().fabmap(),
-                         "--c-l",    "10",      "--decide",          "margin"};
-    return run_program("vpr-query", joined(command, joined(words, more)));
+  write_text("list.txt", list);
+  const auto asked = [&](const std::string& command, const std::string& more) {
+    return run("vpr-query " + command +
+               " one.vprdb --query list.txt --fuse $fabmap --c-l 10 --decide margin " + more);
   };
-  ok(asked({}, {"-o", folder / "r.json"}));
-  const Result whole = read_result(folder / "r.json").result;
-  const auto followed = ok(asked({"live"}, {"--quiet"}));
+  ok(asked("", "-o r.json"));
+  const Result whole = read_result("r.json").result;
+  const auto followed = ok(asked("live", "--quiet"));
   const Words lines = lines_of(followed.out);
   REQUIRE(lines.size() == whole.query.frames);
   for (size_t window = 0; window < whole.best.size(); ++window) {
@@ -78,24 +65,21 @@ TEST_CASE("live frames have the results of the whole fused query") {
 }
 
 TEST_CASE("incompatible databases for fusion are refused with advice") {
-  check_failure(query({"--fuse", world().fabmap(), "--score", "raw"}), 2, "--score raw");
-  check_failure(query({"--fuse", database(), "--t-r", "-2"}), 4, "fabmap");
-  check_failure("vpr-query",
-                {world().database(), "--query", world().walk("again"), "--fuse", world().fabmap(),
-                 "--t-r", "-2"},
-                4, "two");
-  check_failure("vpr-query",
-                {world().fabmap(), "--query", world().walk("again"), "--fuse", world().fabmap()}, 2,
-                "--fuse");
-  check_failure(query({"--fuse", world().fabmap(), "--fusion-weight", "3", "--t-r", "-2"}), 2,
-                "fusion_weight");
+  start_with(make_database);
+  check_refused("vpr-query", {{"$db --query $again --fuse $fabmap --t-r -2", 4, "two"},
+                              {"$fabmap --query $again --fuse $fabmap", 2, "--fuse"}});
+  check_refused("vpr-query one.vprdb --query $again",
+                {{"--fuse $fabmap --score raw", 2, "--score raw"},
+                 {"--fuse one.vprdb --t-r -2", 4, "fabmap"},
+                 {"--fuse $fabmap --fusion-weight 3 --t-r -2", 2, "fusion_weight"}});
 }
 
 TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them") {
-  const auto outcome =
-      run_ok("vpr-tune", {"fastable", database(), "--query", world().walk("again"),
-                          "--ground-truth", "aligned", "--tolerance", "1000", "--fuse",
-                          world().fabmap(), "--c-l", "5,10", "--t-r", "-3:-0.5:0.5"});
+  start_with(make_database);
+  const auto outcome = run_ok(
+      "vpr-tune fastable one.vprdb"
+      " --query $again --ground-truth aligned --tolerance 1000 --fuse "
+      "$fabmap --c-l 5,10 --t-r -3:-0.5:0.5");
   CHECK(has(outcome.out, "--fuse " + world().fabmap()));
   CHECK(has(outcome.out, "--fusion-weight 0.2"));
 }

@@ -14,85 +14,80 @@ namespace {
 const Words kPrograms = {"vpr-train", "vpr-query", "vpr-eval",
                          "vpr-tune",  "vpr-bench", "vpr-synth"};
 
-const std::vector<Words> kCommands = {{"vpr-train"},
-                                      {"vpr-train", "fastable"},
-                                      {"vpr-train", "fabmap"},
-                                      {"vpr-train", "info"},
-                                      {"vpr-train", "add"},
-                                      {"vpr-train", "export"},
-                                      {"vpr-train", "descriptors"},
-                                      {"vpr-query"},
-                                      {"vpr-query", "live"},
-                                      {"vpr-query", "loops"},
-                                      {"vpr-query", "matrix"},
-                                      {"vpr-query", "explain"},
-                                      {"vpr-eval"},
-                                      {"vpr-eval", "matrix"},
-                                      {"vpr-eval", "loops"},
-                                      {"vpr-eval", "report"},
-                                      {"vpr-eval", "compare"},
-                                      {"vpr-eval", "convert"},
-                                      {"vpr-eval", "check"},
-                                      {"vpr-tune"},
-                                      {"vpr-tune", "fastable"},
-                                      {"vpr-tune", "fabmap"},
-                                      {"vpr-tune", "calibrate"},
-                                      {"vpr-tune", "threshold"},
-                                      {"vpr-bench"},
-                                      {"vpr-bench", "matching"},
-                                      {"vpr-bench", "describe"},
-                                      {"vpr-bench", "fabmap"},
-                                      {"vpr-bench", "realtime"},
-                                      {"vpr-bench", "compare"},
-                                      {"vpr-synth"}};
+const Words kCommands = {"vpr-train",
+                         "vpr-train fastable",
+                         "vpr-train fabmap",
+                         "vpr-train info",
+                         "vpr-train add",
+                         "vpr-train export",
+                         "vpr-train descriptors",
+                         "vpr-query",
+                         "vpr-query live",
+                         "vpr-query loops",
+                         "vpr-query matrix",
+                         "vpr-query explain",
+                         "vpr-eval",
+                         "vpr-eval matrix",
+                         "vpr-eval loops",
+                         "vpr-eval report",
+                         "vpr-eval compare",
+                         "vpr-eval convert",
+                         "vpr-eval check",
+                         "vpr-tune",
+                         "vpr-tune fastable",
+                         "vpr-tune fabmap",
+                         "vpr-tune calibrate",
+                         "vpr-tune threshold",
+                         "vpr-bench",
+                         "vpr-bench matching",
+                         "vpr-bench describe",
+                         "vpr-bench fabmap",
+                         "vpr-bench realtime",
+                         "vpr-bench compare",
+                         "vpr-synth"};
 
-RunOutcome run_command(Words words, const std::string& flag) {
-  const std::string program = words.front();
-  words.erase(words.begin());
-  words.push_back(flag);
-  return run_program(program, words);
-}
+std::string program_of(const std::string& command) { return command.substr(0, command.find(' ')); }
 
 }  // namespace
 
 TEST_CASE("every command has a version, and help of 80 columns with common options last") {
-  for (const Words& words : kCommands) {
-    const auto run = run_command(words, "--help");
-    INFO(words.front() << " " << words.back());
-    REQUIRE(run.exit_code == 0);
-    for (const std::string& line : lines_of(run.out)) {
+  for (const std::string& command : kCommands) {
+    const auto outcome = run(command + " --help");
+    INFO(command);
+    REQUIRE(outcome.exit_code == 0);
+    for (const std::string& line : lines_of(outcome.out)) {
       INFO(line);
       CHECK(line.size() <= kHelpWidth);
     }
-    const auto version = ok(run_command(words, "--version"));
-    CHECK(version.out.starts_with(words.front() + " "));
+    const auto version = ok(run(command + " --version"));
+    CHECK(version.out.starts_with(program_of(command) + " "));
     CHECK(lines_of(version.out).size() == 1);
-    const size_t common = run.out.find("\nCommon options:\n");
+    const size_t common = outcome.out.find("\nCommon options:\n");
     REQUIRE(common != std::string::npos);
-    CHECK(run.out.find("--version", common) != std::string::npos);
-    CHECK(has(run.out, "Example:\n"));
+    CHECK(outcome.out.find("--version", common) != std::string::npos);
+    CHECK(has(outcome.out, "Example:\n"));
     for (const std::string own : {"\nOptions:\n", "\nGround truth:\n", "\nPage and plots:\n"}) {
-      const size_t at = run.out.find(own);
+      const size_t at = outcome.out.find(own);
       if (at != std::string::npos) CHECK(at < common);
     }
   }
 }
 
 TEST_CASE("the short help of every command fits 25 lines of 80 columns and ends with an example") {
-  for (const Words& words : kCommands) {
-    const auto run = ok(run_command(words, "-h"));
-    INFO(run.out);
-    const std::vector<std::string> lines = lines_of(run.out);
+  for (const std::string& command : kCommands) {
+    const auto outcome = ok(run(command + " -h"));
+    INFO(outcome.out);
+    const std::vector<std::string> lines = lines_of(outcome.out);
     CHECK(lines.size() <= 25);
     for (const std::string& line : lines) CHECK(line.size() <= kHelpWidth);
-    CHECK(has(run.out, "\nExample:\n  " + words.front()));
+    CHECK(has(outcome.out, "\nExample:\n  " + program_of(command)));
     CHECK(lines.back().ends_with(" --help"));
   }
 }
 
 TEST_CASE("no help string begins with a preposition") {
   for (const std::string& program : kPrograms) {
-    const Words lines = lines_of(run_ok(program, {"--completion", "man"}).out);
+    const Words lines = lines_of(run_ok(program + " --completion man").out);
     for (size_t i = 1; i < lines.size(); ++i) {
       if (!lines[i - 1].starts_with("\\fB\\-")) continue;
       INFO(lines[i - 1] << ": " << lines[i]);
@@ -103,29 +98,19 @@ TEST_CASE("no help string begins with a preposition") {
 }
 
 TEST_CASE("a mistyped flag or command is reported with the nearest one") {
-  const auto said = [](const std::string& program, const Words& words) {
-    const auto run = run_program(program, words);
-    CHECK(run.exit_code == 2);
-    CHECK(lines_of(run.err).size() == 1);
-    return run.err;
-  };
-  CHECK(said("vpr-query", {"x.vprdb", "--query", "q", "--cl", "10"}) ==
-        "vpr-query: unknown flag --cl; did you mean --c-l? See vpr-query --help\n");
-  CHECK(said("vpr-tune", {"fastable", "x.vprdb", "--cl=10"}) ==
-        "vpr-tune: unknown flag --cl; did you mean --c-l? See vpr-tune fastable --help\n");
-  CHECK(said("vpr-eval", {"r.json", "--ground", "x"}) ==
-        "vpr-eval: unknown flag --ground; did you mean --ground-truth? See vpr-eval --help\n");
-  CHECK(said("vpr-eval", {"r.json", "--nothing-like-it"}) ==
-        "vpr-eval: unknown flag --nothing-like-it. See vpr-eval --help\n");
-  CHECK(said("vpr-train", {"fastabel", "--train", "x"})
-            .starts_with("vpr-train: unknown command fastabel; did you mean fastable?"));
-}
-
-TEST_CASE(
-    "a mistyped name of a ground truth is reported with the nearest one; missing files are "
-    "reported") {
-  check_failure("vpr-eval", {"check", "algned"}, 2, "did you mean aligned?");
-  CHECK(run_program("vpr-eval", {"check", "aligned.csv"}).exit_code == 3);
+  check_refused(
+      "", {{"vpr-query x.vprdb --query q --cl 10", 2,
+            "vpr-query: unknown flag --cl; did you mean --c-l? See vpr-query --help\n"},
+           {"vpr-tune fastable x.vprdb --cl=10", 2,
+            "vpr-tune: unknown flag --cl; did you mean --c-l? See vpr-tune fastable --help\n"},
+           {"vpr-eval r.json --ground x", 2,
+            "vpr-eval: unknown flag --ground; did you mean --ground-truth? See vpr-eval --help\n"},
+           {"vpr-eval r.json --nothing-like-it", 2,
+            "vpr-eval: unknown flag --nothing-like-it. See vpr-eval --help\n"},
+           {"vpr-train fastabel --train x", 2,
+            "vpr-train: unknown command fastabel; did you mean fastable?"},
+           {"vpr-eval check algned", 2, "did you mean aligned?"},
+           {"vpr-eval check aligned.csv", 3, "aligned.csv"}});
 }
 
 TEST_CASE("help wraps between words, and examples can be pasted into a shell") {
@@ -159,7 +144,7 @@ TEST_CASE("help wraps between words, and examples can be pasted into a shell") {
 }
 
 TEST_CASE("the help of a command has its own examples, without those of its program") {
-  const std::string help = run_program("vpr-eval", {"compare", "--help"}).out;
+  const std::string help = run_ok("vpr-eval compare --help").out;
   const size_t example = help.find("\nExample:\n");
   REQUIRE(example != std::string::npos);
   CHECK(help.find("Example:\n", example + 2) == std::string::npos);
@@ -169,9 +154,9 @@ TEST_CASE("the help of a command has its own examples, without those of its prog
 
 TEST_CASE("completions and manual pages of every program contain all its flags") {
   for (const std::string& program : kPrograms) {
-    const std::string help = run_program(program, {"--help"}).out;
+    const std::string help = run_ok(program + " --help").out;
     for (const std::string kind : {"bash", "zsh", "fish", "man"}) {
-      const auto run = run_ok(program, {"--completion", kind});
+      const auto outcome = run_ok(program + " --completion " + kind);
       for (size_t at = 0; (at = help.find("\n  --", at)) != std::string::npos; ++at) {
         const size_t end = help.find_first_of(" \n,", at + 5);
         std::string name = help.substr(at + 5, end - at - 5);
@@ -180,15 +165,15 @@ TEST_CASE("completions and manual pages of every program contain all its flags")
             name.replace(dash, 1, "\\-");
         if (kind == "fish") name = "-l " + name;
         INFO(program << " " << kind << " " << name);
-        CHECK(has(run.out, name));
+        CHECK(has(outcome.out, name));
       }
     }
-    CHECK(run_program(program, {"--completion", "tcsh"}).exit_code == 2);
+    CHECK(run(program + " --completion tcsh").exit_code == 2);
   }
 }
 
 TEST_CASE("a manual page has no line that troff interprets as a request by mistake") {
-  const std::string page = run_program("vpr-eval", {"--completion", "man"}).out;
+  const std::string page = run_ok("vpr-eval --completion man").out;
   size_t begin = 0;
   while (begin < page.size()) {
     const size_t end = page.find('\n', begin);

@@ -11,150 +11,114 @@ using namespace vpr::test;
 
 namespace {
 
-RunOutcome evaluate(const Words& words, const Words& more = {}) {
-  return run_program("vpr-eval", joined(words, more));
+RunOutcome evaluate(const std::string& words, const std::string& more = "") {
+  return run("vpr-eval " + words + " " + more);
 }
 
 /// Distances of `queries` frames to `references` frames; query i is closest to reference
 /// step * i + off.
-std::string distances(const TemporaryFolder& folder, size_t queries, size_t references,
-                      size_t step = 1, size_t off = 0) {
+std::string distances(size_t queries, size_t references, size_t step = 1, size_t off = 0) {
   RandomEngine engine(7);
   std::vector<float> values;
   for (size_t q = 0; q < queries; ++q)
     for (size_t r = 0; r < references; ++r)
       values.push_back(static_cast<float>(uniform_unit(engine) + (r == step * q + off ? 0 : 2)));
-  write_array(folder / "d.npy", values, {queries, references});
-  return folder / "d.npy";
+  write_array("d.npy", values, {queries, references});
+  return "d.npy";
 }
 
 constexpr size_t kFrames = 20;
 
-/// Similarities of 20 queries to 20 references: the correct one is often among the best.
-struct Scored {
-  TemporaryFolder folder;
-  Scored() {
-    RandomEngine engine(5);
-    std::vector<double> scores;
-    std::string queries;
-    std::string references;
-    for (size_t j = 0; j < kFrames; ++j) {
-      for (size_t i = 0; i < kFrames; ++i)
-        scores.push_back(uniform_unit(engine) + (i == j ? 0.6 : 0));
-      queries += fmt::format("query/{:02}.jpg\n", j);
-      references += fmt::format("db/{:02}.jpg\n", j);
-    }
-    write_array(folder / "s.npy", scores, {kFrames, kFrames});
-    write_text(folder / "q.txt", queries);
-    write_text(folder / "db.txt", references);
+// Similarities of 20 queries to 20 references: the correct one is often among the best.
+void make_scores() {
+  RandomEngine engine(5);
+  std::vector<double> scores;
+  std::string queries;
+  std::string references;
+  for (size_t j = 0; j < kFrames; ++j) {
+    for (size_t i = 0; i < kFrames; ++i)
+      scores.push_back(uniform_unit(engine) + (i == j ? 0.6 : 0));
+    queries += fmt::format("query/{:02}.jpg\n", j);
+    references += fmt::format("db/{:02}.jpg\n", j);
   }
-  std::string path(const std::string& name) const { return folder / name; }
-  Words named() const { return {"--query", path("q.txt"), "--train", path("db.txt")}; }
-};
-
-const Words kTruth = {"--ground-truth", "aligned", "--tolerance", "0", "--json"};
-
-/// The frame distances of the rendered sequences, as a matrix.
-struct Matrix {
-  TemporaryFolder folder;
-  size_t queries = 0;
-  size_t references = 0;
-  std::vector<int32_t> distances;
-
-  Matrix() {
-    const Json json =
-        printed_json("vpr-query", {world().database(), "--query", world().walk("back"), "--c-l",
-                                   "1", "--t-r", "0.1", "--save-matrix", path("s.npy"), "--json"});
-    const NpyArray array(path("s.npy"));
-    const auto values = array.values<int32_t>(2);
-    distances.assign(values.begin(), values.end());
-    queries = array.shape()[0];
-    references = array.shape()[1];
-    for (const Json& target : json["sequences"]) frames.push_back(target["frames"]);
-    // Similarities with references first: multiples of 1/1024 below 2.
-    std::vector<double> similarities(distances.size());
-    for (size_t j = 0; j < queries; ++j)
-      for (size_t i = 0; i < references; ++i)
-        similarities[i * queries + j] = 2 - distances[j * references + i] / 1024.0;
-    write_array(path("turned.npy"), similarities, {references, queries});
-  }
-  std::vector<size_t> frames;  ///< of training sequences
-  std::string path(const std::string& name) const { return folder / name; }
-  /// As in the database.
-  Words sequences() const {
-    return {"--train-sequence", fmt::format("one=0:{}", frames[0]), "--train-sequence",
-            fmt::format("two={}:{}", frames[0], frames[0] + frames[1])};
-  }
-};
-
-const Matrix& matrix() {
-  static const Matrix kShared;
-  return kShared;
+  write_array("s.npy", scores, {kFrames, kFrames});
+  write_text("q.txt", queries);
+  write_text("db.txt", references);
 }
 
-RunOutcome query_matrix(const std::string& file, const Words& words,
-                        const Words& how = {"--distance"}) {
-  return run_program("vpr-query", joined({"matrix", matrix().path(file)},
-                                         joined(how, joined(matrix().sequences(), words))));
+const std::string kNamed = "--query q.txt --train db.txt";
+const std::string kTruth = "--ground-truth aligned --tolerance 0 --json";
+
+// The frame distances of the rendered sequences, and multiples of 1/1024 below 2 as similarities
+// with references first.
+void make_matrix() {
+  run_ok("vpr-query $db --query $back --c-l 1 --t-r 0.1 --save-matrix s.npy -o s.json");
+  const NpyArray array("s.npy");
+  const auto distances = array.values<int32_t>(2);
+  const size_t queries = array.shape()[0];
+  const size_t references = array.shape()[1];
+  std::vector<double> similarities(distances.size());
+  for (size_t j = 0; j < queries; ++j)
+    for (size_t i = 0; i < references; ++i)
+      similarities[i * queries + j] = 2 - distances[j * references + i] / 1024.0;
+  write_array("turned.npy", similarities, {references, queries});
+}
+
+// `words`: the matrix with its order, and further flags. The sequences are those of the database.
+RunOutcome query_matrix(const std::string& words) {
+  const size_t one = images_of(world().walk("one")).size();
+  const size_t two = images_of(world().walk("two")).size();
+  return run(fmt::format("vpr-query matrix {} --train-sequence one=0:{} --train-sequence two={}:{}",
+                         words, one, one, one + two));
 }
 
 }  // namespace
 
 TEST_CASE("rows of descriptors are frames, not windows") {
-  const TemporaryFolder folder;
-  const std::string scores = distances(folder, 20, 20);
-  check_failure(evaluate({"matrix", "--query-npy", scores, "--train-npy", scores, "--ground-truth",
-                          "aligned", "--rows-are-windows-of", "10"}),
+  const std::string scores = distances(20, 20);
+  check_failure(evaluate("matrix --query-npy " + scores + " --train-npy " + scores +
+                         " --ground-truth aligned --rows-are-windows-of 10"),
                 2, "vpr-query --query-npy --c-l N");
 }
 
 TEST_CASE("rows of scores are windows of the length given by the query") {
-  const TemporaryFolder folder;
-  const Words words = {"matrix", distances(folder, 20, 20), "--distance", "--ground-truth",
-                       "aligned"};
-  const auto windows_of = [&](const std::string& length, const Words& more) {
-    return evaluate(joined(words, {"--rows-are-windows-of", length, "--json"}), more);
+  const std::string words = "matrix " + distances(20, 20) + " --distance --ground-truth aligned";
+  const auto windows_of = [&](const std::string& length, const std::string& more) {
+    return evaluate(words + " --rows-are-windows-of " + length + " --json", more);
   };
-  CHECK(printed_json(windows_of("5", {}))["localization"]["frames"] == 24);
-  CHECK(printed_json(windows_of("5", {"--query-frames", "24"}))["settings"]["window"] == 5);
-  check_failure(windows_of("5", {"--query-frames", "20"}), 4,
-                "need a query of 24 frames, found 20");
-  check_failure(windows_of("30", {}), 4, "20 rows are fewer than the frames of one window, 30");
-  CHECK(printed_json(windows_of("30", {"--query-frames", "49"}))["localization"]["frames"] == 49);
-  std::filesystem::create_directory(folder / "q");
-  for (int i = 0; i < 20; ++i) write_image(folder / fmt::format("q/{:02}.png", i), 1);
-  check_failure(windows_of("5", {"--query", folder / "q"}), 4, "found 20");
+  CHECK(printed_json(windows_of("5", ""))["localization"]["frames"] == 24);
+  CHECK(printed_json(windows_of("5", "--query-frames 24"))["settings"]["window"] == 5);
+  check_failure(windows_of("5", "--query-frames 20"), 4, "need a query of 24 frames, found 20");
+  check_failure(windows_of("30", ""), 4, "20 rows are fewer than the frames of one window, 30");
+  CHECK(printed_json(windows_of("30", "--query-frames 49"))["localization"]["frames"] == 49);
+  write_walk("q", 20, 1);
+  check_failure(windows_of("5", "--query q"), 4, "found 20");
 }
 
 TEST_CASE("a shifted ground truth is distinguished from a failing method") {
-  const TemporaryFolder folder;
-  const auto warning = [&](const std::string& scores, const Words& more) {
-    return ok(evaluate({"matrix", scores, "--distance", "--ground-truth", "aligned"}, more)).err;
+  const auto warning = [&](const std::string& scores, const std::string& more) {
+    return ok(evaluate("matrix " + scores + " --distance --ground-truth aligned", more)).err;
   };
-  const std::string off = distances(folder, 20, 22, 1, 2);
-  CHECK(warning(off, {}) == "warning: all 20 best matches are within 2 frames of the truth\n");
-  CHECK(warning(off, {"--tolerance", "2"}).empty());
-  const std::string fast = distances(folder, 20, 40, 2);
-  CHECK(warning(fast, {"--tolerance", "1"}) ==
+  const std::string off = distances(20, 22, 1, 2);
+  CHECK(warning(off, "") == "warning: all 20 best matches are within 2 frames of the truth\n");
+  CHECK(warning(off, "--tolerance 2").empty());
+  const std::string fast = distances(20, 40, 2);
+  CHECK(warning(fast, "--tolerance 1") ==
         "warning: the query has 20 frames and the training sequence 40: --train-step 2?\n");
-  CHECK(warning(fast, {"--train-step", "2"}).empty());
-  CHECK(warning(distances(folder, 20, 40), {}).empty());  // correct for any lengths
+  CHECK(warning(fast, "--train-step 2").empty());
+  CHECK(warning(distances(20, 40), "").empty());  // correct for any lengths
 }
 
 TEST_CASE("scores of the wrong order are detected by their recall") {
-  const TemporaryFolder folder;
-  const std::string scores = distances(folder, 20, 20);
-  const auto run = evaluate({"matrix", scores, "--similarity", "--ground-truth", "aligned"});
-  CHECK(has(run.err, "d.npy: R@1 is "));
-  CHECK(has(run.err, " % with --similarity and 100.0 % with --distance\n"));
-  CHECK(evaluate({"matrix", scores, "--distance", "--ground-truth", "aligned"}).err.empty());
+  const std::string scores = distances(20, 20);
+  const auto outcome = evaluate("matrix " + scores + " --similarity --ground-truth aligned");
+  CHECK(has(outcome.err, "d.npy: R@1 is "));
+  CHECK(has(outcome.err, " % with --similarity and 100.0 % with --distance\n"));
+  CHECK(evaluate("matrix " + scores + " --distance --ground-truth aligned").err.empty());
 }
 
 TEST_CASE("pairs name frames by number or by file") {
-  const TemporaryFolder folder;
-  const std::string result = folder / "r.json";
-  run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--c-l", "10", "-o",
-                       result, "--quiet"});
+  run_ok("vpr-query $db --query $back --c-l 10 -o r.json --quiet");
   std::string named = "query,sequence,reference\n";
   std::string stems = named;
   std::string numbers = named;
@@ -165,232 +129,195 @@ TEST_CASE("pairs name frames by number or by file") {
     stems += fmt::format("x/{},one,{}\n", query, reference);
     numbers += fmt::format("{},one,{}\n", i, 20 - i);
   }
-  write_text(folder / "named.csv", named);
-  write_text(folder / "stems.csv", stems);
-  write_text(folder / "numbers.csv", numbers);
-  const auto counts = [&](const std::string& name, const Words& more = {}) {
-    return printed_json(evaluate(joined(
-        {result, "--ground-truth", folder / name, "--json", "--quiet"}, more)))["best_match"];
+  write_text("named.csv", named);
+  write_text("stems.csv", stems);
+  write_text("numbers.csv", numbers);
+  const auto counts = [&](const std::string& name, const std::string& more = "") {
+    return printed_json(
+        evaluate("r.json --ground-truth " + name + " --json --quiet " + more))["best_match"];
   };
   const Json expected = counts("numbers.csv");
   CHECK(expected["without_match"] != expected["frames"]);
   CHECK(counts("named.csv") == expected);  // the query and the database of the run
   CHECK(counts("stems.csv") == expected);
-  CHECK(counts("named.csv", {"--query", world().walk("back"), "--train", world().walk("one"),
-                             "--train", world().walk("two")}) == expected);
-  write_text(folder / "bad.csv", "query,sequence,reference\nnone.png,one,1\n");
-  check_failure(evaluate({result, "--ground-truth", folder / "bad.csv"}), 4,
+  CHECK(counts("named.csv", "--query $back --train $one --train $two") == expected);
+  write_text("bad.csv", "query,sequence,reference\nnone.png,one,1\n");
+  check_failure(evaluate("r.json --ground-truth bad.csv"), 4,
                 "bad.csv, line 2: query \"none.png\" is neither a frame number nor the name");
-  check_failure(evaluate({"check", folder / "named.csv"}), 4, "--query and --train");
+  check_failure(evaluate("check named.csv"), 4, "--query and --train");
 }
 
 TEST_CASE("a mistake on the command line is answered with a suggestion") {
-  check_failure("vpr-train", {"--train", "monday", "-o", "x"}, 2,
-                "a command is missing: fastable, ");
-  check_failure("vpr-query", {world().database(), "tuesday"}, 2,
+  check_failure("vpr-train --train monday -o x", 2, "a command is missing: fastable, ");
+  check_failure("vpr-query $db tuesday", 2,
                 "unexpected argument tuesday; did you mean --query tuesday?");
-  check_failure("vpr-train", {"fastable", "monday"}, 2, "did you mean --train monday?");
-  check_failure("vpr-query", {world().database(), "--query", world().walk("back") + "@20"}, 3,
+  check_failure("vpr-train fastable monday", 2, "did you mean --train monday?");
+  check_failure("vpr-query $db --query $back@20", 3,
                 "A range is FIRST:LAST[:STEP], as in " + world().walk("back") + "@0:100");
-  check_failure(evaluate({world().database(), "--ground-truth", "aligned"}), 4,
+  check_failure(evaluate("$db --ground-truth aligned"), 4,
                 "is a database. Pass a result of vpr-query");
 }
 
 TEST_CASE("training images of several sizes cause a warning") {
-  const TemporaryFolder folder;
-  std::filesystem::create_directory(folder / "walk");
-  for (int i = 0; i < 6; ++i)
-    write_image(folder / fmt::format("walk/{}.png", i), uint64_t(i), i == 4 ? 50 : 40);
-  const auto run = run_ok("vpr-train", {"fastable", "--train", folder / "walk", "--c-l", "2", "-o",
-                                        folder / "w.vprdb"});
-  CHECK(
-      has(run.err, "walk: 1 of 6 images are not 40 x 30 like 0.png; the first is 4.png, 50 x 30"));
+  write_walk("walk", 6, 0);
+  write_image("walk/04.png", 4, 50);
+  CHECK(has(run_ok("vpr-train fastable --train walk --c-l 2 -o w.vprdb").err,
+            "walk: 1 of 6 images are not 40 x 30 like 00.png; the first is 04.png, 50 x 30"));
 }
 
 TEST_CASE("sizes requested by an input are limited before the work") {
-  const TemporaryFolder folder;
-  write_text(folder / "far.csv", "query,reference\n4194303,4194303\n");
-  for (const char* name : {"gt.npy", "gt.npz"})
-    check_failure(evaluate({"convert", folder / "far.csv", "--to", "matrix", "-o", folder / name}),
-                  4, "17592186044416 values of a matrix");
-  check_failure(
-      evaluate({"convert", "aligned", "--tolerance", "1000000", "--query-frames", "1000000",
-                "--train-frames", "1000000", "--to", "pairs", "-o", folder / "p.csv"}),
-      4, "pairs; the limit is");
-  write_text(folder / "far.txt", "99999 99999\n");
-  check_failure(evaluate({"matrix", folder / "far.txt", "--ground-truth", "aligned"}), 4,
+  write_text("far.csv", "query,reference\n4194303,4194303\n");
+  for (const std::string name : {"gt.npy", "gt.npz"})
+    check_failure(evaluate("convert far.csv --to matrix -o " + name), 4,
+                  "17592186044416 values of a matrix");
+  check_failure(evaluate("convert aligned --tolerance 1000000 --query-frames 1000000 "
+                         "--train-frames 1000000 --to pairs -o p.csv"),
+                4, "pairs; the limit is");
+  write_text("far.txt", "99999 99999\n");
+  check_failure(evaluate("matrix far.txt --ground-truth aligned"), 4,
                 "line 1: the frame numbers up to here need 100000 x 100000 scores");
   for (const auto& shape :
        {std::vector<size_t>{2147483648, 0}, std::vector<size_t>{0, 2147483648}}) {
-    write_text(folder / "empty.npy", npy_header("|u1", shape));
-    for (const Words& more : {Words{"--ground-truth", "aligned"}, Words{"--pairs", folder / "x"}})
-      check_failure(evaluate({"matrix", folder / "empty.npy", "--distance"}, more), 4,
+    write_text("empty.npy", npy_header("|u1", shape));
+    for (const std::string more : {"--ground-truth aligned", "--pairs x"})
+      check_failure(evaluate("matrix empty.npy --distance", more), 4,
                     "expected a matrix of scores");
   }
 }
 
 TEST_CASE("a result is evaluated with its own query of a data set with several queries") {
-  const TemporaryFolder out;
-  run_ok("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", "10", "--t-r",
-                       "0.3", "-o", out / "r.json"});
+  run_ok("vpr-query $db --dataset $dataset --c-l 10 --t-r 0.3 -o r.json");
   const auto counts = [&](const std::string& dataset) {
-    return printed_json(evaluate({out / "r.json", "--dataset", dataset, "--json"}))["counts"];
+    return printed_json(evaluate("r.json --dataset " + dataset + " --json"))["counts"];
   };
   CHECK(counts(world().walk("dataset.json")) == counts(world().dataset()));
 }
 
 TEST_CASE("written pairs can be read back, with the recall of the scores") {
-  const Scored scored;
-  const Words source = {"matrix", scored.path("s.npy"), "--similarity"};
+  start_with(make_scores);
+  const std::string source = "matrix s.npy --similarity";
   const Json scores = printed_json(evaluate(source, kTruth));
-  const auto written = ok(evaluate(
-      source, joined({"--top-k", "10", "--pairs", scored.path("pairs.txt")}, scored.named())));
+  const auto written = ok(evaluate(source, "--top-k 10 --pairs pairs.txt " + kNamed));
   CHECK(has(written.out, "200 pairs"));
-  CHECK(read_text(scored.path("pairs.txt")).starts_with("query/00.jpg db/"));
-  const Words read = {"matrix", scored.path("pairs.txt")};
-  const Json pairs = printed_json(evaluate(joined(read, scored.named()), kTruth));
-  for (const char* k : {"1", "5", "10"})
+  CHECK(read_text("pairs.txt").starts_with("query/00.jpg db/"));
+  const Json pairs = printed_json(evaluate("matrix pairs.txt " + kNamed, kTruth));
+  for (const std::string k : {"1", "5", "10"})
     CHECK(pairs["metrics"]["recall_at"][k] == scores["metrics"]["recall_at"][k]);
   CHECK(scores["metrics"]["recall_at"]["1"].get<double>() > 0.3);
   CHECK(scores["metrics"]["recall_at"]["1"].get<double>() < 1);
   // Together with a report, and with numbers as names.
-  ok(evaluate(source, {"--ground-truth", "aligned", "--pairs", scored.path("numbers.txt"),
-                       "--top-k", "1"}));
-  CHECK(printed_json(evaluate({"matrix", scored.path("numbers.txt")},
-                              kTruth))["metrics"]["recall_at"]["1"] ==
+  ok(evaluate(source, "--ground-truth aligned --pairs numbers.txt --top-k 1"));
+  CHECK(printed_json(evaluate("matrix numbers.txt", kTruth))["metrics"]["recall_at"]["1"] ==
         scores["metrics"]["recall_at"]["1"]);
 }
 
 TEST_CASE("predictions of VPR-methods-evaluation are evaluated") {
-  const Scored scored;
-  std::filesystem::create_directory(scored.folder / "preds");
+  start_with(make_scores);
+  std::filesystem::create_directory("preds");
   for (size_t j = 0; j < kFrames; ++j)
-    write_text(scored.folder / fmt::format("preds/{:03}.txt", j),
-               fmt::format("Query path:\n/x/query/{:02}.jpg\n\nPredictions paths:\n"
-                           "/x/db/{:02}.jpg\n/x/db/{:02}.jpg\n\nPositives paths:\n\n",
+    write_text(fmt::format("preds/{:03}.txt", j),
+               fmt::format("Query path:\n/x/query/{:02}.jpg\n\nPredictions "
+                           "paths:\n/x/db/{:02}.jpg\n/x/db/{:02}.jpg\n\nPositives paths:\n\n",
                            j, (j + j % 2) % kFrames, (j + 1) % kFrames));
-  const Words words = {"matrix", scored.path("preds")};
-  const Json report = printed_json(evaluate(joined(words, scored.named()), kTruth));
+  const Json report = printed_json(evaluate("matrix preds " + kNamed, kTruth));
   CHECK(report["metrics"]["recall_at"]["1"] == 0.5);
-  CHECK(report["machine"]["paths"]["predictions"] == scored.path("preds"));
+  CHECK(report["machine"]["paths"]["predictions"] == "preds");
 }
 
 TEST_CASE("pairs of a result are its best matches, or those of its matrix") {
-  const TemporaryFolder out;
-  run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--c-l", "5", "--t-r",
-                       "0.5", "-o", out / "r.json", "--save-matrix", out / "m.npy"});
-  const Words names = {"--query", world().walk("back"), "--train", world().walk("one"),
-                       "--train", world().walk("two")};
-  ok(evaluate({out / "r.json", "--pairs", out / "best.txt"}, names));
-  ok(evaluate(
-      {out / "r.json", "--matrix", out / "m.npy", "--top-k", "3", "--pairs", out / "three.txt"},
-      names));
-  const std::string one = read_text(out / "best.txt");
-  const std::string all = read_text(out / "three.txt");
+  run_ok("vpr-query $db --query $back --c-l 5 --t-r 0.5 -o r.json --save-matrix m.npy");
+  const std::string names = "--query $back --train $one --train $two";
+  ok(evaluate("r.json --pairs best.txt", names));
+  ok(evaluate("r.json --matrix m.npy --top-k 3 --pairs three.txt", names));
+  const std::string one = read_text("best.txt");
+  const std::string all = read_text("three.txt");
   CHECK(3 * std::count(one.begin(), one.end(), '\n') == std::count(all.begin(), all.end(), '\n'));
   CHECK(all.starts_with(one.substr(0, one.find('\n'))));
   CHECK(one.starts_with(world().walk("back")));
-  check_failure(evaluate({out / "r.json", "--pairs", out / "x.txt"}), 2,
-                "name the frames of all 2 training sequences");
-  check_failure(evaluate({out / "r.json", "--pairs", out / "x.txt", "--top-k", "2"}), 2,
-                "the matrix");
+  check_failure(evaluate("r.json --pairs x.txt"), 2, "name the frames of all 2 training sequences");
+  check_failure(evaluate("r.json --pairs x.txt --top-k 2"), 2, "the matrix");
 }
 
 TEST_CASE("incompatible flags of lists are refused") {
-  const Scored scored;
-  write_text(scored.folder / "p.txt", "0 1 0.5\n");
-  const auto check = [&](const Words& words, const std::string& word) {
-    check_failure(evaluate({"matrix", scored.path("p.txt")}, words), 2, word);
-  };
-  check(kTruth, "has scores");
-  check({"--query-npy", "q.npy", "--train-npy", "r.npy"}, "evaluate one of these");
-  check({"--missing", "3", "--distance"}, "--missing");
-  check({"--top-k", "3"}, "--top-k");
-  check({"--top-k", "0", "--pairs", scored.path("x.txt")}, "--top-k must be");
-  check_failure(evaluate({"matrix", scored.path("off_map.txt")}, kTruth), 3, "off_map.txt");
-  check({"--similarity", "--pairs", scored.path("x.txt"), "-o", scored.path("x.json")},
-        "-o needs a ground truth");
-  for (const Words& words : {Words{"--pairs", "x"}, Words{"--junit", "x"}, Words{"--update"}}) {
-    check_failure(evaluate({"r.json", "s.json", "--ground-truth", "aligned"}, words), 2,
-                  "take one result");
-    check_failure(evaluate({"r.json", "--protocol", "nordland-exact"}, words), 2, "protocol");
+  start_with(make_scores);
+  write_text("p.txt", "0 1 0.5\n");
+  check_refused("vpr-eval matrix",
+                {{"off_map.txt " + kTruth, 3, "off_map.txt"},
+                 {"p.txt " + kTruth, 2, "has scores"},
+                 {"p.txt --query-npy q.npy --train-npy r.npy", 2, "evaluate one of these"},
+                 {"p.txt --missing 3 --distance", 2, "--missing"},
+                 {"p.txt --top-k 3", 2, "--top-k"},
+                 {"p.txt --top-k 0 --pairs x.txt", 2, "--top-k must be"},
+                 {"p.txt --similarity --pairs x.txt -o x.json", 2, "-o needs a ground truth"}});
+  for (const std::string words : {"--pairs x", "--junit x", "--update"}) {
+    check_failure(evaluate("r.json s.json --ground-truth aligned", words), 2, "take one result");
+    check_failure(evaluate("r.json --protocol nordland-exact", words), 2, "protocol");
   }
 }
 
 TEST_CASE("windows of a matrix of frame distances equal those of the database") {
-  const TemporaryFolder out;
-  write_text(out / "openable.json", R"({"method": "openable"})");
-  write_text(out / "online.json", R"({"method": "fastable-online"})");
-  for (const Words& words :
-       {Words{"--t-r", "0.65"}, Words{"--t-r", "0.7", "--config", out / "openable.json"},
-        Words{"--t-r", "150", "--t-r-scale", "bits", "--config", out / "online.json"},
-        Words{"--t-r", "0.8"}, Words{"--t-r", "0.65", "--only-sequence", "two"},
-        Words{"--t-r", "0.65", "--rates", "1/2,1,2"},
-        Words{"--decide", "margin", "--margin", "20"}}) {
-    INFO(fmt::format("{}", fmt::join(words, " ")));
-    const Words common = joined(
-        words, {"--c-l", "10", "--exclusion-frames", "4", "--same-place", "none", "--force", "-o"});
-    run_ok("vpr-query", joined({world().database(), "--query", world().walk("back")},
-                               joined(common, {out / "coded.json"})));
-    ok(query_matrix("s.npy", joined(common, {out / "read.json"})));
+  start_with(make_matrix);
+  write_text("openable.json", R"({"method": "openable"})");
+  write_text("online.json", R"({"method": "fastable-online"})");
+  for (const std::string words : {"--t-r 0.65", "--t-r 0.7 --config openable.json",
+                                  "--t-r 150 --t-r-scale bits --config online.json", "--t-r 0.8",
+                                  "--t-r 0.65 --only-sequence two", "--t-r 0.65 --rates 1/2,1,2",
+                                  "--decide margin --margin 20"}) {
+    INFO(words);
+    const std::string common =
+        words + " --c-l 10 --exclusion-frames 4 --same-place none --force -o ";
+    run_ok("vpr-query $db --query $back " + common + "coded.json");
+    ok(query_matrix("s.npy --distance " + common + "read.json"));
     for (const char* kind :
          {"recognitions", "recognition_scores", "best", "best_scores", "margins"})
-      CHECK(read_text(out / fmt::format("coded.{}.npy", kind)) ==
-            read_text(out / fmt::format("read.{}.npy", kind)));
-    const Json json = file_json(out / "read.json");
+      CHECK(read_text(fmt::format("coded.{}.npy", kind)) ==
+            read_text(fmt::format("read.{}.npy", kind)));
+    const Json json = file_json("read.json");
     CHECK(json["scores"] ==
           Json{{"kind", "distance"}, {"best", 0.0}, {"unit", 1.0}, {"is_exact", true}});
-    CHECK(json["clusters"] == file_json(out / "coded.json")["clusters"]);
+    CHECK(json["clusters"] == file_json("coded.json")["clusters"]);
   }
 }
 
 TEST_CASE("a result records the kind of scores of its matrix, and whether they were rounded") {
-  const Json exact = printed_json(query_matrix("s.npy", {"--c-l", "7", "--t-r", "0.6", "--json"}));
+  start_with(make_matrix);
+  const Json exact = printed_json(query_matrix("s.npy --distance --c-l 7 --t-r 0.6 --json"));
   CHECK(exact["scores"]["is_exact"].get<bool>());
-  const Json rounded = printed_json(query_matrix(
-      "turned.npy", {"--c-l", "7", "--t-r", "0.6", "--json"}, {"--similarity", "--train-first"}));
+  const Json rounded =
+      printed_json(query_matrix("turned.npy --similarity --train-first --c-l 7 --t-r 0.6 --json"));
   CHECK(rounded["scores"]["kind"] == "similarity");
   CHECK_FALSE(rounded["scores"]["is_exact"].get<bool>());
 }
 
 TEST_CASE("similarities have the best matches of distances, and are evaluated like any result") {
-  const TemporaryFolder out;
-  for (const char* score : {"raw", "zscore", "zscore-offline"}) {
+  start_with(make_matrix);
+  for (const std::string score : {"raw", "zscore", "zscore-offline"}) {
     INFO(score);
-    for (const auto& [file, how] :
-         {std::pair("s.npy", Words{"--distance"}),
-          std::pair("turned.npy", Words{"--similarity", "--train-first"})}) {
-      ok(query_matrix(
-          file,
-          {"--c-l", "10", "--score", score, "--force", "-o", out / fmt::format("{}.json", file)},
-          how));
-    }
-    const Json report = printed_json(
-        "vpr-eval", {out / "s.npy.json", "--ground-truth", world().truth("back"), "--json"});
-    const Json turned = printed_json(
-        "vpr-eval", {out / "turned.npy.json", "--ground-truth", world().truth("back"), "--json"});
-    CHECK(report["best_match"]["rate"].get<double>() > 0.5);
-    CHECK(std::abs(report["best_match"]["rate"].get<double>() -
-                   turned["best_match"]["rate"].get<double>()) < 0.03);
+    const auto rate = [&](const std::string& matrix) {
+      ok(query_matrix(matrix + " --c-l 10 --force -o r.json --score " + score));
+      const Json report = printed_json("vpr-eval r.json --ground-truth $truth --json");
+      return report["best_match"]["rate"].get<double>();
+    };
+    const double distances = rate("s.npy --distance");
+    CHECK(distances > 0.5);
+    CHECK(rate("turned.npy --similarity --train-first") == Approx(distances).margin(0.03));
   }
 }
 
 TEST_CASE("a matrix alone reports the missing inputs") {
-  const TemporaryFolder folder;
-  const auto check = [](const Words& words, int code, const std::string& word) {
-    check_failure("vpr-query", joined({"matrix", matrix().path("s.npy")}, words), code, word);
-  };
-  check({}, 2, "the order of the scores is missing");
-  check({"--distance", "--decide", "margin"}, 2, "--exclusion-frames");
-  for (const char* method : {"filter", "lsh"}) {
-    write_text(folder / "c.json", fmt::format(R"({{"method": "{}"}})", method));
-    check({"--distance", "--config", folder / "c.json"}, 2, "does not go with vpr-query matrix");
-  }
-  check({"--distance", "--query", "x"}, 2, "--query");
-  check({"--distance", "--train-sequence", "a=0:100000"}, 2, "the matrix has");
-  check({"--distance", "--train-sequence", "0:5"}, 2, "NAME=FIRST:LAST");
-  check({"--distance", "--train-sequence", "a=0:5", "--train-sequence", "a=5:9"}, 2,
-        "duplicate name of training sequences: a");
-  check({"--distance", "--c-l", "100000"}, 2, "c_l");
-  check_failure("vpr-query", {"--query", world().walk("back")}, 2, "the database is missing");
+  start_with(make_matrix);
+  write_text("filter.json", R"({"method": "filter"})");
+  write_text("lsh.json", R"({"method": "lsh"})");
+  check_refused("vpr-query matrix s.npy",
+                {{"", 2, "the order of the scores is missing"},
+                 {"--distance --decide margin", 2, "--exclusion-frames"},
+                 {"--distance --config filter.json", 2, "does not go with vpr-query matrix"},
+                 {"--distance --config lsh.json", 2, "does not go with vpr-query matrix"},
+                 {"--distance --query x", 2, "--query"},
+                 {"--distance --train-sequence a=0:100000", 2, "the matrix has"},
+                 {"--distance --train-sequence 0:5", 2, "NAME=FIRST:LAST"},
+                 {"--distance --train-sequence a=0:5 --train-sequence a=5:9", 2,
+                  "duplicate name of training sequences: a"},
+                 {"--distance --c-l 100000", 2, "c_l"}});
+  check_failure("vpr-query --query $back", 2, "the database is missing");
 }

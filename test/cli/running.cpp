@@ -16,7 +16,7 @@ namespace vpr::test {
 
 constexpr int kPatienceMs = 120'000;
 
-Running::Running(const std::string& program, const std::vector<std::string>& arguments) {
+Running::Running(const std::string& command) {
   std::array<int, 2> in{};
   std::array<int, 2> out{};
   REQUIRE((::pipe2(in.data(), O_CLOEXEC) == 0 && ::pipe2(out.data(), O_CLOEXEC) == 0));
@@ -26,8 +26,8 @@ Running::Running(const std::string& program, const std::vector<std::string>& arg
   posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (folder_ / "err").c_str(),
                                    O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  std::vector<std::string> words = {program_path(program).string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+  Words words = words_of(command);
+  words.front() = program_path(words.front());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

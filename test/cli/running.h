@@ -2,17 +2,17 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <sys/types.h>
 
-#include "support.h"
+#include "cli/world.h"
 
 namespace vpr::test {
 
 class Running {
  public:
-  Running(const std::string& program, const std::vector<std::string>& arguments);
+  /// `command`: as for run().
+  explicit Running(const std::string& command);
   ~Running();
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;

@@ -1,4 +1,4 @@
-// One rendered building with its databases, shared by all tests of the programs.
+// Command lines, and one rendered building with its databases, shared by all tests of the programs.
 #pragma once
 
 #include <filesystem>
@@ -32,14 +32,44 @@ class World {
 
 const World& world();
 
+/// Copies to the folder of the test case what `make` writes. `make` runs once, in a folder of its
+/// own.
+void start_with(void (*make)());
+
+/// Writes `count` images with random content, NAME/00.png and so on.
+void write_walk(const std::string& name, size_t count, uint64_t seed, int width = 40,
+                int height = 30);
+
 /// The names of the images of a walk, in order.
 Words images_of(const std::filesystem::path& walk);
 
 Words lines_of(const std::string& text);
 
+/// The words of a command line; 'several words' are one. In each word, $db, $fabmap, $dataset,
+/// $walk (the folder of all walks), $one, $two, $other, $back and $again are the paths of the
+/// world, and $truth is the ground truth of "back".
+Words words_of(const std::string& command);
+
+/// Runs a command line, such as "vpr-query $db --query $back", without a shell. `environment`:
+/// NAME=VALUE.
+RunOutcome run(const std::string& command, const std::string& environment = "");
+RunOutcome run_ok(const std::string& command, const std::string& environment = "");
+Json printed_json(const std::string& command);
+
+/// The parts that are equal in two runs: without machine and timing.
+Json comparable(Json json);
+
 /// Requires `exit_code` and one sentence on standard error that contains `word`.
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word);
-void check_failure(const std::string& program, const Words& arguments, int exit_code,
-                   const std::string& word);
+void check_failure(const std::string& command, int exit_code, const std::string& word);
+
+/// A command line, or the end of one, that is refused, and a part of the sentence.
+struct Refused {
+  std::string command;
+  int exit_code;
+  std::string word;
+};
+/// Also requires that nothing is printed on standard output.
+void check_refused(const std::string& begin, const std::vector<Refused>& refused);
 
 }  // namespace vpr::test
