@@ -36,7 +36,7 @@ std::optional<double> meters_to_place(const World& world, const std::string& flo
                                       const CameraPose& pose, const WorldPlace& place) {
   const bool looks_alike =
       std::any_of(place.headings.begin(), place.headings.end(), [&](double heading) {
-        return heading_difference(pose.heading_deg, heading) <= world.same_heading_deg;
+        return heading_difference(pose.heading_deg, heading) <= kSameHeadingDeg;
       });
   if (floor != place.floor || !looks_alike) return std::nullopt;
   return distance(pose.position, {place.x, place.y});
@@ -57,7 +57,7 @@ std::string sequence_truth_csv(const World& world, const std::vector<RecordedWal
       if (train.walk->use != WalkUse::train || train.walk->floor != query.walk->floor) continue;
       for (size_t r = 0; r < train.poses.size(); ++r) {
         if (heading_difference(query.poses[q].heading_deg, train.poses[r].heading_deg) >
-            world.same_heading_deg)
+            kSameHeadingDeg)
           continue;
         const auto found = label(distance(query.poses[q].position, train.poses[r].position),
                                  world.same_place_m, world.ignore_m);

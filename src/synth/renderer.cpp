@@ -450,7 +450,7 @@ void blur_by_motion(const Camera& camera, const View& view, cv::Mat& picture) {
 Camera make_camera(const World& world) {
   const auto width = static_cast<int>(world.image_width);
   return {width, static_cast<int>(world.image_height),
-          width / 2.0 / std::tan(world.view_deg / 2 * kRadians)};
+          width / 2.0 / std::tan(kViewDeg / 2 * kRadians)};
 }
 
 cv::Mat render(const Camera& camera, const View& view, RandomEngine noise_engine) {

@@ -21,7 +21,7 @@ struct Camera {
   double focal_px = 493;
 };
 
-/// The camera of all sequences of a world. World::view_deg is the horizontal angle of view.
+/// The camera of all sequences of a world.
 Camera make_camera(const World& world);
 
 /// The visible world at one moment.

@@ -40,8 +40,6 @@ constexpr Range kRanges[] = {
     {0, 1000, "passers_by standing crossing ahead"},
     {0, 5, "tremor_deg jolt_deg exposure_lag_s"},
     {-360, 360, "headings"},
-    {0, 180, "same_heading_deg"},
-    {20, 120, "view_deg"},
     {32, 4096, "image_width image_height"},
     {0.1, 1000, "fps"},
     {0.05, 100, "speed_m_s"},

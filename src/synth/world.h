@@ -163,13 +163,11 @@ struct World {
   double fps = 8;
   uint64_t image_width = 640;
   uint64_t image_height = 480;
-  double view_deg = 66;  ///< horizontal angle of view
   FrameFormat format = FrameFormat::jpg;
   double resemblance = 0.5;  ///< share of equal objects in all corridors
   BuildingVariety variety;
-  double same_place_m = 1.5;     ///< frames within this distance show the same place, ...
-  double same_heading_deg = 40;  ///< ... if their headings differ by at most this angle
-  double ignore_m = 3;           ///< up to this distance, pairs are ignored
+  double same_place_m = 1.5;  ///< frames within this distance and angle show the same place
+  double ignore_m = 3;        ///< up to this distance, pairs are ignored
   /// a frame within this distance of a place, with the heading of a view, shows it
   double place_radius_m = 2.5;
   double place_ignore_m = 5;  ///< up to this distance, it is ignored
@@ -177,10 +175,13 @@ struct World {
   std::vector<WorldPlace> places;
   std::vector<Walk> walks;
 };
-VPR_FIELDS(World, name, seed, fps, image_width, image_height, view_deg, format, resemblance,
-           variety, same_place_m, same_heading_deg, ignore_m, place_radius_m, place_ignore_m,
-           floors, places, walks)
+VPR_FIELDS(World, name, seed, fps, image_width, image_height, format, resemblance, variety,
+           same_place_m, ignore_m, place_radius_m, place_ignore_m, floors, places, walks)
 
+/// The horizontal angle of view.
+inline constexpr double kViewDeg = 66;
+/// Frames of the same place have headings that differ by at most this angle.
+inline constexpr double kSameHeadingDeg = 40;
 /// The cell size of floor plans, in meters.
 inline constexpr double kPlanCellM = 0.5;
 /// From floor to ceiling, in meters.
