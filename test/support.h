@@ -61,6 +61,16 @@ std::vector<T> read_array(const std::filesystem::path& path) {
 /// Writes a gray image with seeded content.
 void write_image(const std::filesystem::path& path, uint64_t seed, int width = 40, int height = 30);
 
+/// Descriptors of any kind, one after the other.
+struct Vectors {
+  DescriptorShape shape;
+  std::vector<uint8_t> bytes;
+
+  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
+    return {{shape, bytes}, unreadable};
+  }
+};
+
 std::vector<LdbCode> random_codes(size_t count, uint64_t seed);
 /// A sequence in which consecutive codes differ in about `changed_bits` bits.
 std::vector<LdbCode> walk_codes(size_t count, uint64_t seed, int changed_bits = 60);

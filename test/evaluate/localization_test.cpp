@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/monitor.h"
 #include "evaluate/judgment.h"
+#include "queries.h"
 #include "support.h"
 #include "truth/positions.h"
 
@@ -90,19 +91,10 @@ TEST_CASE("a fix in every frame leaves no gap") {
 }
 
 TEST_CASE("the closest recognition of a window is its fix, at the anchor") {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 3;
-  result.settings = settings;
-  result.query.frames = 6;
-  result.query_windows = 4;
-  result.sequences = {{{"ref", 6}, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
+  Result result = test::make_result(6, 3, 6);
   result.recognitions = {
       {0, 0, 0, 0, 9}, {0, 0, 3, 0, 8}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 5}, {3, 0, 3, 0, 1}};
-  GroundTruth truth;
-  truth.pairs.resize(6);
-  for (uint32_t frame = 0; frame < 5; ++frame)
-    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
+  GroundTruth truth = test::aligned_truth(6, 5);
   truth.pairs[5].push_back({0, 5, PlaceLabel::ignore});
   CHECK(verdicts_of(result, truth) == path("..wr.i"));
 }

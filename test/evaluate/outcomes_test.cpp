@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "evaluate/judgment.h"
+#include "queries.h"
 #include "support.h"
 
 using namespace vpr;
@@ -13,13 +14,7 @@ namespace {
 
 // Ten query frames and twelve training frames, c_l 3.
 Result random_result(RandomEngine& engine) {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 3;
-  result.settings = settings;
-  result.query.frames = 10;
-  result.query_windows = 8;
-  result.sequences = {{{"ref", 12}, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
+  Result result = test::make_result(10, 3, 12);
   for (uint32_t window = 0; window < 8; ++window) {
     const bool found = uniform_below(engine, 5) != 0;
     result.best.push_back(found
@@ -83,20 +78,12 @@ TEST_CASE("a probability is a similarity, and a frame without words is not recog
 }
 
 TEST_CASE("matches can be accepted by margin, and those without one never are") {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 2;
-  result.settings = settings;
-  result.query.frames = 5;
-  result.query_windows = 4;
-  result.sequences = {{{"ref", 9}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  Result result = test::make_result(5, 2, 9);
   result.best = {Match{0, 0, 0, 0, 40}, Match{1, 0, 1, 0, 10}, Match{2, 0, 7, 0, 5},
                  Match{3, 0, 3, 0, 50}};
   result.margins = {30, 20, 4, std::nullopt};  // sums over two frames
   result.sequences[0].margin = 12;
-  GroundTruth truth;
-  for (uint32_t frame = 0; frame < 5; ++frame)
-    truth.pairs.push_back({{0, frame, PlaceLabel::same}});
+  const GroundTruth truth = test::aligned_truth(5, 5);
   Outcomes outcomes = outcomes_of(result, truth);
   CHECK(outcomes.has_margins);
   CHECK(outcomes.confidence == Confidence::score);
@@ -105,8 +92,7 @@ TEST_CASE("matches can be accepted by margin, and those without one never are") 
   CHECK_FALSE(outcomes.queries[4].margin);
   CHECK(single_best_curve(outcomes).points.front().incorrect == 1);
   // a result with a decision by margin is evaluated by margin
-  settings.decision = Decision::margin;
-  result.settings = settings;
+  std::get<SequenceQuerySettings>(result.settings).decision = Decision::margin;
   outcomes = outcomes_of(result, truth);
   CHECK(outcomes.confidence == Confidence::margin);
   CHECK(judge(result, truth, {}).single_best == single_best_curve(outcomes));
@@ -145,13 +131,7 @@ namespace {
 
 // Ten query frames and ten training frames, c_l 3: windows 0 to 7, anchors 2 to 9.
 Result example() {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 3;
-  result.settings = settings;
-  result.query.frames = 10;
-  result.query_windows = 8;
-  result.sequences = {{{"ref", 10}, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  Result result = test::make_result(10, 3, 10);
   result.best.resize(8);
   return result;
 }

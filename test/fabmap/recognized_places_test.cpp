@@ -4,17 +4,12 @@
 
 #include "base/random.h"
 #include "fabmap/place_query.h"
+#include "queries.h"
 
 using namespace vpr;
+using test::random_words;
 
 namespace {
-
-WordSet random_words(size_t words, uint64_t share, RandomEngine& engine) {
-  WordSet set;
-  for (uint32_t q = 0; q < words; ++q)
-    if (uniform_below(engine, share) == 0) set.push_back(q);
-  return set;
-}
 
 /// A database of views that show a third of the words each; undecodable views (`unreadable`) show
 /// none.

@@ -19,18 +19,9 @@
 #include "support.h"
 
 using namespace vpr;
+using test::Vectors;
 
 namespace {
-
-/// Vectors of integers, one after the other.
-struct Vectors {
-  DescriptorShape shape;
-  std::vector<uint8_t> bytes;
-
-  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
-    return {{shape, bytes}, unreadable};
-  }
-};
 
 Vectors make_vectors(const std::vector<std::vector<int>>& rows) {
   Vectors vectors{{ElementType::int8, rows.front().size()}, {}};
@@ -101,59 +92,36 @@ TEST_CASE("cosine distances equal values computed by hand") {
 }
 
 TEST_CASE("cosine distances equal the reference implementation, for any length and SIMD target") {
-  for (const size_t length : {1, 2, 15, 16, 17, 31, 33, 64, 127, 256, 1001}) {
-    const Vectors one = walk_vectors(77, length, 1);
-    const Vectors two = walk_vectors(9, length, 2);
-    Vectors query = walk_vectors(5, length, 3);
-    std::copy_n(one.bytes.begin(), length, query.bytes.begin());
-    std::fill_n(query.bytes.begin() + static_cast<ptrdiff_t>(length), length, uint8_t{0});
-    const std::vector<DescribedFrames> train = {one.span(), two.span()};
-    for (const std::string& target : simd_targets()) {
-      const test::ChosenTarget chosen(target);
-      INFO(target << ", " << length << " numbers");
-      const FrameDistances distances = frame_distances(train, query.span());
-      CHECK(distances.largest == 65535);
-      // 1 - cos of opposite directions
-      CHECK(distance_of(ElementType::int8).unit.size * distances.largest == Approx(2));
-      const std::vector<uint32_t> order = {4, 0, 1, 3};
-      std::vector<uint16_t> tile(order.size() * 100, 7);
-      distances.tile(order, 8, 86, tile.data(), 100);
-      for (size_t t = 0; t < order.size(); ++t)
-        for (size_t i = 8; i < 86; ++i) {
-          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] ==
-                  reference_distance(ElementType::int8, row, query.span().rows[order[t]]));
-          REQUIRE(distance_of(ElementType::int8).pair(row, query.span().rows[order[t]]) ==
-                  tile[t * 100 + i - 8]);
-        }
+  for (const bool is_wide : {false, true})
+    for (const size_t length : {1, 2, 15, 16, 17, 31, 32, 33, 64, 127, 256, 512, 1001}) {
+      const auto make = is_wide ? wide_walk : walk_vectors;
+      const ElementType type = is_wide ? ElementType::int16 : ElementType::int8;
+      const Vectors one = make(77, length, 1);
+      const Vectors two = make(9, length, 2);
+      Vectors query = make(7, length, 3);
+      const size_t bytes = query.bytes.size() / 7;
+      std::copy_n(one.bytes.begin(), bytes, query.bytes.begin());
+      std::fill_n(query.bytes.begin() + static_cast<ptrdiff_t>(bytes), bytes, uint8_t{0});
+      const std::vector<DescribedFrames> train = {one.span(), two.span()};
+      for (const std::string& target : simd_targets()) {
+        const test::ChosenTarget chosen(target);
+        INFO(target << ", " << length << (is_wide ? " wide" : "") << " numbers");
+        const FrameDistances distances = frame_distances(train, query.span());
+        CHECK(distances.largest == 65535);
+        // 1 - cos of opposite directions
+        CHECK(distance_of(type).unit.size * distances.largest == Approx(2));
+        const std::vector<uint32_t> order = {4, 0, 1, 3, 6, 6, 2};
+        std::vector<uint16_t> tile(order.size() * 100, 7);
+        distances.tile(order, 8, 86, tile.data(), 100);
+        for (size_t t = 0; t < order.size(); ++t)
+          for (size_t i = 8; i < 86; ++i) {
+            const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
+            const DescriptorRow other = query.span().rows[order[t]];
+            REQUIRE(tile[t * 100 + i - 8] == reference_distance(type, row, other));
+            REQUIRE(distance_of(type).pair(row, other) == tile[t * 100 + i - 8]);
+          }
+      }
     }
-  }
-}
-
-TEST_CASE(
-    "cosine distances of 16-bit vectors equal the reference implementation, for any SIMD target") {
-  for (const size_t length : {1, 15, 32, 33, 127, 512, 1001}) {
-    const Vectors one = wide_walk(77, length, 1);
-    const Vectors two = wide_walk(9, length, 2);
-    const Vectors query = wide_walk(7, length, 3);
-    const std::vector<DescribedFrames> train = {one.span(), two.span()};
-    for (const std::string& target : simd_targets()) {
-      const test::ChosenTarget chosen(target);
-      INFO(target << ", " << length << " numbers");
-      const FrameDistances distances = frame_distances(train, query.span());
-      const std::vector<uint32_t> order = {4, 0, 1, 3, 6, 6, 2};
-      std::vector<uint16_t> tile(order.size() * 100, 7);
-      distances.tile(order, 8, 86, tile.data(), 100);
-      for (size_t t = 0; t < order.size(); ++t)
-        for (size_t i = 8; i < 86; ++i) {
-          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] ==
-                  reference_distance(ElementType::int16, row, query.span().rows[order[t]]));
-          REQUIRE(distance_of(ElementType::int16).pair(row, query.span().rows[order[t]]) ==
-                  tile[t * 100 + i - 8]);
-        }
-    }
-  }
 }
 
 TEST_CASE("the longest vectors of the largest 8-bit integers have exact products") {

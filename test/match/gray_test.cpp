@@ -12,23 +12,14 @@
 #include "support.h"
 
 using namespace vpr;
+using test::Vectors;
 
 namespace {
 
-/// Images, one after the other.
-struct Pictures {
-  DescriptorShape shape;
-  std::vector<uint8_t> bytes;
-
-  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
-    return {{shape, bytes}, unreadable};
-  }
-};
-
 // A sequence: every image is near the previous one.
-Pictures walk(size_t count, size_t pixels, uint64_t seed) {
+Vectors walk(size_t count, size_t pixels, uint64_t seed) {
   RandomEngine engine(seed);
-  Pictures pictures{{ElementType::gray_levels, pixels}, {}};
+  Vectors pictures{{ElementType::gray_levels, pixels}, {}};
   std::vector<int> row(pixels);
   for (int& level : row) level = static_cast<int>(uniform_below(engine, 256));
   for (size_t i = 0; i < count; ++i) {
@@ -62,9 +53,9 @@ TEST_CASE("distances of images equal values computed by hand") {
 
 TEST_CASE("distances of images equal the reference implementation, on every SIMD target") {
   for (const size_t pixels : {1, 63, 64, 65, 200, 2048}) {
-    const Pictures one = walk(77, pixels, 1);
-    const Pictures two = walk(9, pixels, 2);
-    const Pictures query = walk(5, pixels, 3);
+    const Vectors one = walk(77, pixels, 1);
+    const Vectors two = walk(9, pixels, 2);
+    const Vectors query = walk(5, pixels, 3);
     const std::vector<DescribedFrames> train = {one.span(), two.span()};
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
@@ -86,8 +77,8 @@ TEST_CASE("distances of images equal the reference implementation, on every SIMD
 }
 
 TEST_CASE("the mean distance to all images equals the mean of their distances up to rounding") {
-  const Pictures one = walk(200, 64, 4);
-  const Pictures query = walk(20, 64, 5);
+  const Vectors one = walk(200, 64, 4);
+  const Vectors query = walk(20, 64, 5);
   const std::vector<size_t> unreadable = {3, 99};
   const DescribedFrames train = one.span(unreadable);
   const FrameDistances distances = frame_distances({&train, 1}, query.span());
@@ -101,8 +92,8 @@ TEST_CASE("the mean distance to all images equals the mean of their distances up
 }
 
 TEST_CASE("components of images are sums over landmarks") {
-  const Pictures landmarks = walk(30, 64, 6);
-  const Pictures asked = walk(5, 64, 7);
+  const Vectors landmarks = walk(30, 64, 6);
+  const Vectors asked = walk(5, 64, 7);
   RandomEngine engine(8);
   std::vector<ComponentValues> weights(30);
   for (ComponentValues& weight : weights)
@@ -123,8 +114,8 @@ TEST_CASE("components of images are sums over landmarks") {
 }
 
 TEST_CASE("z-scores of images equal the reference implementation") {
-  const Pictures one = walk(80, 64, 9);
-  const Pictures query = walk(50, 64, 10);
+  const Vectors one = walk(80, 64, 9);
+  const Vectors query = walk(50, 64, 10);
   const DescribedFrames train = one.span();
   TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
   statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});

@@ -13,27 +13,19 @@
 #include "support.h"
 
 using namespace vpr;
+using test::Vectors;
 
 namespace {
 
-struct Points {
-  DescriptorShape shape;
-  std::vector<uint8_t> bytes;
-
-  DescribedFrames span(std::span<const size_t> unreadable = {}) const {
-    return {{shape, bytes}, unreadable};
-  }
-};
-
-void append(Points& points, const std::vector<int16_t>& row) {
+void append(Vectors& points, const std::vector<int16_t>& row) {
   const auto* first = reinterpret_cast<const uint8_t*>(row.data());
   points.bytes.insert(points.bytes.end(), first, first + 2 * row.size());
 }
 
 // A sequence: every point is near the previous one, none farther than 30000 from the origin.
-Points walk(size_t count, size_t length, uint64_t seed) {
+Vectors walk(size_t count, size_t length, uint64_t seed) {
   RandomEngine engine(seed);
-  Points points{{ElementType::points16, length}, {}};
+  Vectors points{{ElementType::points16, length}, {}};
   const int most = static_cast<int>(30000 / std::sqrt(static_cast<double>(length)));
   std::vector<int> row(length);
   for (int& x : row) x = static_cast<int>(uniform_below(engine, 2 * most + 1)) - most;
@@ -50,7 +42,7 @@ Points walk(size_t count, size_t length, uint64_t seed) {
 }
 
 uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) {
-  Points points{{ElementType::points16, a.size()}, {}};
+  Vectors points{{ElementType::points16, a.size()}, {}};
   append(points, a);
   append(points, b);
   const DescriptorRows rows = points.span().rows;
@@ -73,9 +65,9 @@ TEST_CASE("distances of points equal values computed by hand") {
 
 TEST_CASE("distances of points equal the reference implementation, on every SIMD target") {
   for (const size_t length : {1, 31, 32, 33, 200, 4096}) {
-    const Points one = walk(77, length, 1);
-    const Points two = walk(9, length, 2);
-    const Points query = walk(6, length, 3);
+    const Vectors one = walk(77, length, 1);
+    const Vectors two = walk(9, length, 2);
+    const Vectors query = walk(6, length, 3);
     const std::vector<size_t> gap = {3};
     const std::vector<DescribedFrames> train = {one.span(gap), two.span()};
     for (const std::string& target : simd_targets()) {
@@ -104,15 +96,15 @@ TEST_CASE("distances of points equal the reference implementation, on every SIMD
 }
 
 TEST_CASE("a point that is too long for exact products is refused") {
-  Points far{{ElementType::points16, 3}, {}};
+  Vectors far{{ElementType::points16, 3}, {}};
   append(far, {32767, 32767, 32767});
   const DescribedFrames span = far.span();
   CHECK(test::error_kind([&] { frame_distances({&span, 1}, span); }) == ErrorKind::data);
 }
 
 TEST_CASE("z-scores of points equal the reference implementation") {
-  const Points train = walk(120, 40, 5);
-  const Points query = walk(30, 40, 6);
+  const Vectors train = walk(120, 40, 5);
+  const Vectors query = walk(30, 40, 6);
   const DescribedFrames span = train.span();
   TrainStatistics statistics = compute_statistics({&span, 1}, {}, {});
   statistics.components = compute_components({&span, 1}, statistics.typical_distance, {});

@@ -4,9 +4,11 @@
 #include <catch2/catch.hpp>
 
 #include "examples.h"
+#include "queries.h"
 #include "run/open.h"
 
 using namespace vpr;
+using test::resources;
 
 namespace {
 
@@ -28,12 +30,6 @@ Result planned_result(std::optional<double> threshold) {
   sequence.threshold = threshold;
   for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Match{j, 0, 3, 0, 100 + 10.0 * j});
   return result;
-}
-
-QueryResources resources() {
-  QueryResources resources;
-  resources.kernels = select_kernels();
-  return resources;
 }
 
 // The advice for frames first, first + step, ... of a sequence of 160.

@@ -8,6 +8,7 @@
 #include "examples.h"
 #include "match/fusion.h"
 #include "match/zscores.h"
+#include "queries.h"
 #include "reference/verified_query.h"
 #include "run/open.h"
 #include "run/query.h"
@@ -59,8 +60,7 @@ void check_row(const std::vector<uint16_t>& fused, const std::vector<uint16_t>& 
 }
 
 Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size_t verify = 200) {
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  const QueryResources resources = test::resources();
   const QueryPlan plan = plan_query(walks.database, walks.query, "q", settings, resources, {});
   return test::run_verified(plan, settings, resources, verify).result;
 }
@@ -187,8 +187,7 @@ TEST_CASE("databases of other sequences are refused for fusion") {
   CHECK(query_all(walks, fused_settings(5)).best[14]->train == 7);
 
   const auto rejects = [&](const SequenceQuerySettings& settings) {
-    QueryResources resources;
-    resources.kernels = select_kernels();
+    const QueryResources resources = test::resources();
     return test::error_kind(
         [&] { plan_query(walks.database, walks.query, "q", settings, resources, {}); });
   };

@@ -7,20 +7,16 @@
 
 #include "base/error.h"
 #include "examples.h"
+#include "queries.h"
 #include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
 #include "support.h"
 
 using namespace vpr;
+using test::resources;
 
 namespace {
-
-QueryResources resources() {
-  QueryResources r;
-  r.kernels = select_kernels();
-  return r;
-}
 
 /// Two sequences, and a query through part of the first one with a stop, then through the second
 /// one; some frames are unreadable.

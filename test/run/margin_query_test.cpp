@@ -7,20 +7,16 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "match/reference.h"
+#include "queries.h"
 #include "run/open.h"
 #include "run/query.h"
 #include "support.h"
 
 using namespace vpr;
 using test::make_query;
+using test::resources;
 
 namespace {
-
-QueryResources resources() {
-  QueryResources r;
-  r.kernels = select_kernels();
-  return r;
-}
 
 Result query_by(const SequenceDatabase& database, const DescriptorSet& query,
                 const SequenceQuerySettings& settings) {

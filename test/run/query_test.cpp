@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "examples.h"
 #include "match/reference.h"
+#include "queries.h"
 #include "run/advice.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
@@ -16,6 +17,7 @@
 
 using namespace vpr;
 using test::make_query;
+using test::resources;
 
 namespace {
 
@@ -25,13 +27,6 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
   database.thresholds.push_back(
       compute_thresholds(descriptor_spans(database), window_length, 1, select_kernels(), {}));
   return database;
-}
-
-QueryResources resources(size_t verify = 0) {
-  QueryResources r;
-  r.kernels = select_kernels();
-  r.verify_cells = verify;
-  return r;
 }
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,

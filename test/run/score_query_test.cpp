@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "examples.h"
 #include "match/reference.h"
+#include "queries.h"
 #include "reference/verified_query.h"
 #include "run/open.h"
 #include "run/query.h"
@@ -34,9 +35,7 @@ SequenceQuerySettings scored_settings(uint64_t length) {
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, size_t verify = 50) {
-  QueryResources resources;
-  resources.kernels = select_kernels();
-  resources.verify_cells = verify;
+  const QueryResources resources = test::resources(verify);
   return run_query(plan_query(database, query, "q", settings, resources, {}), settings, resources,
                    {}, {});
 }
@@ -70,8 +69,7 @@ TEST_CASE("windows of several rates equal the definition, for distances and for 
   SequenceDatabase database = make_database(train);
   database.sequences[0].sequence.unreadable = {17};
   const DescriptorSet query = make_query(test::walk_codes(50, 3));
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  const QueryResources resources = test::resources();
   for (const Score score : {Score::raw, Score::zscore, Score::zscore_offline}) {
     SequenceQuerySettings settings = scored_settings(6);
     settings.score = score;
@@ -178,14 +176,9 @@ TEST_CASE("a sweep of scores has the counts of single queries") {
   const SequenceDatabase database = make_database(train);
   const DescriptorSet query = make_query(codes);
   const TruthReader truth = [](const GroundTruthScope& scope) {
-    GroundTruth all;
-    all.pairs.resize(scope.query.frames);
-    for (size_t i = 0; i < all.pairs.size(); ++i)
-      all.pairs[i].push_back({0, static_cast<uint32_t>(i), PlaceLabel::same});
-    return all;
+    return test::aligned_truth(scope.query.frames, scope.query.frames);
   };
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  const QueryResources resources = test::resources();
   SequenceQuerySettings settings = scored_settings(5);
   const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
   const Grid grid{{5, 1, 12}, {-1.0, -4.0, -2.0}};

@@ -7,19 +7,15 @@
 #include "base/parallel.h"
 #include "evaluate/outcomes.h"
 #include "examples.h"
+#include "queries.h"
 #include "run/open.h"
 #include "support.h"
 #include "tune/calibrate_sequence.h"
 
 using namespace vpr;
+using test::resources;
 
 namespace {
-
-QueryResources resources() {
-  QueryResources r;
-  r.kernels = select_kernels();
-  return r;
-}
 
 // Frames 20 to 59 of the query show training frames 30 to 69, with noise; the others show no place.
 struct Walks {

@@ -3,6 +3,7 @@
 
 #include "base/random.h"
 #include "evaluate/outcomes.h"
+#include "queries.h"
 #include "support.h"
 #include "tune/sweep.h"
 
@@ -58,15 +59,9 @@ GroundTruth same_frames(const GroundTruthScope& scope) {
 /// Ten windows of c_l frames, with correct and incorrect recognitions in the given windows.
 SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
                             const std::vector<uint32_t>& wrong, size_t windows = 10) {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = length;
-  result.settings = settings;
-  result.query_windows = windows;
-  result.query.frames = windows + length - 1;
-  GroundTruth truth;
-  truth.pairs.resize(result.query.frames);
-  for (uint32_t f = 0; f < result.query.frames; ++f) truth.pairs[f].push_back({0, f});
+  const size_t frames = windows + length - 1;
+  Result result = test::make_result(frames, length, 100);
+  const GroundTruth truth = test::aligned_truth(frames, frames);
   for (const uint32_t window : right) result.recognitions.push_back({window, 0, window, 0, 1});
   for (const uint32_t window : wrong) result.recognitions.push_back({window, 0, window + 50, 0, 1});
   return count_intervals(result, truth, 1);

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "examples.h"
+#include "queries.h"
 #include "support.h"
 
 using namespace vpr;
@@ -49,8 +50,7 @@ TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
   DescriptorSet query = ldb_set(codes, {});
   for (size_t i = 0; i < codes.size(); ++i) query.sequence.frame_names.push_back(std::to_string(i));
   query.sequence.unreadable = {30};
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  const QueryResources resources = test::resources();
   for (const ThresholdScale scale : {ThresholdScale::relative, ThresholdScale::bits}) {
     SequenceQuerySettings base;
     base.threshold_scale = scale;
@@ -100,8 +100,7 @@ TEST_CASE("a sweep gives each warning of its settings once") {
   for (size_t i = 0; i < query.rows().size(); ++i)
     query.sequence.frame_names.push_back(std::to_string(i));
   query.sequence.unreadable = {30};
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  const QueryResources resources = test::resources();
   std::vector<std::string> said;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
@@ -123,8 +122,7 @@ TEST_CASE("the recognitions of all window lengths share the memory limit") {
   DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
   for (size_t i = 0; i < query.rows().size(); ++i)
     query.sequence.frame_names.push_back(std::to_string(i));
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  QueryResources resources = test::resources();
   SequenceQuerySettings bits;
   bits.threshold_scale = ThresholdScale::bits;
   const auto run = [&](std::vector<uint64_t> lengths, size_t memory) {
@@ -141,17 +139,8 @@ TEST_CASE("the recognitions of all window lengths share the memory limit") {
 }
 
 TEST_CASE("intervals of constant counts are the counts") {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 3;
-  result.settings = settings;
-  result.query.frames = 12;
-  result.query_windows = 10;
-  result.sequences = {{{"ref", 30}, 28, true, {}, ThresholdScale::bits, 0, {}}};
-  GroundTruth truth;
-  truth.pairs.resize(12);
-  for (uint32_t frame = 0; frame < 12; ++frame)
-    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
+  Result result = test::make_result(12, 3, 30);
+  const GroundTruth truth = test::aligned_truth(12, 12);
   // Every window has a correct and two incorrect recognitions.
   for (uint32_t window = 0; window < 10; ++window)
     for (const uint32_t train : {window, window + 5, window + 9})
@@ -194,8 +183,7 @@ TEST_CASE("a sweep by margin equals single queries by margin") {
   codes.erase(codes.begin(), codes.begin() + 10);
   DescriptorSet query = test::make_query(codes);
   query.sequence.unreadable = {30};
-  QueryResources resources;
-  resources.kernels = select_kernels();
+  const QueryResources resources = test::resources();
   SequenceQuerySettings base;
   base.decision = Decision::margin;
   const Grid grid{{1, 12}, {0, 30, 90, 300, std::nullopt}};

@@ -8,18 +8,13 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "match/fusion.h"
+#include "queries.h"
 #include "support.h"
 
 using namespace vpr;
+using test::random_words;
 
 namespace {
-
-WordSet random_words(size_t words, uint64_t share, RandomEngine& engine) {
-  WordSet set;
-  for (uint32_t q = 0; q < words; ++q)
-    if (uniform_below(engine, share) == 0) set.push_back(q);
-  return set;
-}
 
 struct Example {
   ChowLiuTree tree;

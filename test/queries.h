@@ -1,0 +1,54 @@
+// Resources, results and words for tests of queries and evaluations.
+#pragma once
+
+#include "base/random.h"
+#include "decide/result.h"
+#include "run/plan.h"
+#include "truth/ground_truth.h"
+#include "words/database.h"
+
+namespace vpr::test {
+
+inline QueryResources resources(size_t verify_cells = 0) {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  resources.verify_cells = verify_cells;
+  return resources;
+}
+
+/// A result of one training sequence, "ref", without matches.
+inline Result make_result(size_t query_frames, size_t window_length, size_t train_frames) {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = window_length;
+  result.settings = settings;
+  result.query.frames = query_frames;
+  result.query_windows = query_frames - window_length + 1;
+  result.sequences = {{{"ref", train_frames},
+                       train_frames - window_length + 1,
+                       true,
+                       0.5,
+                       ThresholdScale::relative,
+                       10,
+                       100}};
+  return result;
+}
+
+/// The first `matched` of the query frames show the training frame of the same number.
+inline GroundTruth aligned_truth(size_t query_frames, size_t matched) {
+  GroundTruth truth;
+  truth.pairs.resize(query_frames);
+  for (uint32_t frame = 0; frame < matched; ++frame)
+    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
+  return truth;
+}
+
+/// Each word with a chance of 1 / share.
+inline WordSet random_words(size_t words, uint64_t share, RandomEngine& engine) {
+  WordSet set;
+  for (uint32_t q = 0; q < words; ++q)
+    if (uniform_below(engine, share) == 0) set.push_back(q);
+  return set;
+}
+
+}  // namespace vpr::test
