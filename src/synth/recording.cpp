@@ -32,8 +32,8 @@ std::string poses_csv(const RecordedWalk& recorded) {
 
 /// The distance to a place, if the camera is on its floor and has a similar heading as one of its
 /// views.
-std::optional<double> meters_to_place(const World& world, const std::string& floor,
-                                      const CameraPose& pose, const WorldPlace& place) {
+std::optional<double> meters_to_place(const std::string& floor, const CameraPose& pose,
+                                      const WorldPlace& place) {
   const bool looks_alike =
       std::any_of(place.headings.begin(), place.headings.end(), [&](double heading) {
         return heading_difference(pose.heading_deg, heading) <= kSameHeadingDeg;
@@ -71,8 +71,7 @@ std::string place_truth_csv(const World& world, const RecordedWalk& query) {
   std::string csv = "query,reference,label\n";
   for (size_t q = 0; q < query.poses.size(); ++q)
     for (size_t p = 0; p < world.places.size(); ++p) {
-      const auto meters =
-          meters_to_place(world, query.walk->floor, query.poses[q], world.places[p]);
+      const auto meters = meters_to_place(query.walk->floor, query.poses[q], world.places[p]);
       const auto found =
           meters ? label(*meters, world.place_radius_m, world.place_ignore_m) : std::nullopt;
       if (found) csv += fmt::format("{},{},{}\n", q, p, *found);
@@ -108,7 +107,7 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
   for (size_t first = 0; first < frames;) {
     const auto shows_any = [&](size_t i) {
       return std::any_of(world.places.begin(), world.places.end(), [&](const WorldPlace& place) {
-        const auto meters = meters_to_place(world, recorded.walk->floor, recorded.poses[i], place);
+        const auto meters = meters_to_place(recorded.walk->floor, recorded.poses[i], place);
         return meters && *meters <= std::max(world.place_radius_m, world.place_ignore_m);
       });
     };
