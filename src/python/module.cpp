@@ -622,11 +622,11 @@ PYBIND11_MODULE(_vpr, module) {
       .def("__getitem__", &Distances::row)
       .def(
           "__array__",
-          [](const Distances& self, const py::object& type) {
+          [](const Distances& self, const py::object& type, const py::object&) {
             py::object all = self.rows(0, self.distances.query_frames);
             return type.is_none() ? all : all.attr("astype")(type);
           },
-          "dtype"_a = py::none())
+          "dtype"_a = py::none(), "copy"_a = py::none())
       .def_property_readonly(
           "unit",
           [](const Distances& self) {

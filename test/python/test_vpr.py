@@ -265,10 +265,10 @@ def test_arrays_are_not_copied(walks):
 
 
 def test_progress_is_reported_and_may_stop_the_work(walks):
-    bits = np.random.default_rng(1).integers(0, 256, (20000, 176), np.uint8)
-    db = vpr.train(descriptors=bits)
+    bits = np.random.default_rng(1).integers(0, 256, (200000, 176), np.uint8)
+    db = vpr.train(descriptors=bits[:3000])
     steps = []
-    vpr.query(db, descriptors=bits[:1000], c_l=10, t_r=0.1,
+    vpr.query(db, descriptors=bits[:20000], c_l=10, t_r=0.1,
               progress=lambda step, done, total: steps.append((step, done, total)))
     assert steps and all(done <= total for _, done, total in steps)
 
@@ -279,8 +279,8 @@ def test_progress_is_reported_and_may_stop_the_work(walks):
 
 
 def test_other_threads_run_and_interrupts_stop_the_work():
-    bits = np.random.default_rng(1).integers(0, 256, (60000, 176), np.uint8)
-    db = vpr.train(descriptors=bits)
+    bits = np.random.default_rng(1).integers(0, 256, (400000, 176), np.uint8)
+    db = vpr.train(descriptors=bits[:3000])
     ticks = []
 
     def interrupt():
