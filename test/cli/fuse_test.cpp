@@ -36,6 +36,7 @@ TEST_CASE("a fused query reports its FAB-MAP database") {
 }
 
 TEST_CASE("a result as settings selects the same database again") {
+  start_with(make_database);
   ok(query("--fuse $fabmap --fusion-weight 0.5 --c-l 10 --t-r -2 -o r.json"));
   check_failure(query("--config r.json"), 2, "--fuse");
   const Json json = printed_json(query("--config r.json --fuse $fabmap --json"));
