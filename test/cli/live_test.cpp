@@ -184,7 +184,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     CHECK(json["settings"]["c_l"] == 1);
     CHECK(json["settings"]["score"] == "zscore");
     CHECK(json["settings"]["decide"] == "margin");
-    CHECK(json["settings"]["margin"] == 15);
+    CHECK(json["settings"]["margin"] == 14);
     CHECK(json["settings"]["filter"]["path_keyframes"] == 16);
     CHECK(json["totals"]["recognitions"] > 0);
     CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
