@@ -54,12 +54,13 @@ void add_recognized(PassSearch& search, bool is_end) {
 }
 
 void search_run(PassSearch& search, const FrameDistances& own, const FrameStretch& stretch,
-                const CellStretch& run, size_t first_of_sequence) {
+                const CellStretch& run, size_t first_of_sequence, StepCounter& counter) {
   FilterState& state = search.state;
   const DescriptorRows& rows = own.query.rows;
   std::vector<uint16_t> scores;
   size_t cell = run.first;
   for (size_t k = 0; k < stretch.count; ++k) {
+    counter.add();
     const size_t frame = stretch.first_in_sequence + k;
     own.start_row(frame);
     compute_row(own, frame, scores);
@@ -106,8 +107,8 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
   std::optional<size_t> sequence;
   size_t first_of_sequence = 0;
   FrameDistances own;
+  StepCounter counter(monitor, "find passes", frames);
   for (size_t r = 0; r < raw.train_runs.size(); ++r) {
-    check_stop(monitor);
     const CellStretch& run = cells.runs[r];
     if (sequence != run.sequence) {
       sequence = run.sequence;
@@ -117,7 +118,7 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
     restart_filter(search.state);
     search.track.keyframes = 0;
     search.last.reset();
-    search_run(search, own, raw.train_runs[r], run, first_of_sequence);
+    search_run(search, own, raw.train_runs[r], run, first_of_sequence, counter);
   }
   std::vector<RepeatedPlace> passes;
   for (const CellStretch& run : cells.trained())
