@@ -59,7 +59,7 @@ void normalize_square(const cv::Mat& small, int left, int top, Thumbnail64& out)
     for (int x = 0; x < kThumbnailPatch; ++x) {
       const double level =
           deviation > 0 ? 128 + kDeviation * (kPixels * square(y, x) - sum) / deviation : 128;
-      out[static_cast<size_t>((top + y) * kThumbnailWidth + left + x)] =
+      out[static_cast<size_t>(top + y) * kThumbnailWidth + static_cast<size_t>(left + x)] =
           static_cast<uint8_t>(std::clamp(std::nearbyint(level), 0.0, 255.0));
     }
 }
