@@ -79,8 +79,8 @@ BenchResult run_matching(const Bench<MatchingBenchSettings>& bench, const Sessio
     throw Error(ErrorKind::usage, "--train and --query belong together: pass both or neither");
   if (!bench.train.empty() && bench.settings.descriptor_length != 0)
     throw Error(ErrorKind::usage, "--descriptor-length has no effect on --train; omit one of them");
-  if (session.command.is_given("--value-bits") && bench.settings.descriptor_length == 0)
-    throw Error(ErrorKind::usage, "--value-bits has no effect without --descriptor-length");
+  refuse(session.command.is_given("--value-bits") && bench.settings.descriptor_length == 0,
+         "--value-bits", "has no effect without --descriptor-length");
   std::optional<RecordedCodes> recorded;
   if (!bench.train.empty())
     recorded = {describe(bench.train, session.monitor), describe(bench.query, session.monitor)};
@@ -156,9 +156,8 @@ void add_fabmap(Program& program) {
 
 BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Session& session) {
   for (const char* flag : {"--c-l", "--score"})
-    if (bench.settings.method == "filter" && session.command.is_given(flag))
-      throw Error(ErrorKind::usage,
-                  fmt::format("{} has no effect on --method filter; omit one of them", flag));
+    refuse(bench.settings.method == "filter" && session.command.is_given(flag), flag,
+           "has no effect on --method filter; omit one of them");
   const SequenceSource query = open_sequence(parse_sequence_argument(bench.query));
   QueryResources resources;
   resources.kernels = session.kernels;
