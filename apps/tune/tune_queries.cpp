@@ -52,21 +52,18 @@ bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
 std::vector<std::string> setting_flags(const QuerySettings& chosen) {
   const Json settings = settings_in_force(chosen);
   std::vector<std::string> flags;
-  const auto add = [&](const char* key, const char* flag) {
+  const auto add = [&](const char* key) {
     if (!settings.contains(key) || settings[key].is_null()) return;
     const Json& value = settings[key];
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     for (const char* initial : {"auto", "raw", "threshold"})
       if (text == initial) return;
-    flags.push_back(fmt::format("{}{}{}", flag, text.starts_with('-') ? "=" : " ", text));
+    flags.push_back(fmt::format("{}{}{}", flag_of(key), text.starts_with('-') ? "=" : " ", text));
   };
   if (!has_paths(chosen))
-    for (const auto& [key, flag] :
-         {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("c_w", "--c-w"),
-          std::pair("t_p", "--t-p"), std::pair("score", "--score"), std::pair("decide", "--decide"),
-          std::pair("margin", "--margin"), std::pair("exclusion_frames", "--exclusion-frames"),
-          std::pair("fusion_weight", "--fusion-weight")})
-      add(key, flag);
+    for (const char* key : {"c_l", "t_r", "c_w", "t_p", "score", "decide", "margin",
+                            "exclusion_frames", "fusion_weight"})
+      add(key);
   if (settings.contains("rates") && !settings["rates"].empty())
     flags.push_back(fmt::format("--rates {}",
                                 fmt::join(settings["rates"].get<std::vector<std::string>>(), ",")));
