@@ -204,7 +204,7 @@ struct Inputs {
     }
     add_sequence(argument);
     if (argument.path.extension() == ".json")
-      for (const char* kind : kResultArrays) outputs.protect(companion_path(argument.path, kind));
+      for (const auto& array : array_paths(argument.path)) outputs.protect(array);
   }
 
   // Values of all arguments and flags: sequences with their frames, databases with their files,

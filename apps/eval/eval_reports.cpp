@@ -223,7 +223,7 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
       continue;
     }
     results.push_back(path);
-    for (const char* array : kResultArrays) session.outputs.protect(companion_path(path, array));
+    for (const auto& array : array_paths(path)) session.outputs.protect(array);
   }
   if (inputs.truth.is_given()) {
     for (const std::string& path : std::exchange(results, {})) {

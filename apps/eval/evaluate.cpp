@@ -121,12 +121,13 @@ std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const Store
   if (stored.result.places)
     throw Error(ErrorKind::usage, "a FAB-MAP result has no matrix. Use vpr-eval matrix SCORES");
   ScoreMatrix matrix(path, {false, false, stored.result.score().missing});
-  if (!stored.matrix_checksum)
+  const auto saved = stored.context.files.find("matrix");
+  if (saved == stored.context.files.end())
     warn(session.monitor,
          fmt::format("{}: no matrix was saved with this result (vpr-query --save-matrix); {} may "
                      "belong to another one",
                      inputs.result, path));
-  else if (matrix.fingerprint(session.monitor) != *stored.matrix_checksum)
+  else if (matrix.fingerprint(session.monitor) != saved->second.checksum)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not the matrix that {} was written with. Run vpr-query again "
                             "with --save-matrix, or use vpr-eval matrix",

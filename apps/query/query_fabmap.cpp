@@ -120,9 +120,8 @@ std::string explain(size_t frame, std::span<const double> posterior, const Query
                     const Session& session) {
   const FabmapDatabase searched =
       settings.loop ? with_query(database, query.words, query.name) : database;
-  const Explanation explanation =
-      explain_frame(searched, query.words.words[frame], frame, posterior, settings);
-  context.explanation = explanation_json(explanation);
+  const Explanation& explanation = context.explanation.emplace(
+      explain_frame(searched, query.words.words[frame], frame, posterior, settings));
   const std::string text = "\n" + explanation_text(explanation);
   const std::string& output = session.options.output;
   if (!query.images || output.empty() || explanation.places.empty()) return text;
@@ -193,7 +192,7 @@ void query_places(Session& session, const QueryOptions& options,
                     session);
   if (posteriors) {
     context.files["posteriors"] = posteriors->entry(session.monitor);
-    context.checksums[options.posteriors] = context.files["posteriors"]["checksum"];
+    context.checksums[options.posteriors] = context.files["posteriors"].checksum;
   }
   save_loops(options, run.result, session);
   session.print_result(text, save_result(session, run.result, context));

@@ -64,10 +64,7 @@ void read_scores(QueryData& data, ResultContext& context, const QueryOptions& op
   data.query = selected(std::move(made.query),
                         at_speed(options.selection.speed, scores.queries(), session.options.seed));
   const PrecomputedUnits& units = scores.units();
-  context.scores = {{"kind", enum_name(flags.order())},
-                    {"best", units.best},
-                    {"unit", units.unit},
-                    {"is_exact", units.is_exact}};
+  context.scores = {flags.order(), units.best, units.unit, units.is_exact};
   context.database_fingerprint = context.query_fingerprint = scores.fingerprint(session.monitor);
 }
 
@@ -150,9 +147,9 @@ std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& pat
 void finish_matrix(const SavedMatrix& saved, const std::string& path, const Result& result,
                    ResultContext& context, const Session& session) {
   if (saved.file) {
-    context.matrix = matrix_layout_json(layout_of(result));
+    context.matrix = matrix_layout(layout_of(result));
     context.files["matrix"] = saved.file->entry(session.monitor);
-    context.checksums[path] = context.files["matrix"]["checksum"];
+    context.checksums[path] = context.files["matrix"].checksum;
   }
   if (saved.pixels)
     session.outputs.file(path).write(
@@ -213,7 +210,7 @@ void query_sequences(Session& session, const QueryOptions& options,
   context.seconds = std::move(run.seconds);
   context.seconds["describe"] = describe_s;
   context.seconds["total"] = watch.elapsed_s();
-  if (options.verify_cells > 0) context.verified_cells = run.verified_cells;
+  if (options.verify_cells > 0) context.verification = {run.verified_cells, 0};
   finish_matrix(matrix, options.matrix, run.result, context, session);
   const Json json = save_result(session, run.result, context);
   save_loops(options, run.result, session);

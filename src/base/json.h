@@ -65,6 +65,8 @@ template <class T>
 inline constexpr bool kIsMap = false;
 template <class Key, class T>
 inline constexpr bool kIsMap<std::map<Key, T>> = true;
+template <class Key, class T>
+inline constexpr bool kIsMap<nlohmann::ordered_map<Key, T>> = true;
 
 /// A visitor that accepts any field; it distinguishes structs with fields from other types.
 struct AnyVisitor {
@@ -331,6 +333,17 @@ struct CustomField {
 template <class Write, class Read>
 CustomField(Write, Read) -> CustomField<Write, Read>;  // Clang 14 deduces none of aggregates
 
+/// A field that is only read.
+template <class Read>
+struct ReadField {
+  Read read_field;
+
+  void write(Json&, const std::string&, const JsonForm&) const {}
+  void read(const Fields& fields, const std::string& key) const { read_field(fields, key); }
+};
+template <class Read>
+ReadField(Read) -> ReadField<Read>;
+
 /// An object whose fields a function visits.
 template <class Visit>
 struct NestedObject {
@@ -343,6 +356,49 @@ template <class Visit, class Visitor>
 void visit_fields(NestedObject<Visit>& object, Visitor&& visitor) {
   object.visit(visitor);
 }
+
+/// A list of objects whose fields `visit(item, visitor)` visits.
+template <class T, class Visit>
+struct NestedList {
+  std::vector<T>& list;
+  Visit visit;
+
+  auto object_of(T& item) const {
+    return NestedObject{[this, &item](auto&& visitor) { visit(item, visitor); }};
+  }
+  void write(Json& json, const std::string& key, const JsonForm& form) const {
+    json[key] = Json::array();
+    for (T& item : list) json[key].push_back(value_to_json(object_of(item), form));
+  }
+  void read(const Fields& fields, const std::string& key) const {
+    if (fields.source().form.is_partial && !fields.has(key)) return;
+    const JsonSource source{fields.where() + ", " + key, fields.source().form};
+    for (const Json& json : fields.list(key)) {
+      auto object = object_of(list.emplace_back());
+      value_from_json(json, object, source, key);
+    }
+  }
+};
+template <class T, class Visit>
+NestedList(std::vector<T>&, Visit) -> NestedList<T, Visit>;
+
+/// A field that is omitted unless `is_present()`, which must hold once it has been read.
+template <class Test, class T>
+struct PresentIf {
+  Test is_present;
+  T field;
+
+  void write(Json& json, const std::string& key, const JsonForm& form) const {
+    if (is_present()) json[key] = value_to_json(field, form);
+  }
+  void read(const Fields& fields, const std::string& key) {
+    if (!fields.has(key)) return;
+    fields.read(key, field);
+    if (!is_present()) fields.fail(fmt::format("\"{}\" is out of range", key));
+  }
+};
+template <class Test, class T>
+PresentIf(Test, T) -> PresentIf<Test, T>;
 
 /// The value of an optional, or null.
 Json or_null(const auto& value) { return value ? Json(*value) : Json(); }

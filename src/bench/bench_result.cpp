@@ -1,6 +1,7 @@
 #include "bench/bench_result.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -26,23 +27,42 @@ size_t proc_bytes(const char* path, const std::string& name) {
   return 0;
 }
 
-NamedNumbers read_numbers(const Json& json, const Fields& where) {
-  if (!json.is_object()) where.fail("the parameters are not an object");
-  NamedNumbers numbers;
-  for (const auto& [name, value] : json.items()) {
-    if (!value.is_number()) where.fail("a parameter is not a number");
-    numbers.emplace_back(name, value.get<double>());
-  }
-  return numbers;
-}
-
-double read_time(const Fields& row, const std::string& key) {
-  const Json& value = row[key];
-  if (!value.is_number() || !(value.get<double>() >= 0)) row.fail("a time is not a number");
-  return value.get<double>();
+/// Numbers as an object with their names as keys.
+auto numbers_field(NamedNumbers& numbers) {
+  return CustomField{[&](Json& json, const std::string& key) { json[key] = numbers_json(numbers); },
+                     [&](const Fields& fields, const std::string& key) {
+                       const Fields object = fields.object(key);
+                       for (const auto& item : object.json().items()) {
+                         double value = 0;
+                         object.read(item.key(), value);
+                         numbers.emplace_back(item.key(), value);
+                       }
+                     }};
 }
 
 }  // namespace
+
+VPR_FIELDS(TimeSummary, median_ms, lower_quartile_ms, upper_quartile_ms, least_ms, most_ms,
+           repetitions)
+
+template <class Visitor>
+void visit_fields(BenchRow& row, Visitor&& visit) {
+  visit("work", row.work);
+  visit("parameters", numbers_field(row.parameters));
+  visit("per", row.per);
+  visit_fields(row.time, visit);
+  visit("values", numbers_field(row.values));
+  visit("note", row.note);
+}
+
+template <class Visitor>
+void visit_fields(BenchResult& result, Visitor&& visit) {
+  visit("schema", Derived{schema_name("bench")});
+  visit("bench", result.bench);
+  visit("settings", Derived{result.settings});
+  visit("rows", result.rows);
+  visit("left_out", result.left_out);
+}
 
 TimeSummary summarize(std::vector<double> times_ms) {
   std::sort(times_ms.begin(), times_ms.end());
@@ -138,21 +158,7 @@ Json numbers_json(const NamedNumbers& numbers) {
 }
 
 Json bench_json(const BenchResult& result, const RunInfo& run) {
-  Json json = {{"schema", "vpr.bench/3"}, {"bench", result.bench}, {"settings", result.settings}};
-  json["rows"] = Json::array();
-  for (const BenchRow& row : result.rows)
-    json["rows"].push_back({{"work", row.work},
-                            {"parameters", numbers_json(row.parameters)},
-                            {"per", row.per},
-                            {"median_ms", row.time.median_ms},
-                            {"lower_quartile_ms", row.time.lower_quartile_ms},
-                            {"upper_quartile_ms", row.time.upper_quartile_ms},
-                            {"least_ms", row.time.least_ms},
-                            {"most_ms", row.time.most_ms},
-                            {"repetitions", row.time.repetitions},
-                            {"values", numbers_json(row.values)},
-                            {"note", row.note}});
-  json["left_out"] = result.left_out;
+  Json json = value_to_json(result, kDataForm);
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);
   return json;
@@ -162,18 +168,14 @@ BenchResult read_bench(const std::filesystem::path& path) {
   const std::string where = path.string();
   const Json json = read_json(path, ErrorKind::data);
   require_schema(json, "bench", where, ErrorKind::data);
-  const Fields fields(json, where);
   BenchResult result;
-  result.bench = fields.text("bench");
-  for (const Json& item : fields.list("rows")) {
-    const Fields row(item, where);
-    BenchRow& read = result.rows.emplace_back();
-    read.work = row.text("work");
-    read.per = row.text("per");
-    read.parameters = read_numbers(row["parameters"], row);
-    read.time = {read_time(row, "median_ms"),         read_time(row, "lower_quartile_ms"),
-                 read_time(row, "upper_quartile_ms"), read_time(row, "least_ms"),
-                 read_time(row, "most_ms"),           row.count("repetitions", 1ULL << 40)};
+  const JsonSource source{where};
+  value_from_json(json, result, source, "the file");
+  for (const BenchRow& row : result.rows) {
+    const TimeSummary& time = row.time;
+    for (const double ms : {time.median_ms, time.lower_quartile_ms, time.upper_quartile_ms,
+                            time.least_ms, time.most_ms})
+      if (!(ms >= 0 && std::isfinite(ms))) source.fail("a time is out of range");
   }
   return result;
 }

@@ -110,7 +110,7 @@ Json numbers_json(const NamedNumbers& numbers);
 /// Settings, rows, omitted measurements, provenance and machine.
 Json bench_json(const BenchResult& result, const RunInfo& run);
 
-/// Rows and name of a stored benchmark. Throws Error(input) if the file cannot be read, Error(data)
+/// A stored benchmark, without its settings. Throws Error(input) if the file cannot be read, Error(data)
 /// if it is not a benchmark or is damaged.
 BenchResult read_bench(const std::filesystem::path& path);
 

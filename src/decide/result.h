@@ -35,6 +35,7 @@ struct SearchRecall {
   size_t windows = 0;       ///< query windows with a best match
   size_t found_best = 0;    ///< query windows whose smallest distance was found
   size_t recognitions = 0;  ///< of an exact search
+  size_t found_recognitions = 0;
 };
 
 /// The first frames of keyframes, increasing, from 0 on.
@@ -74,8 +75,8 @@ struct Result {
   std::vector<Match> recognitions;         ///< by query, sequence, train; each once
   std::vector<std::optional<Match>> best;  ///< by query window; ties to the first. Nullopt: has an
                                            ///< unreadable frame, or a frame without words
-  std::vector<double> best_rates;  ///< for windows of several rates: training frames per query
-                                   ///< frame of each best match; NaN without one
+  /// For windows of several rates: training frames per query frame of each best match.
+  std::vector<std::optional<double>> best_rates;
   /// By query window: the score of the runner-up minus the best score; nullopt without a runner-up.
   /// Empty: unknown, as for approximate methods and FAB-MAP.
   std::vector<std::optional<double>> margins;

@@ -45,7 +45,7 @@ constexpr Metric of_path(std::string_view key, std::string_view symbol, std::str
           .of_path = compute};
 }
 
-constexpr std::array<Metric, 17> kMetrics = {
+constexpr Metric kMetrics[] = {
     of_curve("average_precision", "AP",
              "precision at every threshold, weighted by the recall it adds", average_precision),
     of_curve("recall_at_100_precision", "R@100P", "recall before the first mistake",
@@ -102,9 +102,14 @@ constexpr std::array<Metric, 17> kMetrics = {
     of_path("first_recognition_m", "first recognition m",
             "distance before the first correct recognition, in meters", true, 2,
             [](const Localization& path) { return path.first_recognition_m; })};
-constexpr size_t kCurveMetrics = 6;
-constexpr size_t kRankMetrics = 3;
-constexpr size_t kPathMetrics = 7;
+
+// The rows with this function, which are consecutive.
+template <class Function>
+std::span<const Metric> rows_with(Function Metric::*function) {
+  const auto has = [&](const Metric& metric) { return metric.*function != nullptr; };
+  const auto* first = std::ranges::find_if(kMetrics, has);
+  return {first, std::find_if_not(first, std::end(kMetrics), has)};
+}
 
 }  // namespace
 
@@ -311,15 +316,15 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
 
 std::span<const Metric> metrics() { return kMetrics; }
 
-std::span<const Metric> curve_metrics() { return metrics().first(kCurveMetrics); }
+std::span<const Metric> curve_metrics() { return rows_with(&Metric::of_curve); }
 
-std::span<const Metric> rank_metrics() { return metrics().subspan(kCurveMetrics, kRankMetrics); }
+std::span<const Metric> rank_metrics() { return rows_with(&Metric::of_query); }
 
-std::span<const Metric> path_metrics() { return metrics().last(kPathMetrics); }
+std::span<const Metric> path_metrics() { return rows_with(&Metric::of_path); }
 
 const Metric& find_metric(std::string_view key) {
   const auto found = std::ranges::find(kMetrics, key, &Metric::key);
-  assert(found != kMetrics.end());
+  assert(found != std::end(kMetrics));
   return *found;
 }
 

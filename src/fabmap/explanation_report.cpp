@@ -5,22 +5,11 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "base/json.h"
 #include "chart/palette.h"
 #include "present/table.h"
 
 namespace vpr {
 namespace {
-
-Json evidence_json(const std::vector<WordEvidence>& words) {
-  Json list = Json::array();
-  for (const WordEvidence& word : words)
-    list.push_back({{"word", word.word},
-                    {"in_frame", word.in_frame},
-                    {"in_view", word.in_view},
-                    {"log_odds", word.log_odds}});
-  return list;
-}
 
 void add_rows(Table& table, const char* side, const std::vector<WordEvidence>& words) {
   for (const WordEvidence& word : words)
@@ -132,19 +121,6 @@ std::string explanation_text(const Explanation& explanation) {
     text += "\n" + render_table(table, TableFormat::text);
   }
   return text;
-}
-
-Json explanation_json(const Explanation& explanation) {
-  Json json = {{"frame", explanation.frame}, {"new_place", explanation.new_place}};
-  json["places"] = Json::array();
-  for (const PlaceExplanation& place : explanation.places)
-    json["places"].push_back({{"place", place.place},
-                              {"view", place.view},
-                              {"probability", place.match.score},
-                              {"log_odds", place.log_odds},
-                              {"for", evidence_json(place.for_it)},
-                              {"against", evidence_json(place.against)}});
-  return json;
 }
 
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,

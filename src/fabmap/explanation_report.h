@@ -1,4 +1,4 @@
-// Explanations of FAB-MAP's matches as JSON ("explanation" of a result), text and images.
+// Explanations of FAB-MAP's matches as text and images.
 #pragma once
 
 #include <string>
@@ -6,12 +6,10 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "base/json_fwd.h"
 #include "fabmap/place_query.h"
 
 namespace vpr {
 
-Json explanation_json(const Explanation& explanation);
 std::string explanation_text(const Explanation& explanation);
 
 /// A word at its position in an image.

@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/monitor.h"
+#include "decide/explanation.h"
 #include "decide/result.h"
 #include "run/query.h"
 #include "settings/query_settings.h"
@@ -63,24 +64,6 @@ struct FabmapMatcher {
   std::vector<double> views(const WordSet& words, size_t known_views) const;
   /// Log-likelihood of the new place.
   double new_place(const WordSet& words) const;
-};
-
-/// A likely place of a frame, with the words for and against it.
-struct PlaceExplanation {
-  Match match;
-  std::string place;
-  std::string view;     ///< "<group>: <name of the frame>"
-  double log_odds = 0;  ///< of the view against a new place by mean field
-  // Words in the frame or in the view, strongest first.
-  std::vector<WordEvidence> for_it;
-  std::vector<WordEvidence> against;
-};
-
-/// The explanation of a recognition.
-struct Explanation {
-  size_t frame = 0;
-  double new_place = 0;  ///< its posterior
-  std::vector<PlaceExplanation> places;
 };
 
 /// The largest numbers of words on each side, and of places.

@@ -4,22 +4,19 @@
 #include <limits>
 #include <vector>
 
-#include "base/json.h"
 #include "base/npy.h"
-#include "files/result_file.h"
 
 namespace vpr {
 
-Json matrix_layout_json(const ScoreLayout& layout) {
-  Json sequences = Json::array();
-  size_t column = 0;
+MatrixLayout matrix_layout(const ScoreLayout& layout) {
+  MatrixLayout found;
+  found.rows = row_count(layout);
   for (uint32_t s = 0; s < layout.scope.sequences.size(); ++s) {
     if (!layout.scope.sequences[s].searched) continue;
-    sequences.push_back(
-        {{"sequence", layout.scope.sequences[s].sequence.name}, {"first_column", column}});
-    if (const ScoreLayout::Columns* columns = layout.columns_of(s)) column += columns->count;
+    found.sequences.push_back({layout.scope.sequences[s].sequence.name, found.columns});
+    if (const ScoreLayout::Columns* columns = layout.columns_of(s)) found.columns += columns->count;
   }
-  return {{"rows", row_count(layout)}, {"columns", column}, {"sequences", sequences}};
+  return found;
 }
 
 MatrixFile::MatrixFile(Output& file, const Result& result, bool has_gaps, const Monitor& monitor)
@@ -54,8 +51,8 @@ void MatrixFile::operator()(const ScoreRow& row) {
   file_.write_at(position, std::as_bytes(std::span(scores)));
 }
 
-Json MatrixFile::entry(const Monitor& monitor) const {
-  return file_entry(file_.temporary(), row_count(layout_), monitor);
+FileEntry MatrixFile::entry(const Monitor& monitor) const {
+  return {row_count(layout_), file_checksum(file_.temporary(), monitor)};
 }
 
 PosteriorFile::PosteriorFile(Output& file, size_t frames, size_t views)
@@ -69,8 +66,8 @@ void PosteriorFile::add(std::span<const double> posterior) {
   file_.write(std::as_bytes(std::span<const double>(row)));
 }
 
-Json PosteriorFile::entry(const Monitor& monitor) const {
-  return file_entry(file_.temporary(), frames_, monitor);
+FileEntry PosteriorFile::entry(const Monitor& monitor) const {
+  return {frames_, file_checksum(file_.temporary(), monitor)};
 }
 
 }  // namespace vpr

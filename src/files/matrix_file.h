@@ -2,17 +2,36 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/output.h"
 #include "evaluate/score_matrix.h"
+#include "files/result_arrays.h"
 #include "match/match.h"
 
 namespace vpr {
 
-/// "matrix" of a result: the first column of each searched sequence.
-Json matrix_layout_json(const ScoreLayout& layout);
+/// The first column of a searched sequence.
+struct MatrixColumns {
+  std::string sequence;
+  size_t first_column = 0;
+};
+
+VPR_FIELDS(MatrixColumns, sequence, first_column)
+
+/// "matrix" of a result.
+struct MatrixLayout {
+  size_t rows = 0;
+  size_t columns = 0;
+  std::vector<MatrixColumns> sequences;
+};
+
+VPR_FIELDS(MatrixLayout, rows, columns, sequences)
+
+MatrixLayout matrix_layout(const ScoreLayout& layout);
 
 /// An int32 file of query windows x training windows, which is never in memory as a whole. Windows
 /// with an unreadable frame have the score's `missing` value.
@@ -23,7 +42,7 @@ class MatrixFile {
   /// Accepts part of a row, on any thread.
   void operator()(const ScoreRow& row);
   /// The file's entry in a result. Reads the whole file.
-  Json entry(const Monitor& monitor) const;
+  FileEntry entry(const Monitor& monitor) const;
 
  private:
   Output& file_;
@@ -40,7 +59,7 @@ class PosteriorFile {
   /// Accepts the frames in order, new place first; empty for an unreadable frame.
   void add(std::span<const double> posterior);
   /// The file's entry in a result, after the last row.
-  Json entry(const Monitor& monitor) const;
+  FileEntry entry(const Monitor& monitor) const;
 
  private:
   Output& file_;

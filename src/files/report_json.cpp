@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +11,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "files/result_file.h"
+#include "sequence/sequence_json.h"
 
 namespace vpr {
 namespace {
@@ -124,12 +126,19 @@ struct OutcomesForm {
 VPR_FIELDS(LabelCounts, correct, incorrect, ignored)
 
 template <class Visitor>
-void visit_fields(Counts& counts, Visitor&& visit) {
+void visit_counts(Counts& counts, JudgedBy judge, Visitor&& visit) {
   visit("pairs", counts.recognitions);
-  visit("distinct", counts.distinct);
-  visit("pairs_by_place", IfSet{counts.recognitions_by_place});
+  if (judge != JudgedBy::nothing) {
+    visit("distinct", counts.distinct);
+    visit("pairs_by_place", IfSet{counts.recognitions_by_place});
+  }
   visit("places", IfSet{counts.clusters});
-  if (counts.clusters) visit("mixed_places", counts.mixed_clusters);
+  if (counts.clusters && judge == JudgedBy::ground_truth)
+    visit("mixed_places", counts.mixed_clusters);
+}
+template <class Visitor>
+void visit_fields(Counts& counts, Visitor&& visit) {
+  visit_counts(counts, JudgedBy::ground_truth, visit);
 }
 
 template <class Visitor>
@@ -204,14 +213,16 @@ void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
 }
 
 template <class Visitor>
-void visit_fields(Localization& path, Visitor&& visit) {
+void visit_localization(Localization& path, JudgedBy judge, Visitor&& visit) {
+  const bool has_truth = judge == JudgedBy::ground_truth;
   visit("frames", path.frames);
   visit("recognized", path.recognized);
   visit("recognized_share", Derived{path.recognized_share()});
-  visit("frames_with_match", path.frames_with_match);
+  if (has_truth) visit("frames_with_match", path.frames_with_match);
+  if (judge == JudgedBy::nothing) return;
   visit("correct", path.correct);
   visit("incorrect", path.incorrect);
-  visit("off_map", path.off_map);
+  if (has_truth) visit("off_map", path.off_map);
   visit("share", Derived{path.share()});
   visit("longest_gap_frames", path.longest_gap_frames);
   visit("longest_gap_m", path.longest_gap_m);
@@ -231,9 +242,9 @@ void visit_fields(ReportedMetrics& metrics, Visitor&& visit) {
 }
 
 template <class Visitor>
-void visit_fields(Protocol& protocol, Visitor&& visit) {
+void visit_protocol(Protocol& protocol, JudgedBy judge, Visitor&& visit) {
   visit("ground_truth", protocol.ground_truth);
-  visit("tolerance_frames", protocol.tolerance_frames);
+  if (judge == JudgedBy::ground_truth) visit("tolerance_frames", protocol.tolerance_frames);
   visit("", CustomField{[&](Json& json, const std::string&) {
                           for (const auto& [key, words] : protocol.definitions) json[key] = words;
                         },
@@ -246,11 +257,11 @@ void visit_fields(Protocol& protocol, Visitor&& visit) {
 }
 
 template <class Visitor>
-void visit_fields(ReportSources& sources, Visitor&& visit) {
+void visit_sources(ReportSources& sources, JudgedBy judge, Visitor&& visit) {
   visit_fields(sources.made_by, visit);
   visit("result", IfSet{sources.result});
   visit("scores", IfSet{sources.scores});
-  visit("ground_truth", sources.ground_truth);
+  if (judge == JudgedBy::ground_truth) visit("ground_truth", sources.ground_truth);
 }
 
 template <class Visitor>
@@ -287,30 +298,34 @@ void visit_fields(Report& report, Visitor&& visit) {
   visit("schema", Derived{schema_name("report")});
   visit("method", report.method);
   visit("query", report.query);
-  visit("",
-        CustomField{[&](Json& json, const std::string&) { add_selection(json, report.selection); },
-                    [&](const Fields& fields, const std::string&) {
-                      report.selection =
-                          read_selection(fields, [](const auto&) { return kMostFrames; });
-                    }});
+  visit_fields(report.selection, visit);
   visit("settings",
         CustomField{[&](Json& json, const std::string& key) { json[key] = report.settings_json(); },
                     [&](const Fields& fields, const std::string& key) {
                       read_settings(fields, key, report);
                     }});
-  if (report.query_settings() != nullptr) visit("counts", report.counts);
-  visit("best_match", report.counts.best_match);
+  if (report.query_settings() != nullptr)
+    visit("counts",
+          NestedObject{[&](auto&& inner) { visit_counts(report.counts, report.judged, inner); }});
+  const bool has_truth = report.judged == JudgedBy::ground_truth;
+  if (has_truth) visit("best_match", report.counts.best_match);
   visit("by_keyframe", IfSet{report.by_keyframe});
   visit("recognized_places", IfSet{report.recognitions});
-  visit("metrics", report.metrics);
-  visit("localization", report.localization);
-  visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
+  if (has_truth) visit("metrics", report.metrics);
+  visit("localization", NestedObject{[&](auto&& inner) {
+          visit_localization(report.localization, report.judged, inner);
+        }});
+  if (has_truth) visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
   visit("oracle", Unless{report.is_oracle, false});
-  visit("curves", report.curves);
+  if (has_truth) visit("curves", report.curves);
   visit("outcomes", OutcomesForm{report.outcomes, report.verdicts});
-  visit("protocol", report.protocol);
-  visit("provenance", report.provenance);
+  visit("protocol",
+        NestedObject{[&](auto&& inner) { visit_protocol(report.protocol, report.judged, inner); }});
+  visit("provenance", NestedObject{[&](auto&& inner) {
+          visit_sources(report.provenance, report.judged, inner);
+        }});
   visit("name", IfSet{report.name});
+  visit("judged", Unless{report.judged, JudgedBy::ground_truth});
 }
 
 Json Report::settings_json() const {
@@ -319,25 +334,7 @@ Json Report::settings_json() const {
                              : value_to_json(std::get<ScoreSettings>(settings), kDataForm);
 }
 
-Json report_json(const Report& report) {
-  Json json = value_to_json(report, kDataForm);
-  if (report.judged == JudgedBy::ground_truth) return json;
-  json["judged"] = enum_name(report.judged);
-  const auto omit = [&json](const std::string& key) {
-    const Json::json_pointer at(key);
-    if (json.contains(at)) json[at.parent_pointer()].erase(at.back());
-  };
-  for (const char* key :
-       {"/best_match", "/metrics", "/curves", "/confidence", "/protocol/tolerance_frames",
-        "/provenance/ground_truth", "/counts/mixed_places", "/localization/frames_with_match",
-        "/localization/off_map"})
-    omit(key);
-  if (report.judged == JudgedBy::places) return json;
-  omit("/counts/pairs_by_place");
-  omit("/counts/distinct");
-  for (const Metric& metric : path_metrics()) omit(fmt::format("/localization/{}", metric.key));
-  return json;
-}
+Json report_json(const Report& report) { return value_to_json(report, kDataForm); }
 
 Json report_json(const Report& report, const RunInfo& run, double seconds) {
   Json json = report_json(report);
@@ -361,6 +358,9 @@ Report parse_report(const Json& json, const std::string& where) {
   outcomes.window_length = of_query != nullptr
                                ? window_length_of(*of_query)
                                : std::get<ScoreSettings>(report.settings).window_length;
+  if (report.selection.recorded_frames > kMostFrames ||
+      !std::isfinite(report.selection.selected_fps))
+    fields.fail("its selection is out of range");
   if (outcomes.confidence == Confidence::margin && !outcomes.has_margins)
     fields.fail("its outcomes do not fit each other");
   if (!report.provenance.result && !report.provenance.scores) fields.fail("\"scores\" is missing");

@@ -1,103 +1,224 @@
 #include "files/result_file.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <span>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/checksum.h"
-#include "base/json.h"
-#include "base/mapped_file.h"
-#include "base/npy.h"
-#include "base/output.h"
+#include "base/error.h"
+#include "base/provenance.h"
+#include "sequence/sequence_json.h"
+#include "store/archive.h"
 
 namespace vpr {
+
+template <class Visitor>
+void visit_fields(UsedStatistics& statistics, Visitor&& visit) {
+  visit_fields(statistics.settings, visit);
+  visit("typical_distance", statistics.typical_distance);
+}
+
+VPR_FIELDS(SearchRecall, windows, found_best, recognitions, found_recognitions)
+
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file in memory
+constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
 
-/// Matches as two arrays: query, sequence, train and, for places, the view; and scores. A query
-/// without a match has -1 for all but the query, and NaN.
-struct MatchColumns {
-  size_t columns;
-  std::vector<int32_t> indices = {};
-  std::vector<double> scores = {};
+/// The content of RESULT.json.
+struct ResultContent {
+  Result& result;
+  ResultContext& context;
 
-  void add(const Match& match) {
-    const std::array<uint32_t, 4> row = {match.query, match.sequence, match.train, match.view};
-    for (size_t c = 0; c < columns; ++c) indices.push_back(static_cast<int32_t>(row[c]));
-    scores.push_back(match.score);
-  }
-  void add_none(size_t query) {
-    indices.push_back(static_cast<int32_t>(query));
-    indices.insert(indices.end(), columns - 1, -1);
-    scores.push_back(std::numeric_limits<double>::quiet_NaN());
-  }
+  bool has_places() const { return std::holds_alternative<FabmapQuerySettings>(result.settings); }
 };
 
-// A row per query frame: the rate, the number of the path, and the frame that decided.
-std::vector<double> path_rows(const ResultPath& path) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> rows;
-  for (size_t frame = 0; frame < path.rates.size(); ++frame) {
-    const std::optional<uint32_t> decided = path.decided[frame];
-    rows.insert(rows.end(), {path.rates[frame].value_or(kNone),
-                             static_cast<double>(path.numbers[frame]), decided ? *decided : kNone});
-  }
-  return rows;
+struct ClusterExtent {
+  size_t window = 0;
+  size_t anchor = 0;
+  size_t first = 0;
+  size_t last = 0;
+  size_t first_frame = 0;
+  size_t last_frame = 0;
+};
+
+VPR_FIELDS(ClusterExtent, window, anchor, first, last, first_frame, last_frame)
+
+ClusterExtent extent_of(size_t window, size_t first, size_t last, size_t length) {
+  return {window, anchor_of(window, length), first, last, first, anchor_of(last, length)};
 }
 
-// The first frames of keyframes as rows of sequence and frame; the query is sequence -1.
-std::vector<int32_t> keyframe_rows(const ResultKeyframes& keyframes) {
-  std::vector<int32_t> rows;
-  const auto add = [&](int32_t sequence, const std::vector<uint32_t>& starts) {
-    for (const uint32_t frame : starts) {
-      rows.push_back(sequence);
-      rows.push_back(static_cast<int32_t>(frame));
-    }
+Json clusters_json(const Clusters& clusters, size_t length) {
+  Json json = Json::array();
+  for (const Cluster& one : clusters.all)
+    json.push_back(
+        {{"sequence", one.sequence},
+         {"query",
+          value_to_json(extent_of(one.query_window, one.query_first, one.query_last, length))},
+         {"train",
+          value_to_json(extent_of(one.train_window, one.train_first, one.train_last, length))},
+         {"recognitions", one.recognitions},
+         {"best_score", static_cast<int64_t>(one.best_score)}});
+  return json;
+}
+
+/// A sum of scores, which is smaller in files by `offset`.
+auto sum_field(uint32_t& sum, int64_t offset) {
+  return CustomField{
+      [&sum, offset](Json& json, const std::string& key) { json[key] = sum - offset; },
+      [&sum, offset](const Fields& fields, const std::string& key) {
+        constexpr int64_t kMost = int64_t{1} << 33;  // above any sum; the addition cannot overflow
+        int64_t number = 0;
+        fields.read(key, number);
+        if (number <= -kMost || number >= kMost || !std::in_range<uint32_t>(number + offset))
+          fields.fail(fmt::format("\"{}\" is out of range", key));
+        sum = static_cast<uint32_t>(number + offset);
+      }};
+}
+
+template <class Visitor>
+void visit_query(ResultContent& content, Visitor&& visit) {
+  Result& result = content.result;
+  visit_sequence(result.query, visit, [&] {
+    visit("windows", result.query_windows);
+    visit("unreadable", result.query.unreadable);
+  });
+  if (content.has_places()) visit("featureless", result.places->featureless);
+}
+
+template <class Visitor>
+void visit_compared(ComparedSequence& compared, ResultContent& content, Visitor&& visit) {
+  visit_sequence(compared.sequence, visit, [&] {
+    visit("windows", compared.windows);
+    visit("searched", compared.searched);
+  });
+  if (!compared.searched || content.has_places()) return;
+  visit("t_r", compared.threshold);
+  visit("t_r_scale", compared.scale);
+  visit("limit", sum_field(compared.distance_limit, sum_offset(content.result)));
+  visit("max_distance", IfSet{compared.max_distance});
+  visit("margin", IfSet{compared.margin});
+}
+
+template <class Visitor>
+void visit_context(ResultContext& context, Visitor&& visit) {
+  RunInfo& run = context.run;
+  visit("provenance", NestedObject{[&](auto&& inner) {
+          inner("program", run.program);
+          inner("version", Derived{program_version()});
+          inner("commit", Derived{program_commit()});
+          inner("seed", run.seed);
+          inner("database", context.database_fingerprint);
+          inner("query", context.query_fingerprint);
+          inner("fused", IfSet{context.fused_fingerprint});
+        }});
+  visit("machine",
+        CustomField{[&](Json& json, const std::string& key) { json[key] = machine_json(run); },
+                    [&](const Fields& fields, const std::string& key) {
+                      if (fields.has(key)) read_machine(fields.object(key), run);
+                    }});
+  visit("timing", Derived{timing_json(context.seconds)});
+  // A saved matrix or posteriors are listed before the companions, arrays alone behind them.
+  const bool is_saved = context.files.count("matrix") + context.files.count("posteriors") > 0;
+  if (is_saved) visit("files", context.files);
+  visit("companions", Unless{context.companions, {}});
+  if (!is_saved) visit("files", Unless{context.files, {}});
+}
+
+template <class Visitor>
+void visit_fields(ResultContent& content, Visitor&& visit) {
+  Result& result = content.result;
+  ResultContext& context = content.context;
+  visit("schema", Derived{schema_name("result")});
+  visit("method", Derived{method_of(result.settings)});
+  const auto write_settings = [&](Json& json, const std::string& key) {
+    json[key] = settings_in_force(result.settings);
   };
-  add(-1, keyframes.query);
-  for (size_t t = 0; t < keyframes.train.size(); ++t)
-    add(static_cast<int32_t>(t), keyframes.train[t]);
-  return rows;
+  visit("settings", CustomField{write_settings, [&](const Fields& fields, const std::string&) {
+                                  result.settings = read_query_settings(fields);
+                                  if (content.has_places()) result.places.emplace();
+                                }});
+  visit("statistics", IfSet{result.statistics});
+  visit("query", NestedObject{[&](auto&& inner) { visit_query(content, inner); }});
+  visit("sequences", NestedList{result.sequences, [&](ComparedSequence& compared, auto&& inner) {
+                                  visit_compared(compared, content, inner);
+                                }});
+  if (content.has_places())
+    visit("places", NestedObject{[&](auto&& inner) {
+            inner("names", result.places->names);
+            inner("views", result.places->views);
+          }});
+  visit("totals", NestedObject{[&](auto&& inner) {
+          inner("recognitions", Derived{result.recognitions.size()});
+          const auto write = [&](Json& json, const std::string& key) {
+            if (result.path && result.path->reversed_frames)
+              json[key] = *result.path->reversed_frames;
+          };
+          inner("reversed_frames",
+                CustomField{write, [&](const Fields& fields, const std::string& key) {
+                              std::optional<size_t> frames;
+                              fields.read_if_set(key, frames);
+                              if (frames) result.path.emplace().reversed_frames = frames;
+                            }});
+          if (result.clusters) inner("clusters", Derived{result.clusters->all.size()});
+        }});
+  visit("recall", IfSet{result.recall});
+  if (result.clusters)  // not for a reader, which finds them again
+    visit("clusters", Derived{clusters_json(*result.clusters, result.window_length())});
+  visit("verification", IfSet{context.verification});
+  visit("matrix", IfSet{context.matrix});
+  visit("scores", IfSet{context.scores});
+  visit("explanation", IfSet{context.explanation});
+  visit_context(context, visit);
 }
 
-Json query_json(const Result& result) {
-  Json json = sequence_json(
-      result.query, {{"windows", result.query_windows}, {"unreadable", result.query.unreadable}});
-  if (result.places) json["featureless"] = result.places->featureless;
-  return json;
+// Checks what the types of fields do not imply.
+void check_content(const Result& result, const JsonSource& source) {
+  const size_t length = result.window_length();
+  const size_t longest = result.score().longest_window;
+  if (length == 0 || (longest > 0 && length > longest)) source.fail("its c_l is out of range");
+  check_sequence(result.query, kMostFrames, source);
+  if (result.query_windows != window_count(result.query.frames, length))
+    source.fail("its numbers of windows and frames do not fit");
+  for (const ComparedSequence& compared : result.sequences) {
+    check_sequence(compared.sequence, kMostFrames, source);
+    if (compared.windows > window_count(compared.sequence.frames, length))
+      source.fail("\"windows\" is out of range");
+  }
+  if (!result.places) return;
+  if (result.places->views > kMostFrames || result.places->featureless > result.query.frames)
+    source.fail("\"places\" or \"featureless\" is out of range");
+  if (result.sequences.size() != 1 ||
+      result.sequences[0].sequence.frames != result.places->names.size())
+    source.fail("its places and its sequences do not fit");
 }
 
-Json compared_json(const ComparedSequence& compared, const Result& result) {
-  Json json = sequence_json(compared.sequence,
-                            {{"windows", compared.windows}, {"searched", compared.searched}});
-  if (!compared.searched || result.places) return json;
-  json["t_r"] = compared.threshold ? Json(*compared.threshold) : Json();
-  json["t_r_scale"] = enum_name(compared.scale);
-  json["limit"] = compared.distance_limit - result.score().offset(result.window_length());
-  if (compared.max_distance) json["max_distance"] = *compared.max_distance;
-  if (compared.margin) json["margin"] = *compared.margin;
-  return json;
+// Compares the clusters of the file with those of its recognitions.
+void find_clusters(const Fields& fields, Result& result, const Monitor& monitor) {
+  const int64_t eps = std::get<SequenceQuerySettings>(result.settings).clustering.eps;
+  if (eps < 0 || eps > kMaxEps) fields.fail("its clustering.eps is out of range");
+  cluster(result, monitor);
+  if (fields.list("clusters") != clusters_json(*result.clusters, result.window_length()))
+    fields.fail("its clusters are not those of its recognitions");
 }
 
-Json extent_json(uint32_t window, uint32_t first, uint32_t last, size_t length) {
-  return {{"window", window},     {"anchor", anchor_of(window, length)},
-          {"first", first},       {"last", last},
-          {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
-}
-
-void add_context(Json& json, const ResultContext& context) {
-  json["provenance"] = provenance_json(context.run);
-  json["provenance"]["database"] = context.database_fingerprint;
-  json["provenance"]["query"] = context.query_fingerprint;
-  if (!context.fused_fingerprint.empty()) json["provenance"]["fused"] = context.fused_fingerprint;
-  add_run(json, context.run, context.seconds);
-  if (!context.files.empty()) json["files"] = context.files;
+// Other files of the run in the folder of the result. They may be missing.
+void check_companions(const fs::path& result, const ResultContext& context,
+                      const JsonSource& source, const Monitor& monitor) {
+  for (const auto& [name, sum] : context.companions) {
+    if (fs::path(name).filename() != name)
+      source.fail("\"companions\" is not a list of file names");
+    const fs::path path = result.parent_path() / name;
+    std::error_code error;
+    if (fs::is_regular_file(path, error) && file_checksum(path, monitor) != sum)
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: belongs to another run than {}; run vpr-query again, with "
+                              "--force, or remove this file",
+                              path.string(), result.string()));
+  }
 }
 
 Json match_json(const Result& result, const Match& match) {
@@ -108,52 +229,16 @@ Json match_json(const Result& result, const Match& match) {
           {"sum", static_cast<int64_t>(match.score)}};
 }
 
-// Adds the checksums of the arrays and of the whole to the JSON of a result, and writes the arrays
-// if there are outputs.
-void seal(Json& json, const fs::path& path, const Result& result, Outputs* outputs) {
-  visit_arrays(result, [&](const ResultArray& array) {
-    std::vector<size_t> shape = {array.rows};
-    if (array.columns.size() > 1) shape.push_back(array.columns.size());
-    const std::string header = npy_header(array.type, shape);
-    ChecksumStream sum;
-    sum.add(std::as_bytes(std::span(header)));
-    sum.add(array.values);
-    json["files"][array.name] = {{"rows", array.rows}, {"checksum", sum.text()}};
-    if (outputs == nullptr) return;
-    Output& file = outputs->file(companion_path(path, array.name + ".npy"));
-    file.write(header);
-    file.write(array.values);
-  });
+Json sealed(Json json) {
   json["checksum"] = result_checksum(json);
+  return json;
 }
 
 }  // namespace
 
-fs::path companion_path(const fs::path& result, const std::string& kind) {
-  fs::path path = result;
-  if (path.extension() == ".json") path.replace_extension();
-  return path += "." + kind;
-}
-
 void claim_result(const fs::path& path, Outputs& outputs) {
   outputs.claim_file(path);
-  for (const char* kind : kResultArrays) outputs.claim_file(companion_path(path, kind));
-}
-
-std::string file_checksum(const fs::path& path, const Monitor& monitor) {
-  const MappedFile file(path);
-  ChecksumStream sum;
-  for (size_t at = 0; at < file.bytes().size(); at += kPieceBytes) {
-    check_stop(monitor);
-    const size_t size = std::min(kPieceBytes, file.bytes().size() - at);
-    sum.add(file.bytes().subspan(at, size));
-    file.forget(at, size);
-  }
-  return sum.text();
-}
-
-Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
-  return {{"rows", rows}, {"checksum", file_checksum(path, monitor)}};
+  for (const fs::path& array : array_paths(path)) outputs.claim_file(array);
 }
 
 std::string result_checksum(Json json) {
@@ -161,105 +246,29 @@ std::string result_checksum(Json json) {
   return checksum(to_text(json));
 }
 
-Json clusters_json(const Clusters& clusters, size_t length) {
-  Json json = Json::array();
-  for (const Cluster& one : clusters.all)
-    json.push_back(
-        {{"sequence", one.sequence},
-         {"query", extent_json(one.query_window, one.query_first, one.query_last, length)},
-         {"train", extent_json(one.train_window, one.train_first, one.train_last, length)},
-         {"recognitions", one.recognitions},
-         {"best_score", static_cast<int64_t>(one.best_score)}});
-  return json;
-}
-
 Json result_json(const Result& result, const ResultContext& context) {
-  Json json = {{"schema", "vpr.result/3"}, {"method", method_of(result.settings)}};
-  json["settings"] = settings_in_force(result.settings);
-  if (result.statistics) {
-    json["statistics"] = value_to_json(result.statistics->settings);
-    json["statistics"]["typical_distance"] = result.statistics->typical_distance;
-  }
-  json["query"] = query_json(result);
-  json["sequences"] = Json::array();
-  for (const ComparedSequence& compared : result.sequences)
-    json["sequences"].push_back(compared_json(compared, result));
-  if (result.places)
-    json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
-  json["totals"] = {{"recognitions", result.recognitions.size()}};
-  if (result.path && result.path->reversed_frames)
-    json["totals"]["reversed_frames"] = *result.path->reversed_frames;
-  if (result.recall)
-    json["recall"] = {{"windows", result.recall->windows},
-                      {"found_best", result.recall->found_best},
-                      {"recognitions", result.recall->recognitions},
-                      {"found_recognitions", result.recognitions.size()}};
-  if (result.clusters) {
-    json["totals"]["clusters"] = result.clusters->all.size();
-    json["clusters"] = clusters_json(*result.clusters, result.window_length());
-  }
-  if (context.verified_cells)
-    json["verification"] = {{"cells", *context.verified_cells}, {"differences", 0}};
-  if (context.matrix) json["matrix"] = *context.matrix;
-  if (context.scores) json["scores"] = *context.scores;
-  if (context.explanation) json["explanation"] = *context.explanation;
-  add_context(json, context);
-  return json;
+  return value_to_json(ResultContent{const_cast<Result&>(result),  // visited, not changed
+                                     const_cast<ResultContext&>(context)},
+                       kDataForm);
 }
 
-void visit_arrays(const Result& result, const std::function<void(const ResultArray&)>& visit) {
-  const auto add = [&]<class T>(const std::string& name, const std::vector<T>& values,
-                                std::vector<std::string_view> columns = {""}) {
-    const size_t rows = values.size() / columns.size();
-    visit({name, npy_type<T>(), rows, std::move(columns), std::as_bytes(std::span(values))});
-  };
-  std::vector<std::string_view> columns = {"query", "sequence", "train"};
-  if (result.places) columns.emplace_back("view");
-  MatchColumns recognitions{columns.size()};
-  recognitions.indices.reserve(columns.size() * result.recognitions.size());
-  for (const Match& recognition : result.recognitions) recognitions.add(recognition);
-  add("recognitions", recognitions.indices, columns);
-  add("recognition_scores", recognitions.scores);
-  MatchColumns best{columns.size()};
-  for (size_t window = 0; window < result.best.size(); ++window)
-    result.best[window] ? best.add(*result.best[window]) : best.add_none(window);
-  add("best", best.indices, columns);
-  add("best_scores", best.scores);
-  if (!result.best_rates.empty()) add("best_rates", result.best_rates);
-  if (!result.margins.empty()) {
-    std::vector<double> margins;
-    for (const auto& margin : result.margins)
-      margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
-    add("margins", margins);
-  }
-  if (result.path) add("path", path_rows(*result.path), {"rate", "path", "decided"});
-  if (result.keyframes) add("keyframes", keyframe_rows(*result.keyframes), {"sequence", "frame"});
-  if (result.places) add("new_place", result.places->new_place);
-  const Sequence* query = &result.query;
-  if (!query->selection.is_all()) add("source_frames", source_rows({&query, 1}));
-  std::vector<const Sequence*> train;
-  for (const ComparedSequence& compared : result.sequences) train.push_back(&compared.sequence);
-  if (const std::vector<int32_t> rows = source_rows(train); !rows.empty())
-    add("train_source_frames", rows);
-}
-
-Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
+Json write_result(const fs::path& path, const Result& result, ResultContext context,
                   Outputs& outputs) {
-  Json json = result_json(result, context);
   for (const Output* file : outputs.files_next_to(path)) {
     const auto known = context.checksums.find(file->path());
-    json["companions"][file->path().filename().string()] =
+    context.companions[file->path().filename().string()] =
         known != context.checksums.end() ? known->second : file_checksum(file->temporary());
   }
-  seal(json, path, result, &outputs);
+  write_arrays(path, result, context.files, &outputs);
+  const Json json = sealed(result_json(result, context));
   outputs.file(path).write(to_text(json));
   return json;
 }
 
 Json sealed_result_json(const Result& result, const ResultContext& context) {
-  Json json = result_json(result, context);
-  seal(json, "", result, nullptr);
-  return json;
+  ResultContext with_arrays = context;
+  write_arrays("", result, with_arrays.files, nullptr);
+  return sealed(result_json(result, with_arrays));
 }
 
 std::string RecordedRun::path(const std::string& role) const {
@@ -267,11 +276,57 @@ std::string RecordedRun::path(const std::string& role) const {
   return found == paths.end() ? std::string() : found->second;
 }
 
+Json read_result_json(const fs::path& path) {
+  const std::string where = path.string();
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is a {}. Pass a result of vpr-query (.json).", where,
+                            fs::exists(path / kManifestName, ignored) ? "database" : "folder"));
+  Json json = read_json(path, ErrorKind::data);
+  require_schema(json, "result", where, ErrorKind::data);
+  const Fields fields(json, where);
+  if (fields.text("checksum") != result_checksum(json)) fields.fail("its checksum does not fit");
+  return json;
+}
+
+QuerySettings read_query_settings(const Fields& file) {
+  QuerySettings settings;
+  if (file.text("method") == FabmapQuerySettings{}.method) settings = FabmapQuerySettings{};
+  std::visit([&](auto& kind) { file.read_settings("settings", kind); }, settings);
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  if (sequences != nullptr &&
+      std::ranges::count(sequence_methods(), sequences->method, &SequenceMethod::name) == 0)
+    file.fail(fmt::format("the method \"{}\" is unknown", sequences->method));
+  return settings;
+}
+
+StoredResult read_result(const fs::path& path, const Monitor& monitor) {
+  const Json json = read_result_json(path);
+  const Fields fields(json, path.string());
+  const JsonSource& source = fields.source();
+  StoredResult stored;
+  auto& [result, context, fingerprint, run] = stored;
+  fingerprint = fields.text("checksum");
+  ResultContent content{result, context};
+  value_from_json(json, content, source, "result");
+  check_content(result, source);
+  read_arrays(path, context.files, source, result);
+  if (!content.has_places()) find_clusters(fields, result, monitor);
+  check_companions(path, context, source, monitor);
+  run = {context.run.paths, context.run.frame_names, context.database_fingerprint, {}};
+  return stored;
+}
+
 Json live_line(const LineFrame& frame, const Result* result, size_t window) {
-  Json line = {{"schema", "vpr.live/3"}, {"frame", frame.number},
-               {"name", frame.name},     {"readable", frame.is_readable},
-               {"match", nullptr},       {"margin", nullptr},
-               {"rate", nullptr},        {"recognized", Json::array()}};
+  Json line = {{"schema", schema_name("live")},
+               {"frame", frame.number},
+               {"name", frame.name},
+               {"readable", frame.is_readable},
+               {"match", nullptr},
+               {"margin", nullptr},
+               {"rate", nullptr},
+               {"recognized", Json::array()}};
   if (result == nullptr) return line;
   if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
   if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;

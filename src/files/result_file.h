@@ -2,76 +2,62 @@
 // the lines of a live query (vpr.live/3).
 #pragma once
 
-#include <array>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/json.h"
 #include "base/output.h"
+#include "decide/explanation.h"
 #include "decide/result.h"
+#include "files/matrix_file.h"
+#include "files/result_arrays.h"
 #include "files/run_info.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
+
+/// The meaning of integer distances, for a precomputed matrix: the distance k stands for the score
+/// best + k * unit or, for similarities, best - k * unit.
+struct ScoreUnits {
+  ScoreOrder kind = ScoreOrder::distance;
+  double best = 0;
+  double unit = 1;
+  bool is_exact = false;
+};
+
+VPR_FIELDS(ScoreUnits, kind, best, unit, is_exact)
+
+/// Cells that were recomputed by the reference implementation.
+struct Verification {
+  size_t cells = 0;
+  size_t differences = 0;
+};
+
+VPR_FIELDS(Verification, cells, differences)
 
 /// The parts of the JSON that are not in Result.
 struct ResultContext {
   RunInfo run;
   std::string database_fingerprint;
   std::string query_fingerprint;
-  std::string fused_fingerprint;  ///< of FAB-MAP's database; empty without fusion
-  std::map<std::string, double> seconds;
-  std::optional<size_t> verified_cells;  ///< recomputed by the reference implementation, all equal
-  std::optional<Json> matrix;            ///< layout of a saved matrix
-  std::map<std::string, Json> files;     ///< rows and checksum of a saved matrix or posteriors
+  std::optional<std::string> fused_fingerprint;  ///< of FAB-MAP's database, with fusion
+  std::map<std::string, double> seconds;         ///< written only
+  std::optional<Verification> verification;
+  std::optional<MatrixLayout> matrix;      ///< of a saved matrix
+  std::optional<ScoreUnits> scores;        ///< of a precomputed matrix
+  std::optional<Explanation> explanation;  ///< of one frame, by FAB-MAP
+  FileEntries files;  ///< a saved matrix or posteriors; write_result adds the arrays
   std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known
-  std::optional<Json> scores;       ///< the unit of integers, for a precomputed matrix
-  std::optional<Json> explanation;  ///< of one frame, by FAB-MAP
+  /// Checksums of other files of the run in the folder of the result, by name.
+  nlohmann::ordered_map<std::string, std::string> companions = {};
 };
-
-/// The arrays that a result may have.
-inline constexpr std::array<const char*, 11> kResultArrays = {"recognitions.npy",
-                                                              "recognition_scores.npy",
-                                                              "best.npy",
-                                                              "best_scores.npy",
-                                                              "margins.npy",
-                                                              "path.npy",
-                                                              "keyframes.npy",
-                                                              "new_place.npy",
-                                                              "source_frames.npy",
-                                                              "best_rates.npy",
-                                                              "train_source_frames.npy"};
-
-/// An array of a result.
-struct ResultArray {
-  std::string name;       ///< of kResultArrays, without its extension
-  std::string_view type;  ///< as npy_type
-  size_t rows = 0;
-  std::vector<std::string_view> columns;  ///< their names; one without a name: not a matrix
-  std::span<const std::byte> values;      ///< row by row; valid during the visit
-};
-
-/// Visits the arrays of a result in the order of their files.
-void visit_arrays(const Result& result, const std::function<void(const ResultArray&)>& visit);
-
-/// RESULT.recognitions.npy for RESULT.json and recognitions.npy.
-std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
 
 /// Claims the result and its companions.
 void claim_result(const std::filesystem::path& path, Outputs& outputs);
-
-/// The checksum of a file, which may be larger than memory.
-std::string file_checksum(const std::filesystem::path& path, const Monitor& monitor = {});
-
-/// The entry of a file in the JSON.
-Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& monitor);
 
 /// The checksum of everything but "machine", "timing" and the checksum itself.
 std::string result_checksum(Json json);
@@ -82,16 +68,13 @@ QuerySettings read_query_settings(const Fields& file);
 /// A result file with a valid checksum. Throws as read_result does.
 Json read_result_json(const std::filesystem::path& path);
 
-/// "clusters" of a result.
-Json clusters_json(const Clusters& clusters, size_t window_length);
-
-/// The JSON without its companions' checksums.
+/// The JSON, with the files that the context has.
 Json result_json(const Result& result, const ResultContext& context);
 
 /// Writes the arrays and the JSON, which it returns; the caller commits. The JSON has the checksums
 /// of all earlier outputs in the folder of the result, such as a matrix.
-Json write_result(const std::filesystem::path& path, const Result& result,
-                  const ResultContext& context, Outputs& outputs);
+Json write_result(const std::filesystem::path& path, const Result& result, ResultContext context,
+                  Outputs& outputs);
 
 /// The JSON that write_result writes if there are no other outputs.
 Json sealed_result_json(const Result& result, const ResultContext& context);
@@ -111,8 +94,8 @@ struct RecordedRun {
 /// The content of a result file.
 struct StoredResult {
   Result result;
-  std::string fingerprint;                          ///< of everything except "machine" and "timing"
-  std::optional<std::string> matrix_checksum = {};  ///< of the saved matrix, if there is one
+  ResultContext context;
+  std::string fingerprint;  ///< of everything except "machine" and "timing"
   RecordedRun run = {};
 };
 

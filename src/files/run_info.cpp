@@ -16,6 +16,23 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
+/// "machine" of a file.
+struct Machine {
+  RunInfo& run;
+};
+
+template <class Visitor>
+void visit_fields(Machine& machine, Visitor&& visit) {
+  RunInfo& run = machine.run;
+  visit("host", Derived{host_name()});
+  visit("threads", run.threads);
+  visit("simd", Unless{run.simd_target, {}});
+  visit("memory_limit", Unless{run.memory_limit, {}});
+  visit("command_line", run.command_line);
+  visit("paths", run.paths);
+  visit("frame_names", Unless{run.frame_names, {}});
+}
+
 }  // namespace
 
 void set_query_path(RunInfo& run, const SequenceArgument& query) {
@@ -32,14 +49,13 @@ Provenance provenance_of(const RunInfo& run) {
 Json provenance_json(const RunInfo& run) { return value_to_json(provenance_of(run)); }
 
 Json machine_json(const RunInfo& run) {
-  Json json = {{"host", host_name()}, {"threads", run.threads}};
-  if (!run.simd_target.empty()) json["simd"] = run.simd_target;
-  if (run.memory_limit > 0) json["memory_limit"] = run.memory_limit;
-  json["command_line"] = run.command_line;
-  json["paths"] = Json::object();
-  for (const auto& [role, path] : run.paths) json["paths"][role] = path;
-  for (const auto& [role, checksum] : run.frame_names) json["frame_names"][role] = checksum;
-  return json;
+  RunInfo copy = run;
+  return value_to_json(Machine{copy}, kDataForm);
+}
+
+void read_machine(const Fields& fields, RunInfo& run) {
+  Machine machine{run};
+  value_from_json(fields.json(), machine, fields.source(), "machine");
 }
 
 Json timing_json(const std::map<std::string, double>& seconds) {

@@ -23,6 +23,8 @@ struct RunInfo {
   uint64_t seed = 0;
 };
 
+class Fields;
+
 struct Provenance {
   std::string program;
   std::string version;
@@ -42,6 +44,9 @@ Json provenance_json(const RunInfo& run);
 
 /// Host, SIMD target, threads, command line, paths and memory limit.
 Json machine_json(const RunInfo& run);
+
+/// Reads the output of machine_json, except the host. Throws Error(data) for damage.
+void read_machine(const Fields& fields, RunInfo& run);
 
 /// Seconds by step, rounded to milliseconds.
 Json timing_json(const std::map<std::string, double>& seconds);

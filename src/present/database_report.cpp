@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "present/table.h"
+#include "sequence/sequence_json.h"
 #include "store/archive.h"
 
 namespace vpr {
@@ -73,8 +74,13 @@ Json database_json(const SequenceDatabase& database, const RunInfo& run) {
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
   for (size_t s = 0; s < database.sequences.size(); ++s) {
-    const Sequence& sequence = database.sequences[s].sequence;
-    Json item = sequence_json(sequence, {{"unreadable", sequence.unreadable.size()}});
+    Sequence sequence = without_frame_names(database.sequences[s].sequence);
+    Json item = value_to_json(NestedObject{[&](auto&& visit) {
+                                visit_sequence(sequence, visit, [&] {
+                                  visit("unreadable", Derived{sequence.unreadable.size()});
+                                });
+                              }},
+                              kDataForm);
     item["t_r"] = Json::array();
     for (const ThresholdTable& table : database.thresholds) {
       const std::optional<double> threshold = automatic_threshold(table, s);

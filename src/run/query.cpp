@@ -71,6 +71,7 @@ SearchRecall recall_of(const Result& result, const FrameDistances& distances, co
   const RecognitionScanResult exact = scan.result();
   SearchRecall recall;
   recall.recognitions = exact.recognitions.size();
+  recall.found_recognitions = result.recognitions.size();
   for (size_t window = 0; window < exact.best.size(); ++window) {
     if (!exact.best[window]) continue;
     ++recall.windows;
@@ -121,8 +122,7 @@ Result make_result(const QueryPlan& plan, const ResolvedSettings& settings,
   const std::vector<Rate>& rates = plan.match.rates;
   for (size_t window = 0; !rates.empty() && window < found.best.size(); ++window) {
     const auto& best = found.best[window];
-    result.best_rates.push_back(best ? ratio_of(rates[best->rate])
-                                     : std::numeric_limits<double>::quiet_NaN());
+    result.best_rates.push_back(best ? std::optional(ratio_of(rates[best->rate])) : std::nullopt);
   }
   result.margins.assign(margins.begin(), margins.end());
   if (std::holds_alternative<ByMargin>(plan.decision)) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -11,10 +12,10 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/named_table.h"
 #include "base/statistics.h"
 #include "base/text.h"
+#include "sequence/sequence_json.h"
 
 namespace vpr {
 
@@ -311,68 +312,21 @@ Sequence selected(Sequence sequence, const Selection& selection) {
   return sequence;
 }
 
-namespace {
-
-/// "fps": frames per second.
-double read_fps(const Fields& fields) {
-  double fps = 0;
-  fields.read("fps", fps);
-  if (!(fps > 0 && std::isfinite(fps))) fields.fail("\"fps\" is out of range");
-  return fps;
-}
-
-}  // namespace
-
-void add_selection(Json& json, const Selection& selection) {
-  if (!selection.speed.empty())
-    json["speed"] = {
-        {"name", selection.speed}, {"seed", selection.seed}, {"frames", selection.recorded_frames}};
-  if (selection.selected_fps > 0)
-    json["resampled"] = {{"fps", selection.selected_fps}, {"frames", selection.recorded_frames}};
-}
-
-Selection read_selection(const Fields& fields,
-                         const std::function<uint64_t(const Selection&)>& max_recorded) {
-  Selection selection;
-  if (fields.has("resampled")) {
-    const Fields resampled = fields.object("resampled");
-    selection.selected_fps = read_fps(resampled);
-    selection.recorded_frames = resampled.count("frames", max_recorded(selection));
-  }
-  if (fields.has("speed")) {
-    const Fields speed = fields.object("speed");
-    selection.speed = speed.text("name");
-    selection.seed = speed.count("seed", std::numeric_limits<uint64_t>::max());
-    selection.recorded_frames = speed.count("frames", max_recorded(selection));
-  }
-  return selection;
-}
-
-Json sequence_json(const Sequence& sequence, const Json& own) {
-  Json json = {{"name", sequence.name}, {"frames", sequence.frames}};
-  json.update(own);
-  if (sequence.fps) json["fps"] = *sequence.fps;
-  add_selection(json, sequence.selection);
-  return json;
-}
-
-Sequence read_sequence(const Fields& fields, uint64_t most_frames) {
-  Sequence sequence{fields.text("name"), fields.count("frames", most_frames)};
-  if (fields.has("unreadable"))
-    for (const Json& frame : fields.list("unreadable")) {
-      const std::vector<size_t>& before = sequence.unreadable;
-      if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= sequence.frames ||
-          (!before.empty() && frame.get<uint64_t>() <= before.back()))
-        fields.fail("\"unreadable\" contains an invalid frame, or is out of order");
-      sequence.unreadable.push_back(frame.get<size_t>());
-    }
-  if (fields.has("fps")) sequence.fps = read_fps(fields);
-  sequence.selection = read_selection(fields, [&](const Selection& selection) {
-    const uint64_t thinning = selection.selected_fps > 0 ? kMaxThinned : 1;
-    const uint64_t warping = selection.speed.empty() ? 1 : static_cast<uint64_t>(kFastestPace);
-    return thinning * warping * sequence.frames;
-  });
-  return sequence;
+void check_sequence(const Sequence& sequence, uint64_t most_frames, const JsonSource& source) {
+  const auto require = [&](bool is_valid, std::string_view key) {
+    if (!is_valid) source.fail(fmt::format("\"{}\" is out of range", key));
+  };
+  require(sequence.frames <= most_frames, "frames");
+  const std::vector<size_t>& unreadable = sequence.unreadable;
+  require(std::ranges::adjacent_find(unreadable, std::greater_equal<>()) == unreadable.end() &&
+              (unreadable.empty() || unreadable.back() < sequence.frames),
+          "unreadable");
+  require(!sequence.fps || (*sequence.fps > 0 && std::isfinite(*sequence.fps)), "fps");
+  const Selection& selection = sequence.selection;
+  require(std::isfinite(selection.selected_fps), "resampled");
+  const uint64_t thinning = selection.selected_fps > 0 ? kMaxThinned : 1;
+  const uint64_t warping = selection.speed.empty() ? 1 : static_cast<uint64_t>(kFastestPace);
+  require(selection.recorded_frames <= thinning * warping * sequence.frames, "speed");
 }
 
 std::vector<int32_t> source_rows(std::span<const Sequence* const> sequences) {
@@ -385,9 +339,7 @@ std::vector<int32_t> source_rows(std::span<const Sequence* const> sequences) {
 void read_sources(std::span<Sequence* const> sequences,
                   const std::function<std::vector<int32_t>()>& open_rows,
                   const std::function<void()>& fail) {
-  const auto needs = [](const Sequence* sequence) {
-    return !sequence->selection.speed.empty() || sequence->selection.selected_fps > 0;
-  };
+  const auto needs = [](const Sequence* sequence) { return sequence->selection.is_selected(); };
   if (std::ranges::none_of(sequences, needs)) return;
   const std::vector<int32_t> all = open_rows();
   std::span<const int32_t> rows = all;

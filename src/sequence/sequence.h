@@ -18,8 +18,6 @@
 
 namespace vpr {
 
-class Fields;
-
 /// The frames of a recording that form a sequence, in their order. An empty selection: all frames.
 struct Selection {
   std::string speed = {};              ///< the name of a rule, or a speed; empty: as recorded
@@ -29,6 +27,8 @@ struct Selection {
   double selected_fps = 0;  ///< the rate to which the recording was resampled; 0: not resampled
 
   bool is_all() const { return sources.empty(); }
+  /// Whether frames are selected, also before `sources` has been read.
+  bool is_selected() const { return !speed.empty() || selected_fps > 0; }
   size_t frames() const { return sources.size(); }
 };
 
@@ -176,27 +176,10 @@ Sequence without_frame_names(const Sequence& sequence);
 /// The selected frames of `sequence`; the result's selection refers to the recording.
 Sequence selected(Sequence sequence, const Selection& selection);
 
-/// Adds "speed" and "resampled", but not the frames.
-void add_selection(Json& json, const Selection& selection);
-
-/// Reads the output of add_selection. `max_recorded`: the largest valid number of recorded frames,
-/// for a selection whose rate, and whose speed if it has one, are set. Throws Error(data) for
-/// damage.
-Selection read_selection(const Fields& fields,
-                         const std::function<uint64_t(const Selection&)>& max_recorded);
-
-/// A sequence in a file: "name" and "frames" (their number), then the keys of `own`, then
-/// everything else that is known except the frames' names, "unreadable" and the selected frames.
-Json sequence_json(const Sequence& sequence, const Json& own);
-
-/// Reads the output of sequence_json, and "unreadable". Throws Error(data) for damage, and for more
-/// than `most_frames` frames.
-Sequence read_sequence(const Fields& fields, uint64_t most_frames);
-
 /// The selected frames of several sequences, one sequence after the other.
 std::vector<int32_t> source_rows(std::span<const Sequence* const> sequences);
 
-/// Sets the selected frames of sequences that read_sequence has read, from the rows of source_rows,
+/// Sets the selected frames of sequences that were read from JSON, from the rows of source_rows,
 /// which `open_rows` opens if needed. Calls `fail`, which must throw, if they do not match.
 void read_sources(std::span<Sequence* const> sequences,
                   const std::function<std::vector<int32_t>()>& open_rows,

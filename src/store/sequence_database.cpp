@@ -12,9 +12,29 @@
 #include "base/mapped_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
+#include "sequence/sequence_json.h"
 #include "store/archive.h"
 
 namespace vpr {
+
+template <class Visitor>
+void visit_fields(TrainSequence& train, Visitor&& visit) {
+  Sequence& sequence = train.sequence;
+  visit_sequence(sequence, visit, [&] {
+    visit("unreadable", sequence.unreadable);
+    visit("typical_distance", IfSet{train.typical_distance});
+    visit("exclusion_radius", IfSet{train.exclusion_radius});
+    const auto write_size = [&](Json& json, const std::string& key) {
+      if (sequence.size) json[key] = {sequence.size->width, sequence.size->height};
+    };
+    visit("size", CustomField{write_size, [&](const Fields& fields, const std::string& key) {
+                                std::optional<std::array<uint32_t, 2>> size;
+                                fields.read_if_set(key, size);
+                                if (size) sequence.size = {(*size)[0], (*size)[1]};
+                              }});
+  });
+}
+
 namespace {
 
 constexpr uint64_t kMaxImageSide = uint64_t{1} << 20;  // pixels, as OpenCV decodes
@@ -22,14 +42,6 @@ constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
 constexpr const char* kSourcesFile = "selected_frames.npy";  // selected frames of recordings
 constexpr const char* kStatisticsFile = "statistics.npy";
-
-Json train_json(const TrainSequence& train) {
-  Json own = {{"unreadable", train.sequence.unreadable}};
-  if (train.typical_distance) own["typical_distance"] = *train.typical_distance;
-  if (train.exclusion_radius) own["exclusion_radius"] = *train.exclusion_radius;
-  if (const auto& size = train.sequence.size) own["size"] = {size->width, size->height};
-  return sequence_json(train.sequence, own);
-}
 
 std::string one_line(std::string text) {
   std::ranges::replace(text, '\n', ' ');
@@ -69,28 +81,27 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
                                           const std::vector<std::string_view>& frame_names,
                                           const DescriptorShape& shape) {
   std::vector<TrainSequence> sequences;
+  const Fields manifest = archive.fields(archive.manifest());
+  manifest.read("sequences", sequences);
   auto first = frame_names.begin();
-  for (const Json& json : archive.fields(archive.manifest()).list("sequences")) {
-    const Fields fields = archive.fields(json);
-    TrainSequence train{read_sequence(fields, static_cast<uint64_t>(frame_names.end() - first))};
+  for (TrainSequence& train : sequences) {
     Sequence& sequence = train.sequence;
+    check_sequence(sequence, static_cast<uint64_t>(frame_names.end() - first), manifest.source());
     if (sequence.frames == 0) archive.fail("its frame counts do not match frames.txt");
-    for (const TrainSequence& before : sequences)
-      if (before.sequence.name == sequence.name) archive.fail("two sequences have the same name");
-    train.typical_distance = read_typical_distance(fields, shape);
-    train.exclusion_radius = fields.count("exclusion_radius", sequence.frames);
-    if (fields.has("size")) {
-      std::array<uint32_t, 2> size{};
-      fields.read("size", size);
-      if (std::max(size[0], size[1]) > kMaxImageSide)
-        archive.fail("\"size\" is not a width and a height");
-      sequence.size = {size[0], size[1]};
-    }
-    if (train.exclusion_radius == 0U) archive.fail("\"exclusion_radius\" is out of range");
+    if (std::ranges::count(sequences, sequence.name,
+                           [](const TrainSequence& one) { return one.sequence.name; }) > 1)
+      archive.fail("two sequences have the same name");
+    const double distance = train.typical_distance.value_or(-1);
+    if (!(distance >= 0 && distance <= most_distance(shape)))
+      archive.fail("\"typical_distance\" is out of range");
+    const size_t radius = train.exclusion_radius.value_or(0);
+    if (radius == 0 || radius > sequence.frames)
+      archive.fail("\"exclusion_radius\" is out of range");
+    if (sequence.size && std::max(sequence.size->width, sequence.size->height) > kMaxImageSide)
+      archive.fail("\"size\" is out of range");
     const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
     sequence.frame_names.assign(first, end);
     first = end;
-    sequences.push_back(std::move(train));
   }
   if (sequences.empty() || first != frame_names.end())
     archive.fail("its frame counts do not match frames.txt");
@@ -214,9 +225,7 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
   if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
   if (rows.shape.element == ElementType::points16) manifest["unit"] = database.descriptors.unit;
   manifest["settings"] = value_to_json(database.descriptor);
-  manifest["sequences"] = Json::array();
-  for (const TrainSequence& train : database.sequences)
-    manifest["sequences"].push_back(train_json(train));
+  manifest["sequences"] = value_to_json(database.sequences, kDataForm);
   manifest["thresholds"] = value_to_json(database.thresholds, kDataForm);
   if (database.overlapping_sequences) {
     manifest["overlapping_sequences"] = Json::array();

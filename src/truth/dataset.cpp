@@ -15,90 +15,98 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Reads one object of the file: consumes keys, and reports those that remain.
-class ObjectReader {
- public:
-  ObjectReader(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
-    if (!json.is_object()) fail("must be an object");
-  }
+/// A path relative to the folder of the file; it stays empty if the key is missing.
+auto path_field(fs::path& path, const fs::path& folder) {
+  return ReadField{[&](const Fields& fields, const std::string& key) {
+    if (fields.has(key)) path = folder / fields.text(key);
+  }};
+}
 
-  const Json* find(const std::string& key) {
-    known_.push_back(key);
-    const auto found = json_.find(key);
-    return found == json_.end() ? nullptr : &*found;
-  }
-  const Json& require(const std::string& key) {
-    const Json* found = find(key);
-    if (found == nullptr) fail(fmt::format("needs the key \"{}\"", key));
-    return *found;
-  }
-  std::string text(const std::string& key) {
-    std::string value;
-    value_from_json(require(key), value, where_, key);
-    return value;
-  }
-  const Json& list(const std::string& key) {
-    const Json* found = find(key);
-    static const Json kEmpty = Json::array();
-    if (found == nullptr) return kEmpty;
-    if (!found->is_array()) fail(fmt::format("\"{}\" must be a list", key));
-    return *found;
-  }
-  void finish() const { JsonSource{where_, kSettingsForm}.refuse_unknown(json_, known_); }
-  [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorKind::usage, fmt::format("{}: {}", where_, what));
-  }
-  const std::string& where() const { return where_; }
-
- private:
-  const Json& json_;
-  std::string where_;
-  std::vector<std::string> known_;
-};
-
-SequenceArgument sequence_argument(const Json& json, const fs::path& folder,
-                                   const std::string& where) {
-  std::string text;
-  value_from_json(json, text, where, "sequence");
+SequenceArgument sequence_argument(const std::string& text, const fs::path& folder) {
   return parse_sequence_argument((folder / text).string());  // an absolute path stays
 }
 
-// Relative to the description; empty if the key is missing.
-fs::path optional_path(ObjectReader& reader, const std::string& key, const fs::path& folder) {
-  return reader.find(key) == nullptr ? fs::path() : folder / reader.text(key);
+auto sequences_field(std::vector<SequenceArgument>& sequences, const fs::path& folder) {
+  return ReadField{[&](const Fields& fields, const std::string& key) {
+    std::vector<std::string> texts;
+    if (fields.has(key)) fields.read(key, texts);
+    for (const std::string& text : texts) sequences.push_back(sequence_argument(text, folder));
+  }};
 }
 
-NamedSequence named_sequence(ObjectReader& reader, const fs::path& folder) {
-  return {reader.text("name"),
-          sequence_argument(reader.require("sequence"), folder, reader.where()),
-          optional_path(reader, "poses", folder)};
+/// A string that must not be missing.
+auto required_text(std::string& text) {
+  return ReadField{[&](const Fields& fields, const std::string& key) { text = fields.text(key); }};
 }
 
-void read_options(ObjectReader& reader, const fs::path& folder, GroundTruthArgument& argument) {
-  if (reader.find("format") != nullptr) argument.format = reader.text("format");
-  visit_paths(argument.options, [&](const char* name, fs::path& file) {
-    file = optional_path(reader, name, folder);
-  });
-  const auto read = [&](const char* name, auto& field) {
-    if (const Json* value = reader.find(name)) value_from_json(*value, field, reader.where(), name);
-  };
-  read("tolerance", argument.tolerance_frames);
-  visit_fields(argument.options, read);
-  if (argument.tolerance_frames < 0) reader.fail("\"tolerance\" must not be negative");
-  reader.finish();
+template <class Visitor>
+void visit_sequence(NamedSequence& named, const fs::path& folder, Visitor&& visit) {
+  visit("name", required_text(named.name));
+  visit("sequence", ReadField{[&](const Fields& fields, const std::string& key) {
+          named.sequence = sequence_argument(fields.text(key), folder);
+        }});
+  visit("poses", path_field(named.poses, folder));
 }
 
-std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::string& key,
-                                                const fs::path& folder) {
-  const Json* json = query.find(key);
-  if (json == nullptr) return std::nullopt;
-  ObjectReader reader(*json, query.where() + ", " + key);
-  GroundTruthArgument argument;
-  argument.path = optional_path(reader, "path", folder);
-  read_options(reader, folder, argument);
-  if (argument.format.empty() && argument.path.empty())
-    reader.fail("needs a \"format\" or a \"path\"");
-  return argument;
+template <class Visitor>
+void visit_truth(GroundTruthArgument& argument, const fs::path& folder, Visitor&& visit) {
+  visit("format", argument.format);
+  visit_paths(argument.options,
+              [&](const char* name, fs::path& file) { visit(name, path_field(file, folder)); });
+  visit("tolerance", argument.tolerance_frames);
+  visit_fields(argument.options, visit);
+}
+
+void check_tolerance(const GroundTruthArgument& argument, const JsonSource& source) {
+  if (argument.tolerance_frames < 0) source.fail("\"tolerance\" must not be negative");
+}
+
+auto truth_field(std::optional<GroundTruthArgument>& truth, const fs::path& folder) {
+  return ReadField{[&](const Fields& fields, const std::string& key) {
+    if (!fields.has(key)) return;
+    GroundTruthArgument& argument = truth.emplace();
+    NestedObject object{[&](auto&& visit) {
+      visit("path", path_field(argument.path, folder));
+      visit_truth(argument, folder, visit);
+    }};
+    const JsonSource source{fields.where() + ", " + key, fields.source().form};
+    value_from_json(fields[key], object, source, key);
+    check_tolerance(argument, source);
+    if (argument.format.empty() && argument.path.empty())
+      source.fail("needs a \"format\" or a \"path\"");
+  }};
+}
+
+/// A data set and the folder of its file.
+struct DatasetFile {
+  Dataset& dataset;
+  const fs::path folder;
+};
+
+template <class Visitor>
+void visit_fields(DatasetFile& file, Visitor&& visit) {
+  Dataset& dataset = file.dataset;
+  const fs::path& base = file.folder;
+  std::string schema;
+  visit("schema", schema);
+  visit("name", required_text(dataset.name));
+  visit("fps", dataset.frames_per_second);
+  visit("pretrain", sequences_field(dataset.pretrain, base));
+  visit("train", NestedList{dataset.train, [&](NamedSequence& train, auto&& inner) {
+                              visit_sequence(train, base, inner);
+                            }});
+  visit("places", NestedList{dataset.places, [&](DatasetPlace& place, auto&& inner) {
+                               inner("name", required_text(place.name));
+                               inner("sequences", sequences_field(place.views, base));
+                             }});
+  visit("queries",
+        NestedList{dataset.queries, [&](DatasetQuery& query, auto&& inner) {
+                     visit_sequence(query.sequence, base, inner);
+                     inner("ground_truth", truth_field(query.sequence_ground_truth, base));
+                     inner("place_ground_truth", truth_field(query.place_ground_truth, base));
+                   }});
+  visit("plan", path_field(dataset.plan, base));
+  visit("place_poses", path_field(dataset.place_poses, base));
 }
 
 // `name_of` returns the name of an item.
@@ -116,53 +124,29 @@ void check_names(const auto& items, const std::string& where, auto name_of) {
 
 void read_ground_truth_settings(const Json& json, const fs::path& folder, const std::string& where,
                                 GroundTruthArgument& argument) {
-  ObjectReader reader(json, where);
-  read_options(reader, folder, argument);
+  NestedObject object{[&](auto&& visit) { visit_truth(argument, folder, visit); }};
+  const JsonSource source{where, kSettingsForm};
+  value_from_json(json, object, source, "the ground truth");
+  check_tolerance(argument, source);
 }
 
 Dataset read_dataset(const fs::path& path) {
   const std::string where = path.string();
   const Json json = read_json(path, ErrorKind::usage);
   require_schema(json, "dataset", where, ErrorKind::usage);
-  const fs::path folder = path.parent_path();
-  ObjectReader reader(json, where);
-  reader.find("schema");
   Dataset dataset;
-  dataset.name = reader.text("name");
-  if (const Json* fps = reader.find("fps"))
-    value_from_json(*fps, dataset.frames_per_second, where, "fps");
-  for (const Json& item : reader.list("pretrain"))
-    dataset.pretrain.push_back(sequence_argument(item, folder, where + ", pretrain"));
-  if (!(dataset.frames_per_second >= 0)) reader.fail("\"fps\" must not be negative");
-  for (const Json& item : reader.list("train")) {
-    ObjectReader train(item, where + ", train");
-    dataset.train.push_back(named_sequence(train, folder));
-    train.finish();
-  }
+  DatasetFile file{dataset, path.parent_path()};
+  value_from_json(json, file, where, "the data set");
+  if (!(dataset.frames_per_second >= 0))
+    throw Error(ErrorKind::usage, fmt::format("{}: \"fps\" must not be negative", where));
+  for (const DatasetPlace& place : dataset.places)
+    if (place.views.empty())
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}, places: \"{}\" has no sequences", where, place.name));
   check_names(dataset.train, where + ", train", &NamedSequence::name);
-  for (const Json& item : reader.list("places")) {
-    ObjectReader place(item, where + ", places");
-    DatasetPlace& added = dataset.places.emplace_back();
-    added.name = place.text("name");
-    for (const Json& view : place.list("sequences"))
-      added.views.push_back(sequence_argument(view, folder, place.where()));
-    place.finish();
-    if (added.views.empty()) place.fail(fmt::format("\"{}\" has no sequences", added.name));
-  }
   check_names(dataset.places, where + ", places", &DatasetPlace::name);
-  for (const Json& item : reader.list("queries")) {
-    ObjectReader query(item, where + ", queries");
-    DatasetQuery& added = dataset.queries.emplace_back();
-    added.sequence = named_sequence(query, folder);
-    added.sequence_ground_truth = ground_truth(query, "ground_truth", folder);
-    added.place_ground_truth = ground_truth(query, "place_ground_truth", folder);
-    query.finish();
-  }
   check_names(dataset.queries, where + ", queries",
               [](const DatasetQuery& query) -> const std::string& { return query.sequence.name; });
-  dataset.plan = optional_path(reader, "plan", folder);
-  dataset.place_poses = optional_path(reader, "place_poses", folder);
-  reader.finish();
   return dataset;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "sequence/sequence_json.h"
 
 namespace vpr {
 namespace {
@@ -56,7 +57,7 @@ Json calibration_json(const CalibratedSequence& calibrated, const CalibrationReq
                {"precision", request.precision},
                {"chosen", or_null(calibrated.chosen)},
                {"lengths", Json::array()}};
-  add_selection(json["query"], calibrated.query.selection);
+  json["query"].update(value_to_json(calibrated.query.selection, kDataForm));
   for (const CalibratedLength& length : calibrated.lengths)
     json["lengths"].push_back(length_json(length));
   if (calibrated.chosen) {

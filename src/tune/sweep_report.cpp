@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "files/report_json.h"
 #include "present/evaluation_text.h"
+#include "sequence/sequence_json.h"
 
 namespace vpr {
 namespace {
@@ -48,7 +49,7 @@ Json choice_json(const Sweep& sweep, size_t first) {
       {"nearest_error", index(choice.first_error)}};
   json["pareto"] = Json::array();
   for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
-  add_selection(json, sweep.query.selection);
+  json.update(value_to_json(sweep.query.selection, kDataForm));
   if (sweep.intervals) {
     json["intervals"] = {
         {"block", sweep.intervals->block},

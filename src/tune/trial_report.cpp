@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "present/evaluation_text.h"
+#include "sequence/sequence_json.h"
 
 namespace vpr {
 namespace {
@@ -35,7 +36,7 @@ Json trials_json(const Trials& trials, const RunInfo& run, double seconds) {
                {"chosen", or_null(trials.chosen)}, {"settings", nullptr}};
   for (const Sequence& query : trials.queries) {
     json["queries"].push_back({{"name", query.name}, {"frames", query.frames}});
-    add_selection(json["queries"].back(), query.selection);
+    json["queries"].back().update(value_to_json(query.selection, kDataForm));
   }
   std::map<std::string, double> timing = {{"all", seconds}};
   for (const Trial& trial : trials.all) {

@@ -11,10 +11,24 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/provenance.h"
+#include "sequence/sequence_json.h"
 #include "store/archive.h"
 #include "words/chow_liu.h"
 
 namespace vpr {
+
+template <class Visitor>
+void visit_fields(ViewGroup& group, Visitor&& visit) {
+  visit("name", group.sequence.name);
+  const auto write_places = [&](Json& json, const std::string& key) {
+    json[key] = group.is_place ? "one" : "each frame";
+  };
+  visit("places", CustomField{write_places, [&](const Fields& fields, const std::string& key) {
+                                group.is_place = fields.text(key) == "one";
+                              }});
+  visit_sequence(group.sequence, visit, [&] { visit("unreadable", group.sequence.unreadable); });
+}
+
 namespace {
 
 /// Calls visit(group, frame, place index) for every view.
@@ -87,12 +101,11 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
 
 std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
   std::vector<ViewGroup> groups;
+  const Fields manifest = archive.fields(archive.manifest());
+  manifest.read("groups", groups);
   size_t at = 0;
-  for (const Json& json : archive.fields(archive.manifest()).list("groups")) {
-    const Fields fields = archive.fields(json);
-    ViewGroup& group = groups.emplace_back();
-    group.sequence = read_sequence(fields, names.size());
-    group.is_place = fields.text("places") == "one";
+  for (ViewGroup& group : groups) {
+    check_sequence(group.sequence, names.size(), manifest.source());
     if (group.sequence.frames == 0) archive.fail("a group has no frames");
     for (size_t frames = group.sequence.frames; frames > 0; --frames) {
       const size_t end = names.find('\n', at);
@@ -206,11 +219,8 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
   std::string names;
   Json manifest = {{"schema", "vpr.database/3"}, {"method", enum_name(DatabaseFamily::fabmap)}};
   manifest["settings"] = value_to_json(database.settings);
-  manifest["groups"] = Json::array();
+  manifest["groups"] = value_to_json(database.groups, kDataForm);
   for (const ViewGroup& group : database.groups) {
-    Json json = {{"name", group.sequence.name}, {"places", group.is_place ? "one" : "each frame"}};
-    json.update(sequence_json(group.sequence, {{"unreadable", group.sequence.unreadable}}));
-    manifest["groups"].push_back(json);
     for (std::string name : group.sequence.frame_names) {
       std::replace(name.begin(), name.end(), '\n', ' ');
       names += name + "\n";

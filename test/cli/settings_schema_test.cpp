@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "bench/benches.h"
 #include "common/command.h"
+#include "evaluate/metrics.h"
 #include "present/table.h"
 #include "run/train_sequences.h"
 #include "settings/query_settings.h"
@@ -147,4 +148,25 @@ TEST_CASE("settings are described in the schemas as programs read and write them
   if (std::getenv("VPR_SCHEMAS") != nullptr) std::ofstream(path) << expected;
   INFO("run scripts/schemas.sh, and describe what is new");
   CHECK((text == expected || std::getenv("VPR_SCHEMAS") != nullptr));
+}
+
+TEST_CASE("every measure has its key in the schemas and in the reference") {
+  const auto properties = [](const char* file, const char* where) {
+    const Json schema =
+        read_json(source_path(fmt::format("docs/schemas/{}.schema.json", file)), ErrorKind::input);
+    return schema.at(Json::json_pointer(where));
+  };
+  const Json of_curves = properties("common", "/$defs/precision_recall/properties");
+  const Json of_report = properties("report", "/properties/metrics/properties");
+  const Json of_path = properties("report", "/properties/localization/properties");
+  const std::string reference = read_text(source_path("docs/reference/metrics.md"));
+  for (const Metric& metric : metrics()) {
+    const std::string key(metric.key);
+    INFO(key);
+    CHECK(has(reference, "`" + key));
+    CHECK((metric.of_curve != nullptr  ? of_curves
+           : metric.of_path != nullptr ? of_path
+                                       : of_report)
+              .contains(key));
+  }
 }

@@ -190,6 +190,51 @@ TEST_CASE("the first frames of keyframes are written with the result and read ba
   }
 }
 
+TEST_CASE("everything about a run is read back") {
+  const test::TemporaryFolder folder;
+  ResultContext context;
+  context.run.program = "vpr-query";
+  context.run.seed = 7;
+  context.run.paths = {{"query", "walk"}};
+  context.run.frame_names = {{"query", "xxh3:1"}};
+  context.database_fingerprint = "xxh3:2";
+  context.fused_fingerprint = "xxh3:3";
+  context.verification = {12, 0};
+  context.matrix = {4, 5, {{"a", 0}}};
+  context.scores = {ScoreOrder::similarity, 0.5, 0.25, true};
+  context.explanation = {3, 0.25, {{{}, "hall", "a: 1.png", 1.5, {{2, true, false, 0.5}}, {}}}};
+  context.files["matrix"] = {4, "xxh3:4"};
+  Result result = example_result();
+  result.recall = SearchRecall{4, 3, 2, 1};
+  result.statistics = UsedStatistics{{}, 300.5};
+  result.best_rates = {1.5, 1, 0.5, std::nullopt};
+  {
+    Outputs outputs(Existing::refuse);
+    outputs.file(folder / "m.png").write("image");
+    write_result(folder / "r.json", result, context, outputs);
+    outputs.commit();
+  }
+  const StoredResult stored = read_result(folder / "r.json");
+  const ResultContext& read = stored.context;
+  CHECK(read.run.program == "vpr-query");
+  CHECK(read.run.seed == 7);
+  CHECK(read.run.paths == context.run.paths);
+  CHECK(read.run.frame_names == context.run.frame_names);
+  CHECK(read.database_fingerprint == "xxh3:2");
+  CHECK(read.fused_fingerprint == "xxh3:3");
+  CHECK(read.verification->cells == 12);
+  CHECK(read.matrix->sequences.at(0).sequence == "a");
+  CHECK(read.scores->kind == ScoreOrder::similarity);
+  CHECK(read.scores->unit == 0.25);
+  CHECK(read.explanation->places.at(0).for_it.at(0).log_odds == 0.5);
+  CHECK(read.files.at("matrix") == FileEntry{4, "xxh3:4"});
+  CHECK(read.files.at("best").rows == 4);
+  CHECK(read.companions.size() == 1);
+  CHECK(stored.result.recall->found_best == 3);
+  CHECK(stored.result.statistics->typical_distance == 300.5);
+  CHECK(stored.result.best_rates == result.best_rates);
+}
+
 TEST_CASE("a cluster lists the frames of its windows") {
   const Json place = result_json(example_result(), {})["clusters"][0]["query"];
   CHECK(place["first"] == 0);

@@ -6,9 +6,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/json.h"
 #include "base/text.h"
 #include "sequence/sequence.h"
+#include "sequence/sequence_json.h"
 #include "support.h"
 
 using namespace vpr;
@@ -103,7 +103,9 @@ TEST_CASE("resampled frames of a file must increase and exist") {
                        {"frames", rows.size()},
                        {"resampled", {{"fps", 5.0}, {"frames", recorded}}}};
     const auto sequence = [&] {
-      Sequence found = read_sequence({json, "a.json"}, 10);
+      Sequence found;
+      value_from_json(json, found, JsonSource{"a.json"}, "sequence");
+      check_sequence(found, 10, {"a.json"});
       Sequence* const all = &found;
       read_sources(
           {&all, 1}, [&] { return rows; }, [] { throw Error(ErrorKind::data, "do not fit"); });
