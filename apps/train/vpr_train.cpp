@@ -57,7 +57,7 @@ void add_fastable(Program& program) {
     summaries += fmt::format("  {:<17}{}\n", kind.name, kind.summary);
   }
   add_setting(command, "--descriptor", settings.descriptor_kind,
-              "descriptor of the frames, see below (default: ldb)")
+              "descriptor of the frames, see below (default: ldb+hog)")
       .choices("NAME", kinds);
   command.add_footer(summaries);
   add_setting(command, "--c-l", settings.window_length,

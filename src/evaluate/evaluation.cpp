@@ -192,7 +192,9 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
   present_by(evaluation.judgment, by);
   EvaluatedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
-  if (truth.is_known) judged.by_keyframe = count_by_keyframe(result, truth, monitor);
+  if (truth.is_known)
+    judged.by_keyframe =
+        count_by_keyframe(result, truth, evaluation.judgment.outcomes.confidence, monitor);
   judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
   judged.result = std::move(result);
   if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);

@@ -6,6 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "evaluate/metrics.h"
+
 namespace vpr {
 namespace {
 
@@ -192,8 +194,36 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
   return counts;
 }
 
+Outcomes outcomes_by_keyframe(const Result& result, const Outcomes& outcomes,
+                              const GroundTruth& truth) {
+  const auto& [query_keyframes, train_keyframes] = *result.keyframes;
+  Outcomes found = outcomes;
+  found.queries.assign(query_keyframes.size(), {});
+  const auto key_of = [&](const QueryOutcome& query) {
+    return confidence_key(query, outcomes.confidence);
+  };
+  for (const QueryOutcome& query : outcomes.queries) {
+    QueryOutcome& one = found.queries[keyframe_of(query_keyframes, query.frame)];
+    const bool has_match = one.has_match || query.has_match;
+    if (query.verdict != Verdict::ignored && key_of(query) < key_of(one)) one = query;
+    one.has_match = has_match;
+  }
+  for (QueryOutcome& one : found.queries) {
+    if (one.verdict != Verdict::incorrect) continue;
+    const std::vector<uint32_t>& starts = train_keyframes[one.best->sequence];
+    const size_t keyframe = keyframe_of(starts, one.best->reference);
+    const size_t end = keyframe + 1 < starts.size()
+                           ? starts[keyframe + 1]
+                           : result.sequences[one.best->sequence].sequence.frames;
+    for (size_t frame = starts[keyframe]; frame < end; ++frame)
+      if (truth.label(one.frame, one.best->sequence, frame) == PlaceLabel::same)
+        one.verdict = Verdict::correct;
+  }
+  return found;
+}
+
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
-                                                  const Monitor& monitor) {
+                                                  Confidence confidence, const Monitor& monitor) {
   if (!result.keyframes) return std::nullopt;
   const auto& [query_keyframes, train_keyframes] = *result.keyframes;
   const size_t length = result.window_length();
@@ -211,8 +241,10 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
     pairs[{query, sequence, train}].add(label_of(truth, recognition, length));
   }
   for (const auto& [pair, labels] : pairs) count(counts.recognitions, labels);
+  Outcomes outcomes = outcomes_of(result, truth);
+  outcomes.confidence = confidence;
   std::map<size_t, LabelCounts> queries;
-  for (const QueryOutcome& query : outcomes_of(result, truth).queries) {
+  for (const QueryOutcome& query : outcomes.queries) {
     if (!query.has_match) continue;
     LabelCounts& labels = queries[keyframe_of(query_keyframes, query.frame)];
     ++(query.verdict == Verdict::correct ? labels.correct : labels.incorrect);
@@ -226,6 +258,9 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
   const KeyframeCounts& best = counts.best_match;
   if (const uint64_t judged = best.correct + best.incorrect + best.mixed; judged > 0)
     counts.best_match_rate = sum / static_cast<double>(judged);
+  counts.recall_at_full_precision =
+      recall_at_full_precision(single_best_curve(outcomes_by_keyframe(result, outcomes, truth)))
+          .value;
   return counts;
 }
 

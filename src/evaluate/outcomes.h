@@ -166,10 +166,18 @@ struct CountsByKeyframe {
   KeyframeCounts best_match;    ///< query keyframes with a match in the ground truth
   /// Mean over query keyframes of their share of correct best matches; unset without a judged one.
   std::optional<double> best_match_rate;
+  /// Recall at 100 % precision of keyframes (outcomes_by_keyframe); unset if it is not defined.
+  std::optional<double> recall_at_full_precision;
 };
 
 /// Windows belong to the keyframes of their anchors. Unset for a result without keyframes.
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
+                                                  Confidence confidence,
                                                   const Monitor& monitor = {});
+
+/// One entry per query keyframe of a result with keyframes: the most confident best match of its
+/// frames, except ignored ones. It is correct if any frame of its training keyframe is a match.
+Outcomes outcomes_by_keyframe(const Result& result, const Outcomes& outcomes,
+                              const GroundTruth& truth);
 
 }  // namespace vpr

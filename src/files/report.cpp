@@ -79,7 +79,8 @@ constexpr const char* kKeyframeProtocol =
     "consecutive frames that look alike are one keyframe; a pair of keyframes with recognitions, "
     "and a query keyframe with a match, counts once: correct or incorrect if all of its frames "
     "are, else mixed; a frame without an answer is not correct; rate = mean over query keyframes "
-    "of the share of correct frames";
+    "of the share of correct frames; recall_at_100_precision = of query keyframes, each with its "
+    "most confident best match, which is correct if any frame of its training keyframe is";
 
 void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
   const bool has_ranks = judgment.outcomes.has_ranks;

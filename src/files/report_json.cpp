@@ -162,6 +162,7 @@ void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
   visit("best_match", NestedObject{[&](auto& inner) {
           visit_fields(counts.best_match, inner);
           inner("rate", counts.best_match_rate);
+          inner("recall_at_100_precision", IfSet{counts.recall_at_full_precision});
         }});
 }
 

@@ -7,7 +7,7 @@ namespace vpr {
 namespace {
 
 // A cosine distance, in units of 2/65535, is divided by 2^kShift and rounded to nearest, ties up.
-constexpr uint32_t kShift = 6;
+constexpr uint32_t kShift = 8;
 
 constexpr uint32_t hog_bits(uint32_t cosine) { return (cosine + (1U << kShift >> 1)) >> kShift; }
 

@@ -149,12 +149,9 @@ double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b
       return point_distance(byte_pairs_of(a), byte_pairs_of(b));
     case ElementType::gray_levels:
       return gray_distance(a, b);
-    case ElementType::ldb_hog: {
-      const uint32_t cosine =
-          reference_distance(ElementType::int8, a.subspan(kLdbBytes), b.subspan(kLdbBytes));
+    case ElementType::ldb_hog:
       return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
-             std::floor(cosine / 64.0 + 0.5);
-    }
+             cosine_distance(bytes_of(a.subspan(kLdbBytes)), bytes_of(b.subspan(kLdbBytes))) / 256;
     case ElementType::ldb_of_ldb_hog:
       return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes));
     case ElementType::frame_numbers:
@@ -164,6 +161,11 @@ double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b
 }
 
 uint32_t reference_distance(ElementType element, DescriptorRow a, DescriptorRow b) {
+  if (element == ElementType::ldb_hog)  // the sum of rounded distances
+    return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
+           (reference_distance(ElementType::int8, a.subspan(kLdbBytes), b.subspan(kLdbBytes)) +
+            128) /
+               256;
   return static_cast<uint32_t>(std::clamp(reference_unrounded(element, a, b) + 0.5, 0.0, 65535.0));
 }
 

@@ -20,10 +20,10 @@ uint32_t reference_hamming(DescriptorRow a, DescriptorRow b);
 
 /// The distance of two descriptors before rounding and clamping: differing bits; (1 - cos) * 65535
 /// / 2, where cos is 0 for a vector of zeros; the Euclidean distance; or the mean absolute
-/// difference of two images, times 256. Integers are signed and little-endian.
+/// difference of two images, times 256; LDB and HOG: a sum. Integers are signed and little-endian.
 double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b);
 
-/// Rounded to nearest, ties up, and at most 65535.
+/// Rounded to nearest, ties up, and at most 65535; of two descriptors, the sum of both so rounded.
 uint32_t reference_distance(ElementType element, DescriptorRow a, DescriptorRow b);
 uint32_t reference_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
                             size_t frame_b);

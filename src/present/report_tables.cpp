@@ -234,7 +234,7 @@ Table localization_table(const Report& report) {
 }
 
 Table keyframe_table(const CountsByKeyframe& counts) {
-  const auto& [query_keyframes, train_keyframes, recognitions, best, rate] = counts;
+  const auto& [query_keyframes, train_keyframes, recognitions, best, rate, recall] = counts;
   Table table;
   table.title = fmt::format(
       "By keyframe (consecutive frames that look alike count once: {} and {})",
@@ -246,6 +246,7 @@ Table keyframe_table(const CountsByKeyframe& counts) {
   add_column(table, "keyframes incorrect", best.incorrect);
   add_column(table, "keyframes mixed", best.mixed);
   add_column(table, "keyframes %", percent(rate));
+  add_column(table, "keyframes R@100P", percent(recall));
   return table;
 }
 

@@ -16,7 +16,7 @@ namespace vpr {
 
 /// The description of sequences, and the computations in advance.
 struct SequenceTrainSettings {
-  std::string descriptor_kind = "ldb";  ///< of descriptor_kinds()
+  std::string descriptor_kind = "ldb+hog";  ///< of descriptor_kinds()
   DescriptorSettings descriptor;
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
   double safety_factor = 1;     ///< multiplies the automatic thresholds

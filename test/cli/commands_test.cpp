@@ -66,7 +66,7 @@ TEST_CASE("adding a sequence yields the database of training both together") {
   CHECK(read_text("ab.vprdb/manifest.json") == read_text("both.vprdb/manifest.json"));
   const Json info = printed_json("vpr-train info ab.vprdb --json");
   CHECK(info["sequences"][1]["name"] == "two");
-  CHECK(info["descriptor"] == "ldb");
+  CHECK(info["descriptor"] == "ldb+hog");
   CHECK(printed_json(
             "vpr-train add a.vprdb --train $one -o x.vprdb --json")["sequences"][1]["name"] ==
         "walk/one");

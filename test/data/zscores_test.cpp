@@ -54,7 +54,8 @@ void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
   const auto data = real_data(fmt::format("data/{}", set.folder));
   if (!data) return;
   const TemporaryFolder out;
-  run_ok("vpr-train", {"fastable", "--train", *data / set.train, "-o", out / "d.vprdb"});
+  run_ok("vpr-train",
+         {"fastable", "--descriptor", "ldb", "--train", *data / set.train, "-o", out / "d.vprdb"});
   for (const Figure& figure : figures) {
     INFO(set.folder << ", c_l " << figure.window_length << ", " << figure.score);
     run_ok("vpr-query", {out / "d.vprdb", "--query", *data / set.query, "--score", figure.score,

@@ -246,7 +246,7 @@ TEST_CASE("a place before the first training anchor counts as not recognized") {
 
 TEST_CASE("a stop counts once if counts are per keyframe") {
   Result result = example();
-  CHECK_FALSE(count_by_keyframe(result, aligned(0)));
+  CHECK_FALSE(count_by_keyframe(result, aligned(0), Confidence::score));
   result.keyframes = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
   // Query keyframes of anchors: 2; 3 to 6; 7 to 9. Training keyframes: 2; 3; 4 to 7; 8 and 9.
   for (uint32_t window = 0; window < 8; ++window)
@@ -255,7 +255,7 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
   result.best[5] = result.best[6] = result.best[7] = Match{5, 0, 0, 0, 5};
   result.recognitions = {{0, 0, 0, 0, 1}, {1, 0, 6, 0, 1}, {1, 0, 7, 0, 1}, {2, 0, 2, 0, 1},
                          {2, 0, 3, 0, 1}, {3, 0, 6, 0, 1}, {6, 0, 7, 0, 1}, {7, 0, 6, 0, 1}};
-  const CountsByKeyframe counts = *count_by_keyframe(result, aligned(0));
+  const CountsByKeyframe counts = *count_by_keyframe(result, aligned(0), Confidence::score);
   CHECK(counts.query_keyframes == 5);
   CHECK(counts.train_keyframes == 6);
   CHECK(counts.recognitions.correct == 1);  // 2 and 2
@@ -266,6 +266,22 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
   CHECK(counts.best_match.mixed == 1);
   CHECK(counts.best_match.incorrect == 3);  // no window ends in the first two keyframes
   CHECK(*counts.best_match_rate == Approx((1 + 0.75 + 0) / 5));
+}
+
+TEST_CASE("recall of keyframes counts a stop once, by its most confident frame") {
+  Result result = example();
+  result.keyframes = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
+  for (uint32_t window = 0; window < 8; ++window)
+    result.best[window] = Match{window, 0, window, 0, 5};
+  // The stop of frames 3 to 6 is best at frame 4, whose match is another frame of the right
+  // keyframe.
+  result.best[2] = Match{2, 0, 4, 0, 1};
+  const auto recall = [&] {
+    return *count_by_keyframe(result, aligned(0), Confidence::score)->recall_at_full_precision;
+  };
+  CHECK(recall() == Approx(3 / 5.0));     // no window ends in the first two keyframes
+  result.best[5] = Match{5, 0, 0, 0, 2};  // frame 7, in a wrong keyframe, after frame 4
+  CHECK(recall() == Approx(1 / 5.0));
 }
 
 TEST_CASE("without queries there is no rate") { CHECK_FALSE(BestMatchCounts{}.rate().has_value()); }

@@ -57,11 +57,11 @@ TEST_CASE("the distance of two descriptors is the sum of theirs, by hand") {
   std::vector<uint8_t> bytes(a.begin(), a.end());
   bytes.insert(bytes.end(), b.begin(), b.end());
   const DescriptorRows rows(kLdbHogShape, bytes);
-  // 0.4 * 65535 / 2 = 13107; / 64 = 204.8
-  CHECK(frame_distance(rows, 0, 1) == 2 + 205);
-  CHECK(reference_distance(rows, 0, rows, 1) == 2 + 205);
+  // 0.4 * 65535 / 2 = 13107; / 256 = 51.2
+  CHECK(frame_distance(rows, 0, 1) == 2 + 51);
+  CHECK(reference_distance(rows, 0, rows, 1) == 2 + 51);
   CHECK(frame_distance(codes_of(rows), 0, 1) == 2);
-  CHECK(largest_distance(kLdbHogShape) == 1386 + 1024);
+  CHECK(largest_distance(kLdbHogShape) == 1386 + 256);
   CHECK(largest_distance(codes_of(rows).shape) == 1386);
 }
 
