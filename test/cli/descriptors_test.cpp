@@ -1,4 +1,5 @@
 // Imported descriptors in all programs.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -136,6 +137,9 @@ TEST_CASE("images and descriptors of another kind are refused with the reason") 
   write_text("few.txt", "a\nb\n");
   write_nan("nan.npy");
   write_text("cut.npy", read_text("db.npy").substr(0, 1000));
+  std::vector<float> gap = random_rows(9, 5);
+  std::fill_n(gap.begin(), kLength, std::numeric_limits<float>::quiet_NaN());
+  write_array("gap.npy", gap, {9, kLength});
   check_refused(
       "vpr-train descriptors -o x.vprdb",
       {{"", 2, "--npy"},
@@ -151,8 +155,12 @@ TEST_CASE("images and descriptors of another kind are refused with the reason") 
        {"--npy db.npy --npy db.npy@0:9 --sequence a=0:9", 2, "a single --npy"},
        {"--npy db.npy --names few.txt", 4, "few.txt: names 2 frames"},
        {"--npy nan.npy", 4, "nan.npy: row 2: value 1 is nan"},
+       {"--npy gap.npy", 4, "row 0 is missing"},
        {"--npy cut.npy", 4, "truncated"}});
   CHECK_FALSE(fs::exists("x.vprdb"));
+  run_ok("vpr-train descriptors --npy gap.npy --skip-unreadable -o g.vprdb");
+  CHECK(printed_json("vpr-query g.vprdb --query-npy gap.npy --c-l 1 --t-r 0.01 --skip-unreadable "
+                     "--json")["totals"]["recognitions"] == 8);
 }
 
 TEST_CASE("bits from files match like LDB, also with hashing") {

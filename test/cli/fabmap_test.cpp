@@ -132,8 +132,9 @@ TEST_CASE("frames without features keep their index and are counted, with a warn
 
 TEST_CASE(
     "a query without recognitions states the highest probability, but suggests no smaller t_p") {
-  const auto nothing = run_ok("vpr-query $fabmap --query $back --t-p 0.9999");
+  const auto nothing = run_ok("vpr-query $fabmap --query $back --t-p 0.9999 --speed 0.5");
   INFO(nothing.out);
+  CHECK(has(nothing.out, "back, at speed 0.5"));
   CHECK(has(nothing.out, "no probability is above t_p 0.9999. The highest is 0."));
   CHECK_FALSE(has(nothing.out, "--t-p"));
 }

@@ -165,3 +165,14 @@ TEST_CASE("several results form one table, with a row and a name for each") {
   const std::string text = run("vpr-eval " + words + " -v").out;
   CHECK(has(text, "By keyframe"));
 }
+
+TEST_CASE("query times with an offset find poses by time") {
+  std::string poses;
+  for (int i = 0; i <= 10; ++i) poses += fmt::format("{:.1f} {} 0 0 0 0 0 1\n", 100 + i * 0.1, i);
+  write_text("p.tum", poses);
+  write_text("t.txt", "0\n0.25\n0.5\n");
+  const Json found = printed_json(
+      "vpr-eval check p.tum --ground-truth-train p.tum --radius 1 --query-times t.txt --offset 100 "
+      "--max-difference 0.06 --json");
+  CHECK(found["pairs"]["same"] == 2 + 2 + 3);  // at 0, 2.5 and 5 meters
+}
