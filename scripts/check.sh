@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Required before a commit: format, layers, build, tests, static analysis.
 #   scripts/check.sh           everything
-#   scripts/check.sh --style   format, layers, schemas, links and language only
+#   scripts/check.sh --style   format, layers, schemas, links, measurements and language only
 #   scripts/check.sh --quick   no build and no tests; static analysis of the changed files: all
 #                              commits since $VPR_CHECK_BASE, by default of the six hours before
 #                              the last one; at most 20 files, the others are only listed
@@ -19,6 +19,7 @@ fi
 scripts/check_layers.sh
 scripts/check_schemas.py
 scripts/check_links.py
+scripts/check_measurements.py
 scripts/check_language.py
 [[ ${1:-} == --style ]] && exit 0
 

@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
 # Draws the images of README and docs from the rendered small building (configs/worlds/small.json):
-#   scripts/docs-images.sh [BIN [DATA]]    programs in BIN (default: build/release/bin); needs Chromium
+#   scripts/docs-images.sh [BIN [DATA]]    programs in BIN (default: build/release/bin)
 # With DATA (docs/benchmarks/datasets.md), also README's image, from the loop.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=$(realpath "${1:-build/release/bin}")
-command -v chromium >/dev/null || { echo "docs-images: install chromium" >&2; exit 1; }
 images=$PWD/docs/images
 data=${2:+$(realpath "$2")}
 mkdir -p "$images"
@@ -15,10 +14,10 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 "$bin/vpr-train" fastable --dataset building/dataset.json -o small.vprdb --quiet
 
-# answer NAME FLAG...: queries the database, and evaluates the result with page, map and plots.
+# answer NAME FLAG...: queries the database, and evaluates the result with map and plots.
 answer() {
   "$bin/vpr-query" small.vprdb --dataset building/dataset.json --query query -o "$1.json" --quiet "${@:2}"
-  "$bin/vpr-eval" "$1.json" --dataset building/dataset.json --html "$1.html" --map "$1.map" --plot "$1.plot" --quiet
+  "$bin/vpr-eval" "$1.json" --dataset building/dataset.json --map "$1.map" --plot "$1.plot" --quiet
 }
 
 answer filter
@@ -27,17 +26,6 @@ answer varying --speed varying
   --save-matrix windows.npy -o windows.json --quiet
 "$bin/vpr-eval" windows.json --dataset building/dataset.json --matrix windows.npy --plot windows.plot --quiet
 
-# The top of the page and its gallery.
-cat >page.html <<'HTML'
-<body style="margin:0"><style>iframe { display: block; width: 1200px; border: 0 }</style>
-<iframe src="filter.html" scrolling="no" style="height: 735px"></iframe>
-<iframe src="filter.html" scrolling="no" style="height: 400px"
-  onload="for (const part of ['header', '#path']) this.contentDocument.querySelector(part).remove();
-          this.contentDocument.querySelector('[value=recognition]').click()"></iframe>
-HTML
-chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files \
-  --virtual-time-budget=5000 --window-size=1200,1135 --screenshot=report.png "file://$work/page.html" 2>/dev/null
-cp report.png "$images/report.png"
 cp filter.map/map.svg "$images/map.svg"
 cp varying.plot/timeline.svg "$images/timeline.svg"
 cp windows.plot/matrix.png "$images/matrix.png"

@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "decide/result.h"
 #include "run/plan.h"
+#include "run/query.h"
 #include "truth/ground_truth.h"
 #include "words/database.h"
 
@@ -14,6 +15,17 @@ inline QueryResources resources(size_t verify_cells = 0) {
   resources.kernels = select_kernels();
   resources.verify_cells = verify_cells;
   return resources;
+}
+
+inline QueryRun query_run(const SequenceDatabase& database, const DescriptorSet& query,
+                          const SequenceQuerySettings& settings, size_t verify_cells = 0,
+                          const Monitor& monitor = {}) {
+  return run_query(plan_query(database, query, "q", settings, resources(), monitor), settings,
+                   resources(verify_cells), {}, monitor);
+}
+inline Result query_result(const SequenceDatabase& database, const DescriptorSet& query,
+                           const SequenceQuerySettings& settings) {
+  return query_run(database, query, settings).result;
 }
 
 /// A result of one training sequence, "ref", without matches.

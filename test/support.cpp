@@ -49,7 +49,7 @@ std::string read_text(const fs::path& path) {
   return text.str();
 }
 
-bool has(const std::string& text, const std::string& part) {
+bool has(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 

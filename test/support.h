@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "base/monitor.h"
 #include "base/npy.h"
 #include "base/simd.h"
 #include "match/frame_distances.h"
@@ -30,7 +32,7 @@ class TemporaryFolder {
 
 void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);
-bool has(const std::string& text, const std::string& part);
+bool has(const std::string& text, std::string_view part);
 /// Names of everything in a folder, hidden files included, sorted.
 std::vector<std::string> list_folder(const std::filesystem::path& folder);
 
@@ -107,6 +109,18 @@ RunOutcome run_ok(const std::string& program, const Words& arguments,
                   const Words& environment = {});
 std::filesystem::path program_path(const std::string& program);
 std::filesystem::path source_path(const std::string& name);
+
+/// A monitor that keeps its warnings.
+struct Warnings {
+  std::vector<std::string> said;
+  Monitor monitor;
+
+  Warnings() {
+    monitor.warn = [this](const std::string& sentence) { said.push_back(sentence); };
+  }
+  Warnings(const Warnings&) = delete;
+  Warnings& operator=(const Warnings&) = delete;
+};
 
 /// The kind of the Error that `work` throws, or nullopt.
 template <class Work>

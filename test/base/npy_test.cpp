@@ -9,9 +9,9 @@ using namespace vpr::test;
 
 namespace {
 
-std::filesystem::path write_example(const TemporaryFolder& folder) {
-  write_array<int32_t>(folder / "a.npy", {1, -2, 3, 4, 5, 6}, {2, 3});
-  return folder / "a.npy";
+std::filesystem::path write_example() {
+  write_array<int32_t>("a.npy", {1, -2, 3, 4, 5, 6}, {2, 3});
+  return "a.npy";
 }
 
 }  // namespace
@@ -26,8 +26,7 @@ TEST_CASE("an npy header equals NumPy's, padded to 64 bytes") {
 }
 
 TEST_CASE("an array can be read back after writing") {
-  const TemporaryFolder folder;
-  const NpyArray array(write_example(folder));
+  const NpyArray array(write_example());
   CHECK(array.shape() == std::vector<size_t>{2, 3});
   const auto values = array.values<int32_t>(2);
   CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
@@ -37,20 +36,18 @@ TEST_CASE("an array can be read back after writing") {
 }
 
 TEST_CASE("an empty array can be read back") {
-  const TemporaryFolder folder;
-  write_array<int32_t>(folder / "e.npy", {}, {0, 4});
-  CHECK(NpyArray(folder / "e.npy").values<int32_t>(2).empty());
+  write_array<int32_t>("e.npy", {}, {0, 4});
+  CHECK(NpyArray("e.npy").values<int32_t>(2).empty());
 }
 
 TEST_CASE("every truncation of an array is refused") {
-  const TemporaryFolder folder;
-  const std::string whole = read_text(write_example(folder));
+  const std::string whole = read_text(write_example());
   for (size_t size = 0; size < whole.size(); ++size) {
-    write_text(folder / "cut.npy", whole.substr(0, size));
-    REQUIRE(error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
+    write_text("cut.npy", whole.substr(0, size));
+    REQUIRE(error_kind([&] { NpyArray("cut.npy"); }) == ErrorKind::data);
   }
-  write_text(folder / "cut.npy", whole + "x");
-  CHECK(error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
+  write_text("cut.npy", whole + "x");
+  CHECK(error_kind([&] { NpyArray("cut.npy"); }) == ErrorKind::data);
 }
 
 TEST_CASE("invalid headers are refused") {

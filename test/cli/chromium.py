@@ -1,12 +1,24 @@
-"""A headless Chromium, controlled over its debugging pipe with only the standard library."""
+"""A headless Chromium, controlled over its debugging pipe with only the standard library. Ends a test
+with 77 (skipped) without it."""
 import json
 import os
 import shutil
 import subprocess
+import sys
 import time
 
 PROGRAM = next((path for name in ("chromium", "chromium-browser", "google-chrome")
                 if (path := shutil.which(name))), None)
+if PROGRAM is None:
+    print("chromium is missing")
+    sys.exit(77)
+
+
+def run(bin, folder, *words):
+    """The output of one of our programs."""
+    done = subprocess.run([f"{bin}/{words[0]}", *words[1:]], cwd=folder, text=True, capture_output=True)
+    assert done.returncode == 0, (words, done.stderr)
+    return done.stdout
 
 
 class Chromium:

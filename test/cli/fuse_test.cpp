@@ -1,7 +1,6 @@
 // Fusion of FAB-MAP and sequences in the programs.
 #include <catch2/catch.hpp>
 
-#include "files/result_file.h"
 #include "world.h"
 
 using namespace vpr;
@@ -41,28 +40,6 @@ TEST_CASE("a result as settings selects the same database again") {
   check_failure(query("--config r.json"), 2, "--fuse");
   const Json json = printed_json(query("--config r.json --fuse $fabmap --json"));
   CHECK(json["settings"]["fusion_weight"] == 0.5);
-}
-
-TEST_CASE("live frames have the results of the whole fused query") {
-  start_with(make_database);
-  std::string list;
-  for (const std::string& name : images_of(world().walk("again")))
-    list += world().walk("again") + "/" + name + "\n";
-  write_text("list.txt", list);
-  const auto asked = [&](const std::string& command, const std::string& more) {
-    return run("vpr-query " + command +
-               " one.vprdb --query list.txt --fuse $fabmap --c-l 10 --decide margin " + more);
-  };
-  ok(asked("", "-o r.json"));
-  const Result whole = read_result("r.json").result;
-  const auto followed = ok(asked("live", "--quiet"));
-  const Words lines = lines_of(followed.out);
-  REQUIRE(lines.size() == whole.query.frames);
-  for (size_t window = 0; window < whole.best.size(); ++window) {
-    const Json line = Json::parse(lines[window + 9]);
-    CHECK(lines[window + 9] ==
-          to_line(live_line({window + 9, line["name"], true}, &whole, window)));
-  }
 }
 
 TEST_CASE("incompatible databases for fusion are refused with advice") {

@@ -165,26 +165,6 @@ TEST_CASE("training images of several sizes cause a warning") {
             "walk: 1 of 6 images are not 40 x 30 like 00.png; the first is 04.png, 50 x 30"));
 }
 
-TEST_CASE("sizes requested by an input are limited before the work") {
-  write_text("far.csv", "query,reference\n4194303,4194303\n");
-  for (const std::string name : {"gt.npy", "gt.npz"})
-    check_failure(evaluate("convert far.csv --to matrix -o " + name), 4,
-                  "17592186044416 values of a matrix");
-  check_failure(evaluate("convert aligned --tolerance 1000000 --query-frames 1000000 "
-                         "--train-frames 1000000 --to pairs -o p.csv"),
-                4, "pairs; the limit is");
-  write_text("far.txt", "99999 99999\n");
-  check_failure(evaluate("matrix far.txt --ground-truth aligned"), 4,
-                "line 1: the frame numbers up to here need 100000 x 100000 scores");
-  for (const auto& shape :
-       {std::vector<size_t>{2147483648, 0}, std::vector<size_t>{0, 2147483648}}) {
-    write_text("empty.npy", npy_header("|u1", shape));
-    for (const std::string more : {"--ground-truth aligned", "--pairs x"})
-      check_failure(evaluate("matrix empty.npy --distance", more), 4,
-                    "expected a matrix of scores");
-  }
-}
-
 TEST_CASE("a result is evaluated with its own query of a data set with several queries") {
   run_ok("vpr-query $db --dataset $dataset --c-l 10 --t-r 0.3 -o r.json");
   const auto counts = [&](const std::string& dataset) {
@@ -209,19 +189,6 @@ TEST_CASE("written pairs can be read back, with the recall of the scores") {
   ok(evaluate(source, "--ground-truth aligned --pairs numbers.txt --top-k 1"));
   CHECK(printed_json(evaluate("matrix numbers.txt", kTruth))["metrics"]["recall_at"]["1"] ==
         scores["metrics"]["recall_at"]["1"]);
-}
-
-TEST_CASE("predictions of VPR-methods-evaluation are evaluated") {
-  start_with(make_scores);
-  std::filesystem::create_directory("preds");
-  for (size_t j = 0; j < kFrames; ++j)
-    write_text(fmt::format("preds/{:03}.txt", j),
-               fmt::format("Query path:\n/x/query/{:02}.jpg\n\nPredictions "
-                           "paths:\n/x/db/{:02}.jpg\n/x/db/{:02}.jpg\n\nPositives paths:\n\n",
-                           j, (j + j % 2) % kFrames, (j + 1) % kFrames));
-  const Json report = printed_json(evaluate("matrix preds " + kNamed, kTruth));
-  CHECK(report["metrics"]["recall_at"]["1"] == 0.5);
-  CHECK(report["machine"]["paths"]["predictions"] == "preds");
 }
 
 TEST_CASE("pairs of a result are its best matches, or those of its matrix") {

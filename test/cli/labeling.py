@@ -3,22 +3,10 @@
 evaluates results with the saved files. Skipped without Chromium.   labeling.py SOURCE BIN"""
 import json
 import os
-import subprocess
 import sys
 import tempfile
 
-from chromium import PROGRAM, Chromium
-
-if PROGRAM is None:
-    print("chromium is missing")
-    sys.exit(77)
-
-
-def run(bin, folder, *words):
-    done = subprocess.run([f"{bin}/{words[0]}", *words[1:]], cwd=folder, text=True,
-                          capture_output=True)
-    assert done.returncode == 0, (words, done.stderr)
-    return done.stdout
+from chromium import Chromium, run
 
 
 def saved(browser, folder, button, name=None):

@@ -131,14 +131,18 @@ def huge_numbers(folder):
     dicom.mkdir()
     (dicom / "a.dcm").write_bytes(b"\0" * 128 + b"DICM" + bytes(range(256)) * 20)
     (dicom / "b.png").write_bytes((dicom / "a.dcm").read_bytes())
-    for command in [
-            ["convert", pairs, "--to", "matrix", "-o", folder / "x.npz"],
-            ["check", anchors],
-            ["convert", poses, "--ground-truth-train", poses, "--radius", 1, "--to", "pairs", "-o", folder / "x.csv"],
-            ["matrix", lists, "--ground-truth", "aligned"],
-            ["matrix", shape, "--similarity", "--ground-truth", "aligned"]]:
+    for expected, *command in [
+            ["17592186044416 values of a matrix", "convert", pairs, "--to", "matrix", "-o", folder / "x.npz"],
+            ["pairs; the limit is", "convert", "aligned", "--tolerance", 1000000, "--query-frames", 1000000,
+             "--train-frames", 1000000, "--to", "pairs", "-o", folder / "x.csv"],
+            ["", "check", anchors],
+            ["", "convert", poses, "--ground-truth-train", poses, "--radius", 1, "--to", "pairs", "-o", folder / "x.csv"],
+            ["need 10000000 x 10000000 scores", "matrix", lists, "--ground-truth", "aligned"],
+            ["expected a matrix of scores", "matrix", shape, "--similarity", "--ground-truth", "aligned"]]:
         text, cost = run("vpr-eval", *command, status=(2, 3, 4), seconds=5, megabytes=600)
-        print(f"vpr-eval {command[0]} {command[1].name}: {cost}: {text.strip()[:160]}")
+        if expected not in " ".join(text.split()):
+            sys.exit(f"limits: {command}: expected {expected}, found {text}")
+        print(f"vpr-eval {command[0]} {command[1]}: {cost}: {text.strip()[:160]}")
     text, cost = run("vpr-train", "fastable", "--train", dicom, "-o", folder / "x.vprdb", status=3)
     print(f"DICOM: {cost}: {text.strip()[:160]}")
 

@@ -27,8 +27,10 @@ std::string list_of(const fs::path& walk, const fs::path& list, const std::strin
 }
 
 // The results of the whole query in the format of vpr-query live.
-Words offline_lines(const std::string& query, const std::string& words, const Words& names) {
-  run_ok("vpr-query $db --query " + query + " " + words + " -o r.json --force --quiet");
+Words offline_lines(const std::string& query, const std::string& words, const Words& names,
+                    const std::string& database = "$db") {
+  run_ok("vpr-query " + database + " --query " + query + " " + words +
+         " -o r.json --force --quiet");
   const Result result = read_result("r.json").result;
   REQUIRE(result.query.frames == names.size());
   const size_t length = result.window_length();
@@ -55,14 +57,17 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
       list_of(walk, "list.txt", "off_map.png\n" + (walk / "00003.png").string() + "\n");
   Words names = images_of(walk);
   names.insert(names.end(), {"off_map.png", "00003.png"});
+  run_ok("vpr-train fastable --train $one --c-l 10 -o one.vprdb");
   for (const std::string words :
        {"--c-l 10", "--c-l 10 --method fastable-online --decide margin",
         "--c-l 5 --t-r 150 --t-r-scale bits", "--c-l 5 --score zscore --t-r -1.5",
-        "--c-l 5 --score zscore --margin 0.5 --decide margin --threads 3"}) {
+        "--c-l 5 --score zscore --margin 0.5 --decide margin --threads 3",
+        "--c-l 10 --decide margin --fuse $fabmap"}) {
     INFO(words);
+    const std::string database = has(words, "--fuse") ? "one.vprdb" : "$db";
     const std::string all = words + " --skip-unreadable";
-    const auto expected = offline_lines(list, all, names);
-    const auto live = run_ok(kLive + list + " " + all);
+    const auto expected = offline_lines(list, all, names, database);
+    const auto live = run_ok("vpr-query live " + database + " --query " + list + " " + all);
     CHECK(lines_of(live.out) == expected);
     CHECK(has(live.out, "\"recognized\":[{"));
     CHECK(has(live.err, "from frame to line"));
@@ -204,25 +209,4 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
                              "VPR_SIMD=" + simd_targets().back());
     CHECK(printed_json(again)["clusters"] == json["clusters"]);
   }
-}
-
-TEST_CASE("a query of one frame, and one with a gap, can be filtered") {
-  const std::string back = world().walk("back");
-  const Json one = printed_json(query(back + "@0:1 --json"));
-  CHECK(one["totals"]["recognitions"] == 0);
-  CHECK(one["query"]["windows"] == 1);
-  write_text("list.txt", back + "/00000.png\nnowhere.png\n" + back + "/00001.png\n");
-  ok(query("list.txt --skip-unreadable --json"));
-}
-
-TEST_CASE("settings that contradict the filter are refused") {
-  write_text("c.json", R"({"filter": {"keyframe_change": -2}})");
-  check_refused("vpr-query $db --method filter --query $back",
-                {{"--c-l 5", 2, "--c-l"},
-                 {"--score raw", 2, "--score raw"},
-                 {"--decide threshold", 2, "--decide"},
-                 {"--exclusion-frames 4", 2, "filter.near_keyframes"},
-                 {"--t-r -1", 2, "--t-r"},
-                 {"--verify 3", 2, "--verify does not go with --method filter"},
-                 {"--config c.json", 2, "filter.keyframe_change"}});
 }

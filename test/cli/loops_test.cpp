@@ -162,10 +162,6 @@ TEST_CASE("loops without a database refuse incompatible flags") {
                          {"--gap soon", 2, "--gap"},
                          {"--gap 15 $db", 2, "DB does not go with vpr-query loops"},
                          {"--gap 15 --speed 2", 2, "--speed"},
-                         {"--gap 15 --method filter", 2, "--method"},
-                         {"--gap 15 --rates 1,2", 2, "--rates"},
-                         {"--gap 15 --score zscore-offline", 2, "later frames"},
-                         {"--gap 15 --t-r 0.5 --t-r-scale relative", 2, "relative"},
                          {"--gap 15 --decide margin", 2, "--margin"},
                          {"--gap 15 --frame-times poses.csv", 2, "30s"},
                          {"--gap 15 --descriptor ldp", 2, "ldb"},
@@ -198,16 +194,4 @@ TEST_CASE("an image and a matrix of a sequence against its past show the compare
   for (size_t j = 0; j < 47; ++j)
     for (size_t i = 0; i < 47; ++i) CHECK((values[j * 47 + i] == -1) == (i + 15 > j));
   run_ok(kLoops + "--gap 15 --save-matrix m.png");
-}
-
-TEST_CASE("loops of a sequence are the same for any threads and any SIMD target") {
-  start_with(make_rendered_laps);
-  std::string expected;
-  for (const std::string threads : {"1", "3"})
-    for (const std::string& target : simd_targets()) {
-      run_ok(kLoops + "--gap 15 --score zscore --save-loops loops.csv --threads " + threads,
-             "VPR_SIMD=" + target);
-      if (expected.empty()) expected = read_text("loops.csv");
-      CHECK(read_text("loops.csv") == expected);
-    }
 }

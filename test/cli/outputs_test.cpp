@@ -8,7 +8,6 @@
 
 using namespace vpr;
 using namespace vpr::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -105,14 +104,4 @@ TEST_CASE("outputs that cannot be written are detected before the work") {
   const std::string train = "vpr-train fastable --train one -o ";
   check_unchanged(train + std::string(256, 'x'), 3, "can't be written");
   run_ok(train + std::string(255, 'x'));
-}
-
-TEST_CASE("a folder of images is never mistaken for a folder of plots") {
-  start_with(make_walks);
-  run_ok(kTwo);
-  fs::create_directories("one/sub.png/thesis");
-  const auto frames = list_folder("one");
-  check_unchanged("vpr-eval r.json --ground-truth aligned --plot one --force", 2,
-                  "is not replaced");
-  CHECK(list_folder("one") == frames);
 }

@@ -4,15 +4,10 @@ anything is cut or overlaps. Skipped without Chromium.   pages.py SOURCE BIN SCR
 import base64
 import glob
 import os
-import subprocess
 import sys
 import tempfile
 
-from chromium import PROGRAM, Chromium
-
-if PROGRAM is None:
-    print("chromium is missing")
-    sys.exit(77)
+from chromium import Chromium, run
 
 # Returns one line per defect of the page.
 CHECK = r"""(async () => {
@@ -76,43 +71,32 @@ CHECK = r"""(async () => {
 })()"""
 
 
-def run(bin, folder, *words):
-    done = subprocess.run([f"{bin}/{words[0]}", *words[1:], "--quiet"], cwd=folder, text=True,
-                          capture_output=True)
-    assert done.returncode == 0, (words, done.stderr)
+PAGES = """
+vpr-synth SOURCE/configs/worlds/small.json -o world
+vpr-train fastable --dataset DATA --c-l 20 -o s.vprdb
+vpr-train fabmap --dataset DATA --words 200 --features orb -o f.vprdb
+vpr-query s.vprdb --dataset DATA -o filter.json
+vpr-query s.vprdb --dataset DATA --c-l 20 --t-r 0.6 --save-matrix windows.npy -o windows.json
+vpr-query s.vprdb --dataset DATA --c-l 1 --t-r 0.3 -o frames.json
+vpr-query f.vprdb --dataset DATA --c-w 1 --t-p 0.9 -o fabmap.json
+vpr-eval filter.json --dataset DATA --html filter.html --plot plots-filter -o reports/filter.json
+vpr-eval windows.json --dataset DATA --html windows.html --plot plots-windows -o reports/windows.json --matrix windows.npy --map plots-map
+vpr-eval frames.json --dataset DATA --html frames.html --plot plots-frames -o reports/frames.json
+vpr-eval fabmap.json --dataset DATA --html fabmap.html --plot plots-fabmap -o reports/fabmap.json
+vpr-eval frames.json --html unjudged.html
+vpr-eval windows.json --dataset DATA --ask-places places.html
+vpr-tune fastable s.vprdb --dataset DATA --c-l 1,5,10,20 --t-r 0.2:0.8:0.1 --plot plots-tune
+vpr-query s.vprdb --query world/query --c-l 1 --t-r 0.3 --save-matrix all.npy -o all.json
+vpr-eval matrix all.npy --distance --ground-truth aligned --recall-at 1,5,10 --html matrix.html --plot plots-matrix
+vpr-eval compare reports/filter.json reports/windows.json reports/frames.json --html compare.html --plot plots-compare
+vpr-eval report reports --html methods.html
+vpr-eval loops loops.csv --poses path.txt --radius 2 --gap 20s --similarity --html loops.html --plot plots-loops
+"""
 
 
 def make_pages(bin, folder, source):
     """Every kind of page, with its charts as SVG files, from a rendered building."""
-    data = "world/dataset.json"
-    run(bin, folder, "vpr-synth", f"{source}/configs/worlds/small.json", "-o", "world")
-    run(bin, folder, "vpr-train", "fastable", "--dataset", data, "--c-l", "20", "-o", "s.vprdb")
-    run(bin, folder, "vpr-train", "fabmap", "--dataset", data, "--words", "200", "--features", "orb",
-        "-o", "f.vprdb")
-
-    def query(name, database, *settings, more=()):
-        run(bin, folder, "vpr-query", database, "--dataset", data, *settings, "-o", f"{name}.json")
-        run(bin, folder, "vpr-eval", f"{name}.json", "--dataset", data, "--html", f"{name}.html",
-            "--plot", f"plots-{name}", "-o", f"reports/{name}.json", *more)
-
     os.mkdir(f"{folder}/reports")
-    query("filter", "s.vprdb", "--method", "filter")
-    query("windows", "s.vprdb", "--c-l", "20", "--t-r", "0.6", "--save-matrix", "windows.npy",
-          more=("--matrix", "windows.npy", "--map", "plots-map"))
-    query("frames", "s.vprdb", "--c-l", "1", "--t-r", "0.3")
-    query("fabmap", "f.vprdb", "--c-w", "1", "--t-p", "0.9")
-    run(bin, folder, "vpr-eval", "frames.json", "--html", "unjudged.html")
-    run(bin, folder, "vpr-eval", "windows.json", "--dataset", data, "--ask-places", "places.html")
-    run(bin, folder, "vpr-tune", "fastable", "s.vprdb", "--dataset", data, "--c-l", "1,5,10,20",
-        "--t-r", "0.2,0.3,0.4,0.5,0.6,0.7,0.8", "--plot", "plots-tune")
-    run(bin, folder, "vpr-query", "s.vprdb", "--query", "world/query", "--c-l", "1", "--t-r", "0.3",
-        "--save-matrix", "all.npy", "-o", "all.json")
-    run(bin, folder, "vpr-eval", "matrix", "all.npy", "--distance", "--ground-truth", "aligned",
-        "--recall-at", "1,5,10", "--html", "matrix.html", "--plot", "plots-matrix")
-    names = ("filter", "windows", "frames")
-    run(bin, folder, "vpr-eval", "compare", *(f"reports/{name}.json" for name in names),
-        "--html", "compare.html", "--plot", "plots-compare")
-    run(bin, folder, "vpr-eval", "report", "reports", "--html", "methods.html")
     with open(f"{folder}/path.txt", "w") as file:
         for frame in range(120):
             x, y = min(frame % 40, 20, 40 - frame % 40), frame % 40 // 2
@@ -121,8 +105,8 @@ def make_pages(bin, folder, source):
         file.write("query,match,score\n")
         file.writelines(f"{frame},{frame % 40 if frame % 7 else frame % 11},{frame % 13}\n"
                         for frame in range(45, 120, 2))
-    run(bin, folder, "vpr-eval", "loops", "loops.csv", "--poses", "path.txt", "--radius", "2",
-        "--gap", "20s", "--similarity", "--html", "loops.html", "--plot", "plots-loops")
+    for command in PAGES.strip().replace("SOURCE", source).replace("DATA", "world/dataset.json").splitlines():
+        run(bin, folder, *command.split(), "--quiet")
 
 
 class Photographer:

@@ -166,17 +166,6 @@ TEST_CASE("a method that answers few frames does not win by them") {
   CHECK(has(read_text("all.html"), "correct: frames, R@1 0.9000 (9 of 10)."));
 }
 
-TEST_CASE("results of several window lengths are shown over the same frames") {
-  query("one.json");
-  query("two.json", "9");
-  const Words rows =
-      lines_of(run_ok("vpr-eval one.json two.json --dataset $dataset --format csv").out);
-  const auto head = split(rows.at(0), ',');
-  const auto at = size_t(std::ranges::find(head, "of frames") - head.begin());
-  REQUIRE(rows.size() == 3);
-  CHECK(split(rows[1], ',').at(at) == split(rows[2], ',').at(at));
-}
-
 TEST_CASE("results without ground truth, and pages of several reports, are refused with advice") {
   query("r.json");
   check_refused("vpr-eval", {{"compare r.json r.json", 2, "Add --ground-truth or --dataset"},

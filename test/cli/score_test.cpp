@@ -48,22 +48,6 @@ TEST_CASE("negative thresholds are accepted as flags, and the result describes t
   ok(query("--score zscore --t-r -1.5 --t-r-scale mean-z --json"));
 }
 
-TEST_CASE("scales and settings without meaning for a score are usage errors") {
-  start_with(make_walks);
-  for (const std::string words :
-       {"--score zscore --t-r 0.4 --t-r-scale relative",
-        "--score zscore --t-r 200 --t-r-scale bits",
-        "--score zscore-offline --t-r 200 --t-r-scale bits", "--t-r -1 --t-r-scale mean-z",
-        "--t-r -1", "--score zscore --method openable --t-r -1",
-        "--score zscore --method lsh --t-r -1", "--score zscore --safety-factor 0.9",
-        "--score zscore", "--score zscore --max-memory 10"}) {
-    const auto outcome = query(words + " --json");
-    INFO(words << ": " << outcome.err);
-    CHECK(outcome.exit_code == 2);
-    CHECK(outcome.out.empty());
-  }
-}
-
 TEST_CASE("every setting of z-scores can be set in the configuration") {
   start_with(make_walks);
   write_text("c.json",
@@ -79,26 +63,28 @@ TEST_CASE("every setting of z-scores can be set in the configuration") {
   CHECK(manifest["statistics"]["seed"] == 3);
 }
 
-TEST_CASE("unreadable frames have no score, also in the matrix") {
+TEST_CASE("unreadable frames have no score, also in the matrix, and no metric counts them") {
   start_with(make_walks);
   write_text("query/05.png", "no image");
-  run_ok(
-      "vpr-query db.vprdb --query query --c-l 3 --score zscore --t-r 0 --skip-unreadable "
-      "--save-matrix m.npy --verify 60 -o r.json");
-  const NpyArray best("r.best.npy");
-  const auto rows = best.values<int32_t>(2);
-  const auto scores = read_array<double>("r.best_scores.npy");
-  const NpyArray matrix("m.npy");
-  const auto cells = matrix.values<int32_t>(2);
-  const size_t cols = matrix.shape()[1];
-  for (size_t window = 0; window < best.shape()[0]; ++window) {
-    const bool broken = window >= 3 && window <= 5;
-    CHECK((rows[3 * window + 1] == -1) == broken);
-    for (size_t c = 0; c < cols; ++c)
-      CHECK((cells[window * cols + c] == std::numeric_limits<int32_t>::min()) == broken);
-    if (!broken)
-      CHECK(*std::min_element(cells.begin() + ptrdiff_t(window * cols),
-                              cells.begin() + ptrdiff_t((window + 1) * cols)) == scores[window]);
+  check_failure(query("-o r.json"), 3, "05.png");
+  for (const auto& [score, missing] : std::vector<std::pair<std::string, int32_t>>{
+           {"raw", -1}, {"zscore --t-r 0", std::numeric_limits<int32_t>::min()}}) {
+    INFO(score);
+    ok(query("--skip-unreadable --save-matrix m.npy --verify 60 --force -o r.json --score " +
+             score));
+    const NpyArray best("r.best.npy");
+    const auto rows = best.values<int32_t>(2);
+    const auto scores = read_array<double>("r.best_scores.npy");
+    const NpyArray matrix("m.npy");
+    const auto cells = matrix.values<int32_t>(2);
+    const size_t cols = matrix.shape()[1];
+    for (size_t window = 0; window < best.shape()[0]; ++window) {
+      const bool broken = window >= 3 && window <= 5;
+      const auto row = cells.subspan(window * cols, cols);
+      CHECK((rows[3 * window + 1] == -1) == broken);
+      CHECK(size_t(std::ranges::count(row, missing)) == (broken ? cols : 0));
+      if (!broken) CHECK(std::ranges::min(row) == scores[window]);
+    }
   }
   // The result and its matrix have equal metrics: neither counts windows without scores.
   write_text("pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n9,two,9\n");
@@ -110,20 +96,6 @@ TEST_CASE("unreadable frames have no score, also in the matrix") {
   const Json of_matrix = metrics("--matrix m.npy");
   CHECK(own["positives"] == of_matrix["positives"]);
   CHECK(own["average_precision"] == of_matrix["average_precision"]);
-}
-
-TEST_CASE("vpr-tune sweeps thresholds of scores") {
-  start_with(make_walks);
-  write_text("pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n");
-  const auto sweep = [](const std::string& truth, const std::string& thresholds) {
-    return run("vpr-tune fastable db.vprdb --query query --score zscore --ground-truth " + truth +
-               " --c-l 2,3 --t-r " + thresholds + " --json");
-  };
-  CHECK(sweep("aligned", "-3:-1:1").exit_code == 2);  // aligned needs a single training sequence
-  CHECK(sweep("pairs.csv", "-3:-1:1,auto").exit_code == 2);
-  const Json cells = printed_json(sweep("pairs.csv", "-3:-1:1"))["cells"];
-  REQUIRE(cells.size() == 6);
-  for (const Json& cell : cells) CHECK(cell["t_r_scale"] == "mean-z");
 }
 
 TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports either confidence") {

@@ -95,16 +95,15 @@ TEST_CASE("our own vocabulary recognizes the second lap") {
   const auto tower = real_data("data/tower");
   const auto loop = real_data("data/loop");
   if (!tower || !loop) return;
-  const TemporaryFolder out;
   Words train = {"fabmap", "--features", "sift", "--words", "500", "--quiet", "--train"};
-  train.insert(train.end(), {*loop / "images@0:40", "-o", out / "loop.vprdb"});
+  train.insert(train.end(), {*loop / "images@0:40", "-o", "loop.vprdb"});
   for (const char* floor : {"floor5", "floor7", "floor9", "floor12"})
     train.insert(train.end(), {"--pretrain", *tower / floor});
   run_ok("vpr-train", train);
-  run_ok("vpr-query", {out / "loop.vprdb", "--query", (*loop / "images@40:80").string(), "--t-p",
-                       "0.6", "--quiet", "-o", out / "r.json"});
-  const Json report = printed_json("vpr-eval", {out / "r.json", "--ground-truth",
-                                                (*loop / "ground_truth.csv").string(), "--json"});
+  run_ok("vpr-query", {"loop.vprdb", "--query", (*loop / "images@40:80").string(), "--t-p", "0.6",
+                       "--quiet", "-o", "r.json"});
+  const Json report = printed_json(
+      "vpr-eval", {"r.json", "--ground-truth", (*loop / "ground_truth.csv").string(), "--json"});
   CHECK(report["best_match"]["correct"].get<int>() >= 34);
   CHECK(report["counts"]["pairs"]["correct"].get<int>() >= 31);
   CHECK(report["counts"]["pairs"]["incorrect"].get<int>() <= 6);

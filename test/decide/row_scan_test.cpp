@@ -106,7 +106,7 @@ TEST_CASE("more recognitions than the limit are an error with advice") {
   const std::string text = test::error_text([&] {
     scan({0, 1, 0, std::vector<uint32_t>{1, 1, 1}});
   });
-  CHECK(text.find("--t-r") != std::string::npos);
+  CHECK(test::has(text, "--t-r"));
 }
 
 TEST_CASE("selected cells are found in the pieces that contain them") {

@@ -45,8 +45,7 @@ std::string refusal(const SequenceArgument& argument, std::string_view kind = kN
 }  // namespace
 
 TEST_CASE("vectors become integers up to 127, with ties rounded to even") {
-  const TemporaryFolder folder;
-  const auto path = folder / "v.npy";
+  const std::string path = "v.npy";
   write_array<float>(path, {2, -1, 0.5F, 0, -8, 4, 2, 1, 254, 1, 3, -5}, {3, 4});
   const DescriptorSet set = import({path, {}});
   CHECK(set.descriptors.kind->name == "vectors8");
@@ -103,68 +102,63 @@ TEST_CASE("quantized directions are within the documented error") {
 }
 
 TEST_CASE("arrays of any type, order, range or folder yield the same rows") {
-  const TemporaryFolder folder;
   const std::vector<float> values = random_numbers(700 * 30, 1);
   const std::vector<double> doubles(values.begin(), values.end());
-  write_array(folder / "c.npy", values, {700, 30});
-  write_array(folder / "f.npy", values, {700, 30}, true);
-  write_array(folder / "d.npy", doubles, {700, 30});
-  write_array(folder / "df.npy", doubles, {700, 30}, true);
-  const DescriptorSet all = import({folder / "c.npy", {}});
+  write_array("c.npy", values, {700, 30});
+  write_array("f.npy", values, {700, 30}, true);
+  write_array("d.npy", doubles, {700, 30});
+  write_array("df.npy", doubles, {700, 30}, true);
+  const DescriptorSet all = import({"c.npy", {}});
   for (const char* name : {"f.npy", "d.npy", "df.npy"}) {
     INFO(name);
-    CHECK(import({folder / name, {}}).descriptors.owned == all.descriptors.owned);
+    CHECK(import({name, {}}).descriptors.owned == all.descriptors.owned);
     for (const std::string_view kind : {kNarrowVectorKind, kVectorKind}) {
-      const DescriptorSet part = import({folder / name, {5, 699, 3}}, kind);
-      const DescriptorSet whole = import({folder / "c.npy", {}}, kind);
+      const DescriptorSet part = import({name, {5, 699, 3}}, kind);
+      const DescriptorSet whole = import({"c.npy", {}}, kind);
       REQUIRE(part.rows().size() == 232);
       for (size_t i = 0; i < part.rows().size(); ++i)
         REQUIRE(std::ranges::equal(part.rows()[i], whole.rows()[5 + 3 * i]));
       CHECK(part.sequence.frame_names[2] == "#11");
     }
   }
-  std::filesystem::create_directory(folder / "each");
+  std::filesystem::create_directory("each");
   for (size_t i = 0; i < 12; ++i)
-    write_array(folder / "each" / (std::to_string(i) + ".npy"),
+    write_array("each/" + std::to_string(i) + ".npy",
                 std::vector<float>(values.begin() + ptrdiff_t(30 * i),
                                    values.begin() + ptrdiff_t(30 * i + 30)),
                 i % 2 == 0 ? std::vector<size_t>{30} : std::vector<size_t>{1, 30});
-  const DescriptorSet each = import({folder / "each", {2, std::nullopt, 1}});  // 2, 3, ... 10, 11
+  const DescriptorSet each = import({"each", {2, std::nullopt, 1}});  // 2, 3, ... 10, 11
   CHECK(each.sequence.frame_names.front() == "2.npy");
   CHECK(each.sequence.frame_names.back() == "11.npy");
   CHECK(std::ranges::equal(each.rows().bytes, all.rows().subspan(2, 10).bytes));
-  write_text(folder / "list.txt", "each/3.npy\neach/1.npy\n");
-  CHECK(std::ranges::equal(import({folder / "list.txt", {}}).rows()[1], all.rows()[1]));
+  write_text("list.txt", "each/3.npy\neach/1.npy\n");
+  CHECK(std::ranges::equal(import({"list.txt", {}}).rows()[1], all.rows()[1]));
 }
 
 TEST_CASE("half-precision floats are read") {
-  const TemporaryFolder folder;
-  write_text(folder / "h.npy",
-             npy_header("<f2", {1, 3}) + std::string("\x00\x3c\x00\xb8\x01\x00", 6));
-  const ArrayRows rows(open_sequence({folder / "h.npy", {}}));
+  write_text("h.npy", npy_header("<f2", {1, 3}) + std::string("\x00\x3c\x00\xb8\x01\x00", 6));
+  const ArrayRows rows(open_sequence({"h.npy", {}}));
   std::vector<double> numbers(3);
   rows.read(0, 1, numbers);
   CHECK(numbers == std::vector<double>{1, -0.5, std::ldexp(1.0, -24)});
 }
 
 TEST_CASE("bits of any number type are read") {
-  const TemporaryFolder folder;
-  write_array<uint8_t>(folder / "b.npy", {1, 255, 0, 7, 8, 9}, {2, 3});
-  const DescriptorSet bytes = import({folder / "b.npy", {}}, kBitKind);
+  write_array<uint8_t>("b.npy", {1, 255, 0, 7, 8, 9}, {2, 3});
+  const DescriptorSet bytes = import({"b.npy", {}}, kBitKind);
   CHECK(bytes.rows().shape == DescriptorShape{ElementType::bits, 24});
   CHECK(std::ranges::equal(bytes.rows()[1], std::vector<uint8_t>{7, 8, 9, 0, 0, 0, 0, 0}));
   const std::string header = npy_header("|b1", {2, 9});
-  write_text(folder / "t.npy", header + std::string("\1\0\0\0\0\0\0\1\1\0\1\0\0\0\0\0\0\0", 18));
-  const DescriptorSet bits = import({folder / "t.npy", {}}, kBitKind);
+  write_text("t.npy", header + std::string("\1\0\0\0\0\0\0\1\1\0\1\0\0\0\0\0\0\0", 18));
+  const DescriptorSet bits = import({"t.npy", {}}, kBitKind);
   CHECK(bits.rows().shape == DescriptorShape{ElementType::bits, 9});
   CHECK(std::ranges::equal(bits.rows()[0], std::vector<uint8_t>{0x81, 1, 0, 0, 0, 0, 0, 0}));
   CHECK(std::ranges::equal(bits.rows()[1], std::vector<uint8_t>{2, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 TEST_CASE("invalid descriptors are refused with the row") {
-  const TemporaryFolder folder;
-  const auto path = folder / "v.npy";
-  const std::string name = path.string();
+  const std::string path = "v.npy";
+  const std::string& name = path;
   std::vector<double> values(40 * 3, 1);
   values[3 * 17] = 0;
   write_array(path, values, {40, 3});
@@ -201,22 +195,20 @@ TEST_CASE("invalid descriptors are refused with the row") {
 }
 
 TEST_CASE("files of a folder must have the same type and length") {
-  const TemporaryFolder folder;
-  write_array<float>(folder / "0.npy", {1, 2, 3}, {3});
-  write_array<float>(folder / "1.npy", {1, 2}, {2});
-  CHECK(refusal({folder.path(), {}}).starts_with((folder / "1.npy").string() + ": holds 2 values"));
-  write_array<double>(folder / "1.npy", {1, 2, 3}, {3});
-  CHECK(refusal({folder.path(), {}}).starts_with((folder / "1.npy").string()));
-  write_array<float>(folder / "1.npy", {1, 2, 3, 4, 5, 6}, {2, 3});
-  CHECK(has(refusal({folder.path(), {}}), "expected one descriptor"));
+  write_array<float>("0.npy", {1, 2, 3}, {3});
+  write_array<float>("1.npy", {1, 2}, {2});
+  CHECK(refusal({".", {}}).starts_with(std::string("./1.npy") + ": holds 2 values"));
+  write_array<double>("1.npy", {1, 2, 3}, {3});
+  CHECK(refusal({".", {}}).starts_with(std::string("./1.npy")));
+  write_array<float>("1.npy", {1, 2, 3, 4, 5, 6}, {2, 3});
+  CHECK(has(refusal({".", {}}), "expected one descriptor"));
 }
 
 TEST_CASE("a missing row keeps its index, unless all rows are missing") {
-  const TemporaryFolder folder;
-  const auto path = folder / "v.npy";
+  const std::string path = "v.npy";
   write_array<double>(path, {1, 2, kNan, kNan, 3, 4}, {3, 2});
   CHECK(refusal({path, {}}) ==
-        path.string() + ": row 1 is missing (all NaN); use --skip-unreadable to ignore it");
+        path + ": row 1 is missing (all NaN); use --skip-unreadable to ignore it");
   const DescriptorSet set = import({path, {}}, kNarrowVectorKind, Unreadable::skip);
   CHECK(set.sequence.unreadable == std::vector<size_t>{1});
   CHECK(set.rows().size() == 3);
@@ -226,11 +218,10 @@ TEST_CASE("a missing row keeps its index, unless all rows are missing") {
 }
 
 TEST_CASE("the smallest and the largest numbers have directions, and distant points are refused") {
-  const TemporaryFolder folder;
   for (const double size : {5e-324, 1e-310, 1.0, 1e300, 1.7e308}) {
     INFO(size);
-    write_array(folder / "db.npy", std::vector<double>{size, 0, -size, size}, {2, 2});
-    const SequenceSource sequence = open_sequence({folder / "db.npy", {}});
+    write_array("db.npy", std::vector<double>{size, 0, -size, size}, {2, 2});
+    const SequenceSource sequence = open_sequence({"db.npy", {}});
     const double unit = coordinate_unit(kDirectionKind, {&sequence, 1}, {});
     const DescriptorSet set =
         import_descriptors(sequence, kDirectionKind, Unreadable::fail, {}, unit);
@@ -240,7 +231,7 @@ TEST_CASE("the smallest and the largest numbers have directions, and distant poi
     if (size > 1e307) {
       CHECK(error_text([&] {
               coordinate_unit(kPointKind, {&sequence, 1}, {});
-            }) == (folder / "db.npy").string() + ": row 0: is too long for Euclidean distances");
+            }) == std::string("db.npy") + ": row 0: is too long for Euclidean distances");
     } else {
       const double of_points = coordinate_unit(kPointKind, {&sequence, 1}, {});
       import_descriptors(sequence, kPointKind, Unreadable::fail, {}, of_points);

@@ -3,28 +3,21 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "judgments.h"
 #include "support.h"
 
 using namespace vpr;
 
 namespace {
 
-/// One letter per query frame: c(orrect), w(rong), n (wrong, without a match), i(gnored),
-/// u(nanswered); scores increase from frame to frame unless set.
+/// Outcomes by letter; scores increase from frame to frame unless set.
 NamedOutcomes method(const std::string& letters, const std::vector<double>& scores = {}) {
   NamedOutcomes named;
-  for (size_t q = 0; q < letters.size(); ++q) {
-    QueryOutcome& query = named.outcomes.queries.emplace_back();
-    query.frame = q;
-    const char letter = letters[q];
-    query.verdict = letter == 'c'   ? Verdict::correct
-                    : letter == 'u' ? Verdict::none
-                    : letter == 'i' ? Verdict::ignored
-                                    : Verdict::incorrect;
-    query.has_match = letter != 'n';
-    if (letter != 'u')
-      query.key = score_key(scores.empty() ? double(q) : scores[q], ScoreOrder::distance);
-  }
+  named.outcomes = test::outcomes_of(letters);
+  for (QueryOutcome& query : named.outcomes.queries)
+    if (query.verdict != Verdict::none)
+      query.key = score_key(scores.empty() ? double(query.frame) : scores[query.frame],
+                            ScoreOrder::distance);
   return named;
 }
 

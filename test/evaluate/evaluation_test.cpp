@@ -62,10 +62,9 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
 }
 
 TEST_CASE("poses of the query yield distances in meters") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
+  test::write_text("poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
   EvaluationSettings by = kAligned;
-  by.poses = folder / "poses.csv";
+  by.poses = "poses.csv";
   const Evaluation found = evaluate_result(example(), {}, by, {});
   CHECK(found.judgment.localization.first_recognition_m == 0);
   CHECK(found.judgment.localization.longest_gap_m == 5);
@@ -86,11 +85,10 @@ TEST_CASE("without ground truth, a result is shown without evaluation") {
 }
 
 TEST_CASE("answers to places judge the places, their recognitions and the frames") {
-  const test::TemporaryFolder folder;
   const auto judged_by = [&](const std::string& rows) {
-    test::write_text(folder / "places.csv", "place,query,sequence,train,same\n" + rows);
+    test::write_text("places.csv", "place,query,sequence,train,same\n" + rows);
     EvaluationSettings by;
-    by.places = folder / "places.csv";
+    by.places = "places.csv";
     return evaluate_result(example(), {}, by, {});
   };
   // The first place has two recognitions, at frames 0 and 1; the second one has frame 2.
@@ -119,10 +117,9 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
 }
 
 TEST_CASE("answers that do not fit the places of a result are refused, with their line") {
-  const test::TemporaryFolder folder;
   const auto error = [&](const std::string& text, Result result = example()) {
-    test::write_text(folder / "p.csv", text);
-    return test::error_text([&] { read_place_answers(folder / "p.csv", result); });
+    test::write_text("p.csv", text);
+    return test::error_text([&] { read_place_answers("p.csv", result); });
   };
   const std::string header = "place,query,sequence,train,same\n";
   using Catch::Contains;
@@ -151,16 +148,15 @@ TEST_CASE("without clusters, every recognition of a result is evaluated separate
 }
 
 TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix by its pairs") {
-  const test::TemporaryFolder folder;
   const std::vector<int32_t> scores = {5, 9, 9, 9,  //
                                        9, 6, 9, 9,  //
                                        7, 9, 8, 9,  //
                                        9, 9, 9, 9};
-  test::write_array<int32_t>(folder / "s.npy", scores, {4, 4});
+  test::write_array<int32_t>("s.npy", scores, {4, 4});
   ScoreSettings settings;
   settings.threshold = 7;
   settings.query.name = "theirs";
-  const auto matrix = [&] { return ScoreMatrix(folder / "s.npy", settings.format); };
+  const auto matrix = [&] { return ScoreMatrix("s.npy", settings.format); };
   const Evaluation alone = evaluate_scores(matrix(), settings, kAligned, {});
   CHECK(alone.query().name == "theirs");
   CHECK_FALSE(alone.result);

@@ -17,23 +17,21 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-std::filesystem::path write_raw(const test::TemporaryFolder& folder, const std::string& type,
-                                const std::string& shape, bool is_fortran,
+std::filesystem::path write_raw(const std::string& type, const std::string& shape, bool is_fortran,
                                 const std::string& bytes) {
   std::string text = "{'descr': '" + type +
                      "', 'fortran_order': " + (is_fortran ? "True" : "False") +
                      ", 'shape': " + shape + ", }";
   text.resize(117, ' ');
   text += '\n';
-  test::write_text(folder / "s.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + text + bytes);
-  return folder / "s.npy";
+  test::write_text("s.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + text + bytes);
+  return "s.npy";
 }
 
 template <class T>
-std::filesystem::path write_matrix(const test::TemporaryFolder& folder,
-                                   const std::vector<T>& values, size_t rows, size_t cols) {
-  test::write_array<T>(folder / "s.npy", values, {rows, cols});
-  return folder / "s.npy";
+std::filesystem::path write_matrix(const std::vector<T>& values, size_t rows, size_t cols) {
+  test::write_array<T>("s.npy", values, {rows, cols});
+  return "s.npy";
 }
 
 std::vector<std::vector<double>> all_scores(const ScoreMatrix& matrix) {
@@ -62,9 +60,8 @@ MatrixScan scan(const std::filesystem::path& path, const GroundTruth& truth,
 }  // namespace
 
 TEST_CASE("scores of every type are read exactly") {
-  const test::TemporaryFolder folder;
   const auto read = [&](const std::string& type, const std::string& bytes) {
-    return all_scores(ScoreMatrix(write_raw(folder, type, "(1, 2)", false, bytes), {}))[0];
+    return all_scores(ScoreMatrix(write_raw(type, "(1, 2)", false, bytes), {}))[0];
   };
   using Row = std::vector<double>;
   CHECK(read("|u1", std::string("\x02\xff", 2)) == Row{2, 255});
@@ -79,18 +76,16 @@ TEST_CASE("scores of every type are read exactly") {
   CHECK(read("<f2", std::string("\x00\x3c\x00\xc1", 4)) == Row{1, -2.5});
   CHECK(read("<f2", std::string("\x01\x00\x00\x7c", 4)) == Row{std::ldexp(1.0, -24), INFINITY});
   CHECK(std::isnan(read("<f2", std::string("\x01\x7e\x00\x3c", 4))[0]));
-  CHECK(all_scores(ScoreMatrix(write_matrix<double>(folder, {0.1, kNan}, 1, 2), {}))[0][0] == 0.1);
-  CHECK(all_scores(ScoreMatrix(write_matrix<float>(folder, {0.1F, 2}, 1, 2), {}))[0][0] ==
-        double{0.1F});
+  CHECK(all_scores(ScoreMatrix(write_matrix<double>({0.1, kNan}, 1, 2), {}))[0][0] == 0.1);
+  CHECK(all_scores(ScoreMatrix(write_matrix<float>({0.1F, 2}, 1, 2), {}))[0][0] == double{0.1F});
 }
 
 TEST_CASE("C and Fortran order, queries or references first, have their documented meaning") {
-  const test::TemporaryFolder folder;
   const std::string bytes = {1, 2, 3, 4, 5, 6};
   const auto read = [&](bool is_fortran, bool train_first) {
     ScoreFormat format;
     format.train_first = train_first;
-    return all_scores(ScoreMatrix(write_raw(folder, "|u1", "(2, 3)", is_fortran, bytes), format));
+    return all_scores(ScoreMatrix(write_raw("|u1", "(2, 3)", is_fortran, bytes), format));
   };
   using Rows = std::vector<std::vector<double>>;
   CHECK(read(false, false) == Rows{{1, 2, 3}, {4, 5, 6}});
@@ -100,11 +95,9 @@ TEST_CASE("C and Fortran order, queries or references first, have their document
 }
 
 TEST_CASE("invalid score matrices are refused") {
-  const test::TemporaryFolder folder;
   const auto kind = [&](const std::string& type, const std::string& shape, size_t bytes) {
     return test::error_kind([&] {
-      all_scores(
-          ScoreMatrix(write_raw(folder, type, shape, false, std::string(bytes, '\x7f')), {}));
+      all_scores(ScoreMatrix(write_raw(type, shape, false, std::string(bytes, '\x7f')), {}));
     });
   };
   CHECK(kind("|u1", "(4,)", 4) == ErrorKind::data);
@@ -119,7 +112,6 @@ TEST_CASE("invalid score matrices are refused") {
 }
 
 TEST_CASE("ranks and best matches of a small matrix equal those counted by hand") {
-  const test::TemporaryFolder folder;
   // Correct references: 1 | 3 (tied with 0 and 2) | none | 0 (no score) | 0, with 1 ignored.
   const std::vector<double> scores = {5,    1,    2,    3,     //
                                       4,    9,    4,    4,     //
@@ -129,7 +121,7 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
                                       kNan, kNan, kNan, kNan};
   const GroundTruth truth =
       truth_of(6, {{0, 1, 0}, {1, 3, 0}, {3, 0, 0}, {4, 0, 0}, {4, 1, 1}, {5, 0, 0}});
-  const MatrixScan found = scan(write_matrix(folder, scores, 6, 4), truth);
+  const MatrixScan found = scan(write_matrix(scores, 6, 4), truth);
   const auto& queries = found.outcomes.queries;
   CHECK(queries[0].verdict == Verdict::correct);
   CHECK(queries[0].rank == 1);
@@ -163,9 +155,7 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
 }
 
 TEST_CASE("a query without a match lowers precision, but is not a positive") {
-  const test::TemporaryFolder folder;
-  const MatrixScan found =
-      scan(write_matrix<double>(folder, {2, 5, 1, 6}, 2, 2), truth_of(2, {{0, 0, 0}}));
+  const MatrixScan found = scan(write_matrix<double>({2, 5, 1, 6}, 2, 2), truth_of(2, {{0, 0, 0}}));
   const Curve curve = single_best_curve(found.outcomes);
   CHECK(curve.positives == 1);
   REQUIRE(curve.points.size() == 2);
@@ -174,18 +164,16 @@ TEST_CASE("a query without a match lowers precision, but is not a positive") {
 }
 
 TEST_CASE("a value that marks a missing score is ignored") {
-  const test::TemporaryFolder folder;
   ScoreFormat format;
   format.missing = -1;
-  const auto path = write_matrix<int32_t>(folder, {-1, 5, 3, -1, -1, -1}, 2, 3);
+  const auto path = write_matrix<int32_t>({-1, 5, 3, -1, -1, -1}, 2, 3);
   const MatrixScan found = scan(path, truth_of(2, {{0, 0, 0}, {1, 1, 0}}), format);
   CHECK(found.outcomes.queries[0].best == FrameMatch{0, 2});
   CHECK(found.outcomes.queries[1].verdict == Verdict::none);
 }
 
 TEST_CASE("windows of a matrix are evaluated at their anchors") {
-  const test::TemporaryFolder folder;
-  const ScoreMatrix matrix(write_matrix<double>(folder, {1, 2, 3, 4, 5, 6}, 2, 3), {});
+  const ScoreMatrix matrix(write_matrix<double>({1, 2, 3, 4, 5, 6}, 2, 3), {});
   const ScoreLayout layout = layout_of(matrix, 4);
   CHECK(layout.scope.query.frames == 5);
   CHECK(layout.scope.sequences[0].sequence.frames == 6);
@@ -200,9 +188,8 @@ TEST_CASE("windows of a matrix are evaluated at their anchors") {
 }
 
 TEST_CASE("the labels of a row equal those of single pairs") {
-  const test::TemporaryFolder folder;
   RandomEngine engine(4);
-  const ScoreMatrix matrix(write_matrix<float>(folder, std::vector<float>(8 * 24), 8, 24), {});
+  const ScoreMatrix matrix(write_matrix<float>(std::vector<float>(8 * 24), 8, 24), {});
   ScoreLayout layout = layout_of(matrix, 3);
   layout.scope.sequences = {{{"a", 12}, true}, {{"b", 9}, false}, {{"c", 16}, true}};
   layout.columns = {{0, 0, 10}, {2, 10, 14}};
@@ -230,7 +217,6 @@ TEST_CASE("the labels of a row equal those of single pairs") {
 }
 
 TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
-  const test::TemporaryFolder folder;
   RandomEngine engine(11);
   for (int round = 0; round < 60; ++round) {
     const size_t rows = 1 + uniform_below(engine, 30);
@@ -249,7 +235,7 @@ TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
           pairs.push_back({0, reference,
                            uniform_below(engine, 4) == 0 ? PlaceLabel::ignore : PlaceLabel::same});
     for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
-      const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols),
+      const ScoreMatrix matrix(write_matrix(scores, rows, cols),
                                {kind == ScoreOrder::similarity, false, {}});
       const ScoreLayout layout = layout_of(matrix, 1);
       const MatrixScan found = scan_matrix(matrix, truth, layout, {});
@@ -274,7 +260,6 @@ TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
 }
 
 TEST_CASE("a large matrix yields the same result for any number of threads") {
-  const test::TemporaryFolder folder;
   RandomEngine engine(12);
   std::vector<float> scores(700 * 5000);
   for (float& score : scores) score = float(uniform_below(engine, 5000));
@@ -282,7 +267,7 @@ TEST_CASE("a large matrix yields the same result for any number of threads") {
   truth.pairs.resize(700);
   truth.tolerance_frames = 2;
   for (uint32_t q = 0; q < 700; ++q) truth.pairs[q].push_back({0, 7 * q, PlaceLabel::same});
-  const ScoreMatrix matrix(write_matrix(folder, scores, 700, 5000), {});
+  const ScoreMatrix matrix(write_matrix(scores, 700, 5000), {});
   const ScoreLayout layout = layout_of(matrix, 1);
   std::optional<Curve> first;
   for (const size_t threads : {1, 2}) {
@@ -295,7 +280,6 @@ TEST_CASE("a large matrix yields the same result for any number of threads") {
 }
 
 TEST_CASE("ranks of correct references equal those of sorting the row") {
-  const test::TemporaryFolder folder;
   constexpr size_t kReferences = 300;
   RandomEngine engine(11);
   std::vector<float> values;
@@ -308,7 +292,7 @@ TEST_CASE("ranks of correct references equal those of sorting the row") {
       if (const uint64_t kind = uniform_below(engine, 6); kind < 2)
         pairs.push_back({query, reference, int(kind)});
   const GroundTruth truth = truth_of(6, pairs);
-  const MatrixScan found = scan(write_matrix<float>(folder, values, 6, kReferences), truth);
+  const MatrixScan found = scan(write_matrix<float>(values, 6, kReferences), truth);
   for (size_t query = 0; query < 6; ++query) {
     std::vector<std::pair<float, size_t>> order;
     std::vector<bool> is_right(kReferences);

@@ -7,8 +7,10 @@
 
 #include "base/random.h"
 #include "evaluate/outcomes.h"
+#include "judgments.h"
 
 using namespace vpr;
+using test::outcomes_of;
 
 namespace {
 
@@ -192,15 +194,6 @@ TEST_CASE("metrics equal their definitions on random scores with ties") {
   }
 }
 
-TEST_CASE("random scores have a ROC AUC of one half and the base rate as average precision") {
-  RandomEngine engine(8);
-  std::vector<Scored> scored;
-  for (int i = 0; i < 200000; ++i) scored.push_back({uniform_unit(engine), i % 10 == 0});
-  const Curve curve = curve_from(scored, 20000);
-  CHECK(*roc_auc(curve).value == Approx(0.5).margin(0.01));
-  CHECK(*average_precision(curve).value == Approx(0.1).margin(0.005));
-}
-
 TEST_CASE("weights count an item repeatedly, and 0 omits it") {
   std::vector<ScoredItem> weighted = {{1, true, 2}, {2, false, 0}, {3, true, 1}, {4, false, 3}};
   std::vector<ScoredItem> repeated = {{1, true},  {1, true},  {3, true},
@@ -243,20 +236,6 @@ double reference_risk(std::vector<Scored> scored, size_t orders) {
     }
   }
   return sum / double(orders);
-}
-
-/// One query frame per letter: c(orrect), w(rong), n (wrong, without a match), u(nanswered).
-Outcomes outcomes_of(const std::string& letters) {
-  Outcomes outcomes;
-  for (const char letter : letters) {
-    QueryOutcome& query = outcomes.queries.emplace_back();
-    query.frame = outcomes.queries.size() - 1;
-    query.has_match = letter != 'n';
-    query.verdict = letter == 'c'   ? Verdict::correct
-                    : letter == 'u' ? Verdict::none
-                                    : Verdict::incorrect;
-  }
-  return outcomes;
 }
 
 }  // namespace

@@ -32,15 +32,14 @@ std::string rows_of(const ScoreMatrix& matrix) {
 }
 
 struct List {
-  test::TemporaryFolder folder;
   std::string name = "list.txt";
 
   explicit List(const std::string& text, const std::string& called = "list.txt") : name(called) {
-    test::write_text(folder / name, text);
+    test::write_text(name, text);
   }
   ScoreMatrix matrix(std::optional<ScoreOrder> kind = {}, const Names& queries = kQueries,
                      const Names& references = kReferences) const {
-    return prediction_scores(folder / name, FrameNames(queries), FrameNames(references), kind);
+    return prediction_scores(name, FrameNames(queries), FrameNames(references), kind);
   }
   std::string error(std::optional<ScoreOrder> kind = {}) const {
     return test::error_text([&] { matrix(kind); });
@@ -66,18 +65,15 @@ TEST_CASE("frames are identified by the end of their paths") {
 }
 
 TEST_CASE("names are the lines of a list, whether or not the files exist") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "db.txt", "# names\r\none/1.jpg\r\n\nwith blank/2.jpg\ntwo/1.jpg\n");
-  const auto names = [&](const FrameRange& range) {
-    return frame_names({folder / "db.txt", range});
-  };
+  test::write_text("db.txt", "# names\r\none/1.jpg\r\n\nwith blank/2.jpg\ntwo/1.jpg\n");
+  const auto names = [&](const FrameRange& range) { return frame_names({"db.txt", range}); };
   CHECK(names({}) == Names{"one/1.jpg", "with blank/2.jpg", "two/1.jpg"});
   CHECK(names({1, 3, 1}) == Names{"with blank/2.jpg", "two/1.jpg"});
   CHECK(names({0, {}, 2}) == Names{"one/1.jpg", "two/1.jpg"});
   CHECK(test::error_kind([&] { names({3, {}, 1}); }) == ErrorKind::usage);
-  test::write_image(folder / "10.png", 1);
-  test::write_image(folder / "9.png", 2);
-  const Names found = frame_names({folder.path(), {}});
+  test::write_image("10.png", 1);
+  test::write_image("9.png", 2);
+  const Names found = frame_names({".", {}});
   REQUIRE(found.size() == 2);
   CHECK(found[0].ends_with("/9.png"));
 }
@@ -96,42 +92,38 @@ TEST_CASE("lists of pairs have ranks, and those with scores have scores") {
 }
 
 TEST_CASE("a folder has a file for each query") {
-  const test::TemporaryFolder folder;
   const auto text = [](const char* query, const Names& found) {
     return fmt::format("Query path:\n{}\n\nPredictions paths:\n{}\n\nPositives paths:\n{}\n", query,
                        fmt::join(found, "\n"), "db/left/1.jpg");
   };
-  test::write_text(folder / "000.txt", text("/data/q/a.jpg", {"/d/left/2.jpg", "/d/right/2.jpg"}));
-  test::write_text(folder / "002.txt", text("/data/q/c.jpg", {"/d/right/1.jpg"}));
-  test::write_text(folder / "000.jpg", "no list");
+  test::write_text("000.txt", text("/data/q/a.jpg", {"/d/left/2.jpg", "/d/right/2.jpg"}));
+  test::write_text("002.txt", text("/data/q/c.jpg", {"/d/right/1.jpg"}));
+  test::write_text("000.jpg", "no list");
   const auto read = [&] {
-    return prediction_scores(folder.path(), FrameNames(kQueries), FrameNames(kReferences), {});
+    return prediction_scores(".", FrameNames(kQueries), FrameNames(kReferences), {});
   };
   CHECK(rows_of(read()) == " - 1 - 2 | - - - - | - - 1 -");
   const std::string before = read().fingerprint({});
-  test::write_text(folder / "002.txt", text("/data/q/c.jpg", {"/d/left/1.jpg"}));
+  test::write_text("002.txt", text("/data/q/c.jpg", {"/d/left/1.jpg"}));
   CHECK(read().fingerprint({}) != before);
   for (const char* bad : {"", "Query path:\n", "something\n", "Predictions paths:\ndb/left/1.jpg\n",
                           "Query path:\nq/a.jpg\nq/b.jpg\n"}) {
-    test::write_text(folder / "002.txt", bad);
+    test::write_text("002.txt", bad);
     CHECK(test::error_kind(read) == ErrorKind::data);
-    CHECK(test::error_text(read).find("002.txt") != std::string::npos);
+    CHECK(test::has(test::error_text(read), "002.txt"));
   }
 }
 
 TEST_CASE("files of another format are refused, with the line") {
-  CHECK(List("q/a.jpg db/left/1.jpg\nq/a.jpg\n").error().find("line 2") != std::string::npos);
-  CHECK(List("q/a.jpg db/left/1.jpg\nq/x.jpg db/left/1.jpg\n").error().find("line 2: no query") !=
-        std::string::npos);
-  CHECK(List("q/a.jpg 1.jpg\n").error().find("no training frame, or more than one") !=
-        std::string::npos);
+  CHECK(test::has(List("q/a.jpg db/left/1.jpg\nq/a.jpg\n").error(), "line 2"));
+  CHECK(test::has(List("q/a.jpg db/left/1.jpg\nq/x.jpg db/left/1.jpg\n").error(),
+                  "line 2: no query"));
+  CHECK(test::has(List("q/a.jpg 1.jpg\n").error(), "no training frame, or more than one"));
   CHECK(List("q/a.jpg left/1.jpg 3\nq/a.jpg left/2.jpg\n").error(ScoreOrder::distance) != "");
-  CHECK(List("q/a.jpg left/1.jpg nan\n").error(ScoreOrder::distance).find("finite") !=
-        std::string::npos);
-  CHECK(List("q/a.jpg left/1.jpg 3\n").error().find("--similarity") != std::string::npos);
-  CHECK(List("q/a.jpg left/1.jpg\n").error(ScoreOrder::similarity).find("ranks") !=
-        std::string::npos);
-  CHECK(List("# nothing\n").error().find("lists no reference") != std::string::npos);
+  CHECK(test::has(List("q/a.jpg left/1.jpg nan\n").error(ScoreOrder::distance), "finite"));
+  CHECK(test::has(List("q/a.jpg left/1.jpg 3\n").error(), "--similarity"));
+  CHECK(test::has(List("q/a.jpg left/1.jpg\n").error(ScoreOrder::similarity), "ranks"));
+  CHECK(test::has(List("# nothing\n").error(), "lists no reference"));
   CHECK(test::error_kind([] {
           prediction_scores("/off_map", FrameNames({}), FrameNames({}), {});
         }) == ErrorKind::input);
@@ -145,10 +137,9 @@ TEST_CASE("the best pairs equal those of sorted rows") {
   for (float& score : scores) score = static_cast<float>(uniform_below(engine, 12));  // many ties
   for (size_t i = 0; i < kColumns; ++i) scores[3 * kColumns + i] = NAN;
   scores[3 * kColumns + 9] = 1;
-  const test::TemporaryFolder folder;
-  test::write_array(folder / "s.npy", scores, {kRows, kColumns});
+  test::write_array("s.npy", scores, {kRows, kColumns});
   for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
-    const ScoreMatrix matrix(folder / "s.npy", {kind == ScoreOrder::similarity, false, {}});
+    const ScoreMatrix matrix("s.npy", {kind == ScoreOrder::similarity, false, {}});
     const ScoreLayout layout = layout_of(matrix, 3);
     const std::vector<BestPair> pairs = best_pairs(matrix, layout, 5, {});
     REQUIRE(pairs.size() == 6 * 5 + 1);

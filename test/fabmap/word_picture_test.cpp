@@ -3,6 +3,7 @@
 
 #include "chart/palette.h"
 #include "fabmap/explanation_report.h"
+#include "support.h"
 
 using namespace vpr;
 
@@ -24,8 +25,8 @@ TEST_CASE("an explanation sums the words that it does not list") {
   place.for_it = {{7, true, true, 3.5}, {9, true, true, 2}};
   place.against = {{4, true, false, -0.5}};
   const std::string text = explanation_text({5, 0.1, {place}});
-  CHECK(text.find("all other words") != std::string::npos);
-  CHECK(text.find("+11.750") != std::string::npos);
+  CHECK(test::has(text, "all other words"));
+  CHECK(test::has(text, "+11.750"));
 }
 
 TEST_CASE("numbers of words do not cover each other") {

@@ -13,7 +13,6 @@ using namespace vpr::test;
 namespace fs = std::filesystem;
 
 TEST_CASE("a modified result of places is refused") {
-  const test::TemporaryFolder folder;
   for (const auto& change : std::vector<void (*)(Result&)>{
            [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
            [](Result& r) { r.sequences.push_back(r.sequences[0]); },
@@ -23,51 +22,68 @@ TEST_CASE("a modified result of places is refused") {
            [](Result& r) { r.recognitions[2].score = std::nan(""); }}) {
     Result result = places_example();
     change(result);
-    write(folder / "r.json", result, Existing::replace);
-    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+    write("r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   }
 }
 
 TEST_CASE("companions of another run are refused") {
-  const test::TemporaryFolder folder;
   const test::TemporaryFolder other;
-  const fs::path path = write_example(folder);
+  const fs::path path = write_example();
   Result changed = example_result();
   changed.recognitions.pop_back();
   write(other / "r.json", changed, Existing::refuse);
-  fs::copy_file(other / "r.recognitions.npy", folder / "r.recognitions.npy",
+  fs::copy_file(other / "r.recognitions.npy", "r.recognitions.npy",
                 fs::copy_options::overwrite_existing);
-  CHECK(test::error_text([&] { read_result(path); }).find("belongs to another run") !=
-        std::string::npos);
-  fs::remove(folder / "r.recognitions.npy");
+  CHECK(has(test::error_text([&] { read_result(path); }), "belongs to another run"));
+  fs::remove("r.recognitions.npy");
   CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
 }
 
+TEST_CASE("damage in any array of a result is detected") {
+  for (const std::string folder : {"frames", "places"}) {
+    fs::create_directory(folder);
+    const fs::path path = folder + "/r.json";
+    write(path, folder == "places" ? places_example() : example_result(), Existing::refuse);
+    for (const std::string& name : list_folder(folder)) {
+      if (name == "r.json") continue;
+      const std::string whole = read_text(path.parent_path() / name);
+      std::string bit = whole;
+      bit.back() = static_cast<char>(bit.back() ^ 1);
+      for (const std::string& text : {whole.substr(0, whole.size() / 2), std::string(), bit}) {
+        write_text(path.parent_path() / name, text);
+        INFO(name);
+        CHECK(error_kind([&] { read_result(path); }) == ErrorKind::data);
+      }
+      write_text(path.parent_path() / name, whole);
+    }
+    read_result(path);
+  }
+}
+
 TEST_CASE("a file of another run next to a result is refused, and may be removed") {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder / "r.json";
+  const fs::path path = "r.json";
   {
     Outputs outputs(Existing::refuse);
-    outputs.file(folder / "m.png").write("image");
-    outputs.file(folder / "m.npy").write("matrix");
+    outputs.file("m.png").write("image");
+    outputs.file("m.npy").write("matrix");
     write_result(path, example_result(), {}, outputs);
     outputs.commit();
   }
   read_result(path);
   for (const char* name : {"m.png", "m.npy"}) {
-    test::write_text(folder / name, "of another run");
+    test::write_text(name, "of another run");
     CHECK(test::error_text([&] { read_result(path); }) ==
           fmt::format("{}: belongs to another run than {}; run vpr-query again, with --force, or "
                       "remove this file",
-                      (folder / name).string(), path.string()));
-    fs::remove(folder / name);
+                      name, path.string()));
+    fs::remove(name);
   }
   read_result(path);
 }
 
 TEST_CASE("modified results are refused without a crash") {
-  const test::TemporaryFolder folder;
-  const fs::path path = write_example(folder);
+  const fs::path path = write_example();
   const Json whole = Json::parse(test::read_text(path));
   const auto broken = [&](const std::string& pointer, const Json& value) {
     Json json = whole;
@@ -104,40 +120,37 @@ TEST_CASE("modified results are refused without a crash") {
 }
 
 TEST_CASE("a result with modified text is refused, except in machine and timing") {
-  const test::TemporaryFolder folder;
-  const fs::path path = write_example(folder);
+  const fs::path path = write_example();
   Json json = Json::parse(test::read_text(path));
   json["machine"]["threads"] = 99;
   test::write_text(path, to_text(json));
   read_result(path);
   json["clusters"] = Json::array();
   test::write_text(path, to_text(json));
-  CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
+  CHECK(has(test::error_text([&] { read_result(path); }), "checksum"));
 }
 
 TEST_CASE("random damage yields an error or a result, never a crash") {
-  const test::TemporaryFolder folder;
-  const fs::path path = write_example(folder);
+  const fs::path path = write_example();
   RandomEngine engine(1);
   for (const char* name : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
                            "r.best_scores.npy"}) {
-    const std::string whole = test::read_text(folder / name);
+    const std::string whole = test::read_text(name);
     for (int i = 0; i < 300; ++i) {
       std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
       text[uniform_below(engine, text.size())] = static_cast<char>(engine());
-      test::write_text(folder / name, text);
+      test::write_text(name, text);
       test::error_kind([&] { read_result(path); });
     }
-    test::write_text(folder / name, whole);
+    test::write_text(name, whole);
   }
   CHECK(read_result(path).result.recognitions == example_result().recognitions);
 }
 
 TEST_CASE("an existing result is refused as a whole") {
-  const test::TemporaryFolder folder;
-  write_example(folder);
-  fs::remove(folder / "r.json");
+  write_example();
+  fs::remove("r.json");
   Outputs outputs(Existing::refuse);
-  CHECK(test::error_kind([&] { claim_result(folder / "r.json", outputs); }) == ErrorKind::usage);
-  write_example(folder, Existing::replace);
+  CHECK(test::error_kind([&] { claim_result("r.json", outputs); }) == ErrorKind::usage);
+  write_example(Existing::replace);
 }

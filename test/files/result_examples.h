@@ -47,10 +47,9 @@ inline Json write(const std::filesystem::path& path, const Result& result, Exist
   return json;
 }
 
-inline std::filesystem::path write_example(const TemporaryFolder& folder,
-                                           Existing existing = Existing::refuse) {
-  write(folder / "r.json", example_result(), existing);
-  return folder / "r.json";
+inline std::filesystem::path write_example(Existing existing = Existing::refuse) {
+  write("r.json", example_result(), existing);
+  return "r.json";
 }
 
 }  // namespace vpr::test

@@ -18,8 +18,7 @@ TEST_CASE("companions are named after the result") {
 }
 
 TEST_CASE("a result can be read back after writing") {
-  const test::TemporaryFolder folder;
-  const Result result = read_result(write_example(folder)).result;
+  const Result result = read_result(write_example()).result;
   const Result expected = example_result();
   CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
   CHECK(result.recognitions == expected.recognitions);
@@ -28,18 +27,17 @@ TEST_CASE("a result can be read back after writing") {
   CHECK(result.query.unreadable == expected.query.unreadable);
   CHECK(result.sequences[0].max_distance == 30);
   CHECK_FALSE(result.sequences[1].searched);
-  CHECK(test::list_folder(folder.path()) ==
-        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.json",
-                                 "r.recognition_scores.npy", "r.recognitions.npy"});
+  CHECK(test::list_folder(".") == std::vector<std::string>{"r.best.npy", "r.best_scores.npy",
+                                                           "r.json", "r.recognition_scores.npy",
+                                                           "r.recognitions.npy"});
 }
 
 TEST_CASE("a resampled query stores its selection, and an invalid one is refused") {
-  const test::TemporaryFolder folder;
   Result expected = example_result();
   expected.query.selection = Selection{"varying", 7, 9, {0, 0, 4, 8, 8}};
-  const Json json = write(folder / "r.json", expected, Existing::refuse);
+  const Json json = write("r.json", expected, Existing::refuse);
   CHECK(json["query"]["speed"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
-  const Result result = read_result(folder / "r.json").result;
+  const Result result = read_result("r.json").result;
   REQUIRE_FALSE(result.query.selection.is_all());
   CHECK(result.query.selection.speed == "varying");
   CHECK(result.query.selection.seed == 7);
@@ -50,64 +48,61 @@ TEST_CASE("a resampled query stores its selection, and an invalid one is refused
         Selection{"2", 1, 9, {0, 0, 4, 8, 8, 8}}, Selection{"2", 1, 51, {0, 0, 4, 8, 8}}}) {
     Result other = example_result();
     other.query.selection = broken;
-    write(folder / "r.json", other, Existing::replace);
-    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+    write("r.json", other, Existing::replace);
+    CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   }
 }
 
 TEST_CASE("margins are written next to the best matches, and missing ones are NaN") {
-  const test::TemporaryFolder folder;
   Result result = example_result();
-  CHECK(read_result(write_example(folder)).result.margins.empty());
+  CHECK(read_result(write_example()).result.margins.empty());
   result.margins = {3, 0, std::nullopt, std::nullopt};
   result.sequences[0].margin = 1.5;
-  write(folder / "r.json", result, Existing::replace);
-  const NpyArray file(folder / "r.margins.npy");
+  write("r.json", result, Existing::replace);
+  const NpyArray file("r.margins.npy");
   const auto values = file.values<double>(1);
   REQUIRE(values.size() == 4);
   CHECK(values[0] == 3);
   CHECK(std::isnan(values[3]));
-  const Result read = read_result(folder / "r.json").result;
+  const Result read = read_result("r.json").result;
   CHECK(read.margins == result.margins);
   CHECK(read.sequences[0].margin == 1.5);
   for (const std::vector<std::optional<double>>& wrong :
        std::vector<std::vector<std::optional<double>>>{
            {3, 0, {}}, {-1, 0, {}, {}}, {0.5, 0, {}, {}}, {1e10, 0, {}, {}}, {3, 0, {}, 1}}) {
     result.margins = wrong;
-    write(folder / "r.json", result, Existing::replace);
-    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+    write("r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   }
 }
 
 TEST_CASE("the filter's path is read back, and every recognition needs a frame of decision") {
-  const test::TemporaryFolder folder;
   Result result = example_result();
   result.path.emplace(5);
   result.path->numbers = {1, 1, 1, 1, 0};
   result.path->rates = {{}, 1, 1.5, 2, {}};
   result.path->decided = {{}, 3, 4, {}, {}};  // recognitions end at frames 1 and 2
   cluster(result);
-  write(folder / "r.json", result, Existing::refuse);
-  const ResultPath read = read_result(folder / "r.json").result.path.value();
+  write("r.json", result, Existing::refuse);
+  const ResultPath read = read_result("r.json").result.path.value();
   CHECK(read.rates == result.path->rates);
   CHECK(read.numbers == result.path->numbers);
   CHECK(read.decided == result.path->decided);
   for (const std::optional<uint32_t> wrong : {std::optional<uint32_t>{}, {1}, {5}, {6}}) {
     result.path->decided[2] = wrong;
-    write(folder / "r.json", result, Existing::replace);
-    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+    write("r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   }
 }
 
 TEST_CASE("a result of places uses the same writer and reader") {
-  const test::TemporaryFolder folder;
   const Result expected = places_example();
-  const Json json = write(folder / "r.json", expected, Existing::refuse);
+  const Json json = write("r.json", expected, Existing::refuse);
   CHECK(json["sequences"][0] ==
         Json{{"name", "places"}, {"frames", 2}, {"windows", 2}, {"searched", true}});
   CHECK(json["places"]["views"] == 3);
   CHECK_FALSE(json.contains("clusters"));
-  const Result result = read_result(folder / "r.json").result;
+  const Result result = read_result("r.json").result;
   CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
   CHECK(result.recognitions == expected.recognitions);
   CHECK(result.best == expected.best);
@@ -115,14 +110,13 @@ TEST_CASE("a result of places uses the same writer and reader") {
   CHECK(result.places->names == expected.places->names);
   CHECK(result.places->new_place == expected.places->new_place);
   CHECK(result.places->featureless == 1);
-  const NpyArray recognitions(folder / "r.recognitions.npy");
+  const NpyArray recognitions("r.recognitions.npy");
   const auto values = recognitions.values<int32_t>(2);
   CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
         std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
 }
 
 TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
-  const test::TemporaryFolder folder;
   Result scored = example_result();
   auto& settings = std::get<SequenceQuerySettings>(scored.settings);
   settings.score = Score::zscore;
@@ -134,22 +128,22 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
                  std::nullopt};
   scored.clusters->all[0].best_score = -4000;
   scored.statistics = UsedStatistics{{}, 300.5};
-  write(folder / "r.json", scored, Existing::refuse);
-  const NpyArray file(folder / "r.best.npy");
+  write("r.json", scored, Existing::refuse);
+  const NpyArray file("r.best.npy");
   const auto best = file.values<int32_t>(2);
   CHECK(std::vector<int32_t>(best.begin(), best.end()) ==
         std::vector<int32_t>{0, 0, 1, 1, 0, 2, 2, 0, 0, 3, -1, -1});
-  const NpyArray score_file(folder / "r.best_scores.npy");
+  const NpyArray score_file("r.best_scores.npy");
   const auto scores = score_file.values<double>(1);
   CHECK(std::vector<double>(scores.begin(), scores.begin() + 3) ==
         std::vector<double>{-4000, -3073, 17});
   CHECK(std::isnan(scores[3]));
-  const Json json = read_result_json(folder / "r.json");
+  const Json json = read_result_json("r.json");
   CHECK(json["sequences"][0]["limit"] == -3072);
   CHECK(json["clusters"][0]["best_score"] == -4000);
   CHECK(json["statistics"]["typical_distance"] == 300.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
-  const Result result = read_result(folder / "r.json").result;
+  const Result result = read_result("r.json").result;
   CHECK(result.recognitions == scored.recognitions);
   CHECK(result.best == scored.best);
   CHECK(result.clusters->all == scored.clusters->all);
@@ -168,30 +162,28 @@ TEST_CASE("settings of raw distances omit those of z-scores") {
 }
 
 TEST_CASE("the first frames of keyframes are written with the result and read back") {
-  const test::TemporaryFolder folder;
   Result result = example_result();
   result.keyframes = ResultKeyframes{{0, 3}, {{0, 1, 5}, {0}}};
-  const Json json = write(folder / "r.json", result, Existing::refuse);
+  const Json json = write("r.json", result, Existing::refuse);
   CHECK(json["files"]["keyframes"]["rows"] == 6);
-  const auto keyframes = read_result(folder / "r.json").result.keyframes;
+  const auto keyframes = read_result("r.json").result.keyframes;
   REQUIRE(keyframes);
   CHECK(keyframes->query == result.keyframes->query);
   CHECK(keyframes->train == result.keyframes->train);
-  test::write_text(folder / "r.keyframes.npy", test::read_text(folder / "r.best.npy"));
-  CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  test::write_text("r.keyframes.npy", test::read_text("r.best.npy"));
+  CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   // Frames that are out of range or order, and sequences without the first one.
   for (const ResultKeyframes& bad :
        {ResultKeyframes{{0, 5}, {{0}, {0}}}, ResultKeyframes{{0, 0}, {{0}, {0}}},
         ResultKeyframes{{1}, {{0}, {0}}}, ResultKeyframes{{0}, {{0}, {}}},
         ResultKeyframes{{0}, {{0}, {0}, {0}}}}) {
     result.keyframes = bad;
-    write(folder / "r.json", result, Existing::replace);
-    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+    write("r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   }
 }
 
 TEST_CASE("everything about a run is read back") {
-  const test::TemporaryFolder folder;
   ResultContext context;
   context.run.program = "vpr-query";
   context.run.seed = 7;
@@ -210,11 +202,11 @@ TEST_CASE("everything about a run is read back") {
   result.best_rates = {1.5, 1, 0.5, std::nullopt};
   {
     Outputs outputs(Existing::refuse);
-    outputs.file(folder / "m.png").write("image");
-    write_result(folder / "r.json", result, context, outputs);
+    outputs.file("m.png").write("image");
+    write_result("r.json", result, context, outputs);
     outputs.commit();
   }
-  const StoredResult stored = read_result(folder / "r.json");
+  const StoredResult stored = read_result("r.json");
   const ResultContext& read = stored.context;
   CHECK(read.run.program == "vpr-query");
   CHECK(read.run.seed == 7);

@@ -1,22 +1,13 @@
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <map>
-#include <mutex>
-#include <tuple>
 #include <utility>
 
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
 #include "describe/imported.h"
-#include "match/components.h"
-#include "match/distance_statistics.h"
+#include "match/checks.h"
 #include "match/lsh.h"
-#include "match/match.h"
-#include "match/reference.h"
-#include "match/zscores.h"
-#include "support.h"
 
 using namespace vpr;
 using test::Vectors;
@@ -68,16 +59,6 @@ uint32_t distance(const std::vector<int>& a, const std::vector<int>& b) {
   return found;
 }
 
-using Cells = std::map<std::tuple<size_t, size_t, size_t>, uint32_t>;
-
-RowConsumer collecting(Cells& cells, std::mutex& mutex) {
-  return [&](const ScoreRow& row) {
-    const std::lock_guard lock(mutex);
-    for (size_t x = 0; x < row.scores.size(); ++x)
-      cells[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
-  };
-}
-
 }  // namespace
 
 TEST_CASE("cosine distances equal values computed by hand") {
@@ -102,25 +83,8 @@ TEST_CASE("cosine distances equal the reference implementation, for any length a
       const size_t bytes = query.bytes.size() / 7;
       std::copy_n(one.bytes.begin(), bytes, query.bytes.begin());
       std::fill_n(query.bytes.begin() + static_cast<ptrdiff_t>(bytes), bytes, uint8_t{0});
-      const std::vector<DescribedFrames> train = {one.span(), two.span()};
-      for (const std::string& target : simd_targets()) {
-        const test::ChosenTarget chosen(target);
-        INFO(target << ", " << length << (is_wide ? " wide" : "") << " numbers");
-        const FrameDistances distances = frame_distances(train, query.span());
-        CHECK(distances.largest == 65535);
-        // 1 - cos of opposite directions
-        CHECK(distance_of(type).unit.size * distances.largest == Approx(2));
-        const std::vector<uint32_t> order = {4, 0, 1, 3, 6, 6, 2};
-        std::vector<uint16_t> tile(order.size() * 100, 7);
-        distances.tile(order, 8, 86, tile.data(), 100);
-        for (size_t t = 0; t < order.size(); ++t)
-          for (size_t i = 8; i < 86; ++i) {
-            const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-            const DescriptorRow other = query.span().rows[order[t]];
-            REQUIRE(tile[t * 100 + i - 8] == reference_distance(type, row, other));
-            REQUIRE(distance_of(type).pair(row, other) == tile[t * 100 + i - 8]);
-          }
-      }
+      test::check_distances(std::vector{one.span(), two.span()}, query.span(), 65535);
+      CHECK(distance_of(type).unit.size * 65535 == Approx(2));  // of opposite directions
     }
 }
 
@@ -182,17 +146,9 @@ TEST_CASE("the mean distance to all vectors equals the mean of their distances u
   const bool is_wide = GENERATE(false, true);
   const auto make = is_wide ? wide_walk : walk_vectors;
   const Vectors one = make(200, 40, 4);
-  const Vectors query = make(20, 40, 5);
   const std::vector<size_t> unreadable = {3, 99};
-  const DescribedFrames train = one.span(unreadable);
-  const FrameDistances distances = frame_distances({&train, 1}, query.span());
-  CHECK(distances.readable_frames == 198);
-  for (size_t j = 0; j < 20; ++j) {
-    double sum = 0;
-    for (size_t i = 0; i < 200; ++i)
-      if (i != 3 && i != 99) sum += reference_distance(train.rows, i, query.span().rows, j);
-    CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
-  }
+  const Vectors query = make(20, 40, 5);
+  test::check_means(one.span(unreadable), query.span());
 }
 
 TEST_CASE("every exact method yields the sums of vector distances") {
@@ -203,21 +159,15 @@ TEST_CASE("every exact method yields the sums of vector distances") {
   const std::vector<DescribedFrames> train = {one.span(unreadable), two.span()};
   const FrameDistances distances = frame_distances(train, query.span());
   for (const size_t length : {1, 7, 20}) {
-    Cells expected;
+    test::Cells expected;
     for (size_t s = 0; s < 2; ++s)
       for (size_t j = 0; j + length <= 45; ++j)
         for (size_t i = 0; i + length <= train[s].rows.size(); ++i)
           if (s == 1 || i + length <= 20 || i > 20)
             expected[{j, s, i}] =
                 reference_window_distance(train[s].rows, i, query.span().rows, j, length);
-    for (const SequenceMethod& method : exact_methods()) {
-      MatchSettings settings{length, size_t{1} << 30, select_kernels()};
-      settings.method = &method;
-      Cells cells;
-      std::mutex mutex;
-      match(distances, settings, {{collecting(cells, mutex)}}, {});
-      CHECK(cells == expected);
-    }
+    for (const SequenceMethod& method : exact_methods())
+      CHECK(test::cells_of(distances, test::by_method(method, length)) == expected);
     const MatchSettings hashed{length, size_t{1} << 30, select_kernels()};
     CHECK(test::error_text([&] { match_lsh(distances, hashed, {}, [](const ScoreRow&) {}); }) ==
           "lsh needs raw distances of binary descriptors; use fastable");
@@ -229,29 +179,7 @@ TEST_CASE("z-scores of vectors equal the reference implementation") {
   const auto make = is_wide ? wide_walk : walk_vectors;
   const Vectors one = make(80, 32, 9);
   const Vectors query = make(50, 32, 10);
-  const DescribedFrames train = one.span();
-  TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
-  statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
-  const size_t length = 5;
-  for (const bool offline : {false, true}) {
-    const ScoreBasis basis = make_score_basis({}, offline, statistics);
-    Cells cells;
-    std::mutex mutex;
-    match(zscores(frame_distances({&train, 1}, query.span()), basis, {}),
-          {length, size_t{1} << 30, select_kernels()}, {{collecting(cells, mutex)}}, {});
-    CHECK(cells.size() == 76 * 46);
-    const ReferenceUpdates updates = reference_updates({&train, 1}, query.span(), basis, {});
-    std::vector<std::vector<double>> plain;
-    for (size_t i = 0; i < 80; ++i)
-      plain.push_back(reference_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
-    for (const auto& [cell, biased] : cells) {
-      const auto& [j, s, i] = cell;
-      double expected = 0;
-      for (size_t k = 0; k < length; ++k) expected += plain[i + k][j + k];
-      const double found = (static_cast<double>(biased) - length * kScoreBias) / kScoreUnit;
-      REQUIRE(std::abs(found - expected) <= score_tolerance(length));
-    }
-  }
+  test::check_zscores(one.span(), query.span(), 5);
 }
 
 TEST_CASE("vectors cannot be compared with codes, and too long vectors are refused") {

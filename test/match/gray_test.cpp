@@ -5,11 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "match/components.h"
-#include "match/distance_statistics.h"
-#include "match/reference.h"
-#include "match/zscores.h"
-#include "support.h"
+#include "match/checks.h"
 
 using namespace vpr;
 using test::Vectors;
@@ -56,39 +52,16 @@ TEST_CASE("distances of images equal the reference implementation, on every SIMD
     const Vectors one = walk(77, pixels, 1);
     const Vectors two = walk(9, pixels, 2);
     const Vectors query = walk(5, pixels, 3);
-    const std::vector<DescribedFrames> train = {one.span(), two.span()};
-    for (const std::string& target : simd_targets()) {
-      const test::ChosenTarget chosen(target);
-      INFO(target << ", " << pixels << " pixels");
-      const FrameDistances distances = frame_distances(train, query.span());
-      CHECK(distances.largest == 65280);
-      CHECK(distance_of(ElementType::gray_levels).unit.size * distances.largest == 255);
-      const std::vector<uint32_t> order = {4, 0, 1, 3};
-      std::vector<uint16_t> tile(order.size() * 100, 7);
-      distances.tile(order, 8, 86, tile.data(), 100);
-      for (size_t t = 0; t < order.size(); ++t)
-        for (size_t i = 8; i < 86; ++i) {
-          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + i - 8] ==
-                  reference_distance(ElementType::gray_levels, row, query.span().rows[order[t]]));
-        }
-    }
+    test::check_distances(std::vector{one.span(), two.span()}, query.span(), 65280);
   }
+  CHECK(distance_of(ElementType::gray_levels).unit.size * 65280 == 255);
 }
 
 TEST_CASE("the mean distance to all images equals the mean of their distances up to rounding") {
   const Vectors one = walk(200, 64, 4);
   const Vectors query = walk(20, 64, 5);
   const std::vector<size_t> unreadable = {3, 99};
-  const DescribedFrames train = one.span(unreadable);
-  const FrameDistances distances = frame_distances({&train, 1}, query.span());
-  for (size_t j = 0; j < 20; ++j) {
-    double sum = 0;
-    for (size_t i = 0; i < 200; ++i)
-      if (i != 3 && i != 99)
-        sum += reference_distance(ElementType::gray_levels, train.rows[i], query.span().rows[j]);
-    CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
-  }
+  test::check_means(one.span(unreadable), query.span());
 }
 
 TEST_CASE("components of images are sums over landmarks") {
@@ -116,22 +89,5 @@ TEST_CASE("components of images are sums over landmarks") {
 TEST_CASE("z-scores of images equal the reference implementation") {
   const Vectors one = walk(80, 64, 9);
   const Vectors query = walk(50, 64, 10);
-  const DescribedFrames train = one.span();
-  TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
-  statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
-  const ScoreBasis basis = make_score_basis({}, false, statistics);
-  const ReferenceUpdates updates = reference_updates({&train, 1}, query.span(), basis, {});
-  const FrameDistances scores = zscores(frame_distances({&train, 1}, query.span()), basis, {});
-  std::vector<uint16_t> row(80);
-  std::vector<std::vector<double>> plain;
-  for (size_t i = 0; i < 80; ++i)
-    plain.push_back(reference_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
-  for (uint32_t j = 0; j < 50; ++j) {
-    scores.start_row(j);
-    scores.tile({&j, 1}, 0, 80, row.data(), 0);
-    for (size_t i = 0; i < 80; ++i) {
-      const double found = (static_cast<double>(row[i]) - kScoreBias) / kScoreUnit;
-      REQUIRE(std::abs(found - plain[i][j]) <= score_tolerance(1));
-    }
-  }
+  test::check_zscores(one.span(), query.span(), 1);
 }

@@ -8,13 +8,10 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "examples.h"
+#include "match/checks.h"
 #include "match/lsh.h"
-#include "match/reference.h"
-#include "support.h"
 
 using namespace vpr;
-using test::CellKey;
 using test::Cells;
 using test::Example;
 using test::make_example;
@@ -38,25 +35,11 @@ Cells reference_cells(const Example& example, size_t length) {
   return cells;
 }
 
-RowConsumer collecting(Cells& cells, std::mutex& mutex) {
-  return [&](const ScoreRow& row) {
-    const std::lock_guard lock(mutex);
-    for (size_t x = 0; x < row.scores.size(); ++x)
-      REQUIRE(
-          cells
-              .emplace(CellKey{row.query_window, row.sequence, row.train_window + x}, row.scores[x])
-              .second);
-  };
-}
-
-Cells by_method(const Example& example, const SequenceMethod& method, MatchSettings settings) {
-  settings.method = &method;
+Cells by_method(const Example& example, const SequenceMethod& method, size_t length,
+                size_t memory) {
   const std::vector<DescribedFrames> spans = example.spans();
-  Cells cells;
-  std::mutex mutex;
-  match(frame_distances(spans, {example.query, example.query_unreadable}), settings,
-        {{collecting(cells, mutex)}}, {});
-  return cells;
+  return test::cells_of(frame_distances(spans, {example.query, example.query_unreadable}),
+                        test::by_method(method, length, memory));
 }
 
 Cells by_lsh(const Example& example, const MatchSettings& settings) {
@@ -64,16 +47,17 @@ Cells by_lsh(const Example& example, const MatchSettings& settings) {
   Cells cells;
   std::mutex mutex;
   match_lsh(frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
-            collecting(cells, mutex));
+            test::collecting(cells, mutex));
   return cells;
 }
 
-void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
+void check_all_methods(const Example& example, size_t length) {
   const Cells expected = reference_cells(example, length);
   for (const SequenceMethod& method : exact_methods()) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
-      INFO(method.name << ", " << kernels.target << ", c_l " << length << ", memory " << memory);
-      REQUIRE(by_method(example, method, {length, memory, kernels}) == expected);
+      INFO(method.name << ", " << select_kernels().target << ", c_l " << length << ", memory "
+                       << memory);
+      REQUIRE(by_method(example, method, length, memory) == expected);
     }
   }
 }
@@ -105,8 +89,7 @@ TEST_CASE("every method equals the reference implementation, for any length and 
   const Example example = make_example({37}, 29, 1);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    for (size_t length = 1; length <= 38; ++length)
-      check_all_methods(example, length, select_kernels());
+    for (size_t length = 1; length <= 38; ++length) check_all_methods(example, length);
   }
 }
 
@@ -117,14 +100,13 @@ TEST_CASE("windows never cross the end of a sequence, nor an unreadable frame") 
   example.query_unreadable = {4, 22};
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    for (size_t length = 1; length <= 21; ++length)
-      check_all_methods(example, length, select_kernels());
+    for (size_t length = 1; length <= 21; ++length) check_all_methods(example, length);
   }
 }
 
 TEST_CASE("one frame against one frame") {
   const Example example = make_example({1}, 1, 3);
-  for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels());
+  for (const size_t length : {1, 2}) check_all_methods(example, length);
 }
 
 TEST_CASE("sets larger than a chunk, a strip and a tile have the same cells, for any threads") {
@@ -137,7 +119,7 @@ TEST_CASE("sets larger than a chunk, a strip and a tile have the same cells, for
       const ThreadLimit limit(threads);
       for (const SequenceMethod& method : exact_methods())
         for (const size_t memory : {size_t{1} << 30, size_t{0}})
-          REQUIRE(by_method(example, method, {length, memory, select_kernels()}) == expected);
+          REQUIRE(by_method(example, method, length, memory) == expected);
     }
   }
 }
@@ -178,7 +160,7 @@ TEST_CASE("several window lengths in one pass yield the rows of each one alone")
     std::mutex mutex;
     std::vector<Pass> passes;
     for (size_t l = 0; l < lengths.size(); ++l)
-      passes.push_back({lengths[l], {{collecting(cells[l], mutex)}}});
+      passes.push_back({lengths[l], {{test::collecting(cells[l], mutex)}}});
     match(frame_distances(spans, {example.query, example.query_unreadable}),
           {1, memory, select_kernels()}, passes, {});
     for (size_t l = 0; l < lengths.size(); ++l)
@@ -225,6 +207,5 @@ TEST_CASE("hashing settings out of range are refused") {
 
 TEST_CASE("an unknown method is refused with a list of the known ones") {
   const std::string text = test::error_text([] { find_sequence_method("fastabel"); });
-  for (const SequenceMethod& method : sequence_methods())
-    CHECK(text.find(method.name) != std::string::npos);
+  for (const SequenceMethod& method : sequence_methods()) CHECK(test::has(text, method.name));
 }

@@ -2,7 +2,6 @@
 // influence of later frames.
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 #include <catch2/catch.hpp>
 
@@ -10,19 +9,16 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/simd.h"
-#include "examples.h"
 #include "loops/loops.h"
-#include "match/match.h"
-#include "match/reference.h"
+#include "match/checks.h"
 #include "match/score_kernels.h"
-#include "match/zscores.h"
 #include "reference/reference_past.h"
-#include "support.h"
 #include "truth/times.h"
 
 using namespace vpr;
-using test::CellKey;
+using test::by_method;
 using test::Cells;
+using test::cells_of;
 
 namespace {
 
@@ -70,25 +66,6 @@ Cells reference_cells(const Walk& walk, size_t length) {
   return cells;
 }
 
-Cells cells_of(const FrameDistances& distances, const SequenceMethod& method,
-               MatchSettings settings) {
-  settings.method = &method;
-  Cells cells;
-  size_t repeated = 0;
-  std::mutex mutex;
-  const auto collect = [&](const ScoreRow& row) {
-    const std::lock_guard lock(mutex);
-    for (size_t x = 0; x < row.scores.size(); ++x)
-      repeated += !cells
-                       .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                                row.scores[x])
-                       .second;
-  };
-  match(distances, settings, {{collect}}, {});
-  REQUIRE(repeated == 0);
-  return cells;
-}
-
 FrameDistances distances_of(const Walk& walk) {
   FrameDistances distances = frame_distances(walk.spans(), walk.span());
   distances.past = walk.past;
@@ -101,15 +78,15 @@ void check_methods(const Walk& walk, size_t length) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << walk.codes.size() << " frames, c_l " << length << ", memory "
                        << memory);
-      REQUIRE(cells_of(distances_of(walk), method, {length, memory, select_kernels()}) == expected);
+      REQUIRE(cells_of(distances_of(walk), by_method(method, length, memory)) == expected);
     }
   }
 }
 
 Cells scores_of(const Walk& walk, size_t length, const ZScoreSettings& settings,
                 const char* method = "fastable") {
-  return cells_of(past_zscores(distances_of(walk), settings), find_sequence_method(method),
-                  {length, size_t{1} << 30, select_kernels()});
+  return cells_of(past_zscores(distances_of(walk), settings),
+                  by_method(find_sequence_method(method), length));
 }
 
 // The largest difference between fast and reference scores, in tolerances; requires all cells.
@@ -202,8 +179,7 @@ TEST_CASE(
   for (const size_t threads : {1, 7}) {
     const ThreadLimit limit(threads);
     for (const char* method : {"fastable", "fastable-online"}) {
-      REQUIRE(cells_of(distances_of(walk), find_sequence_method(method),
-                       {3, size_t{1} << 30, select_kernels()}) == expected);
+      REQUIRE(cells_of(distances_of(walk), by_method(find_sequence_method(method), 3)) == expected);
       REQUIRE(scores_of(walk, 3, {}, method) == scores);
     }
   }

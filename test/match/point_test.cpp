@@ -5,12 +5,7 @@
 
 #include "base/random.h"
 #include "describe/imported.h"
-#include "match/components.h"
-#include "match/distance_statistics.h"
-#include "match/match.h"
-#include "match/reference.h"
-#include "match/zscores.h"
-#include "support.h"
+#include "match/checks.h"
 
 using namespace vpr;
 using test::Vectors;
@@ -70,28 +65,8 @@ TEST_CASE("distances of points equal the reference implementation, on every SIMD
     const Vectors query = walk(6, length, 3);
     const std::vector<size_t> gap = {3};
     const std::vector<DescribedFrames> train = {one.span(gap), two.span()};
-    for (const std::string& target : simd_targets()) {
-      const test::ChosenTarget chosen(target);
-      INFO(target << ", " << length << " coordinates");
-      const FrameDistances distances = frame_distances(train, query.span());
-      CHECK(distances.largest == 65534);
-      const std::vector<uint32_t> order = {4, 0, 1, 3, 5};
-      std::vector<uint16_t> tile(order.size() * 100, 7);
-      distances.tile(order, 8, 86, tile.data(), 100);
-      for (size_t t = 0; t < order.size(); ++t)
-        for (size_t i = 8; i < 86; ++i) {
-          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
-          REQUIRE(tile[t * 100 + (i - 8)] ==
-                  reference_distance(ElementType::points16, row, query.span().rows[order[t]]));
-        }
-      uint64_t total = 0;
-      for (size_t i = 0; i < 86; ++i)
-        if (i != 3)
-          total += reference_distance(ElementType::points16,
-                                      i < 77 ? train[0].rows[i] : train[1].rows[i - 77],
-                                      query.span().rows[2]);
-      CHECK(row_mean(distances, 2) == static_cast<double>(total) / 85);
-    }
+    test::check_distances(train, query.span(), 65534);
+    test::check_means(train[0], query.span());
   }
 }
 
@@ -105,22 +80,5 @@ TEST_CASE("a point that is too long for exact products is refused") {
 TEST_CASE("z-scores of points equal the reference implementation") {
   const Vectors train = walk(120, 40, 5);
   const Vectors query = walk(30, 40, 6);
-  const DescribedFrames span = train.span();
-  TrainStatistics statistics = compute_statistics({&span, 1}, {}, {});
-  statistics.components = compute_components({&span, 1}, statistics.typical_distance, {});
-  const ScoreBasis basis = make_score_basis({}, false, statistics);
-  const FrameDistances scores = zscores(frame_distances({&span, 1}, query.span()), basis, {});
-  const ReferenceUpdates updates = reference_updates({&span, 1}, query.span(), basis, {});
-  std::vector<std::vector<double>> plain;
-  for (size_t i = 0; i < 120; ++i)
-    plain.push_back(reference_frame_scores(span.rows[i], i, query.span().rows, updates, basis));
-  for (uint32_t frame = 0; frame < 30; ++frame) {
-    std::vector<uint16_t> row(128);
-    scores.start_row(frame);
-    scores.tile({&frame, 1}, 0, 120, row.data(), 128);
-    for (size_t i = 0; i < 120; ++i) {
-      const double found = (row[i] - 32768) / 1024.0;
-      REQUIRE(std::abs(found - plain[i][frame]) <= score_tolerance(1));
-    }
-  }
+  test::check_zscores(train.span(), query.span(), 1);
 }

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "examples.h"
 #include "match/fastable.h"
 #include "match/match.h"
@@ -188,6 +187,5 @@ TEST_CASE("invalid rates, and rates that exceed the memory, are refused") {
   const FrameDistances distances = frame_distances(spans, {example.query, {}});
   MatchSettings settings = settings_of(5, kRates);
   settings.memory_limit = 100;
-  CHECK(test::error_text([&] { fast_rates(distances, settings); }).find("--max-memory") !=
-        std::string::npos);
+  CHECK(test::has(test::error_text([&] { fast_rates(distances, settings); }), "--max-memory"));
 }

@@ -11,15 +11,9 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/simd.h"
-#include "examples.h"
-#include "match/components.h"
-#include "match/distance_statistics.h"
-#include "match/match.h"
-#include "match/reference.h"
-#include "support.h"
+#include "match/checks.h"
 
 using namespace vpr;
-using test::CellKey;
 using test::Cells;
 using test::Example;
 using test::make_example;
@@ -40,16 +34,7 @@ FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
 }
 
 Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
-  Cells cells;
-  const auto collect = [&](const ScoreRow& row) {
-    for (size_t x = 0; x < row.scores.size(); ++x)
-      REQUIRE(
-          cells
-              .emplace(CellKey{row.query_window, row.sequence, row.train_window + x}, row.scores[x])
-              .second);
-  };
-  match(scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {{collect}}, {});
-  return cells;
+  return test::cells_of(scores_of(example, basis), {length, size_t{1} << 30, select_kernels()});
 }
 
 double score(uint32_t biased, size_t length) {
@@ -355,7 +340,7 @@ TEST_CASE("a memory limit without room for the ring is an error") {
   const size_t needed = 2 * (32 + 128) * (length + 1);  // rows have whole cache lines
   CHECK_FALSE(test::error_kind([&] { try_memory(needed, length); }));
   CHECK(test::error_kind([&] { try_memory(needed - 1, length); }) == ErrorKind::usage);
-  CHECK(test::error_text([&] { try_memory(0, length); }).find("--max-memory") != std::string::npos);
+  CHECK(test::has(test::error_text([&] { try_memory(0, length); }), "--max-memory"));
 }
 
 TEST_CASE("settings of z-scores out of range are refused") {

@@ -9,6 +9,7 @@
 #include "chart/chart.h"
 #include "chart/charts.h"
 #include "files/report.h"
+#include "judgments.h"
 #include "loops/loops_report.h"
 #include "present/matrix_chart.h"
 #include "support.h"
@@ -21,29 +22,8 @@ using test::svg_of;
 
 namespace {
 
-/// Windows of 3 frames; frames 2 to 9 are correct, incorrect or ignored, by letter; capital
-/// letters are recognized.
 Judgment walk(const std::string& letters) {
-  Judgment judgment;
-  ScoreLayout& layout = judgment.layout;
-  layout.window_length = 3;
-  layout.scope = {{"", letters.size() + 2}, {{{"monday", 30}, true}, {{"friday", 20}, true}}};
-  layout.columns = {{0, 0, 28}, {1, 28, 18}};
-  judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
-  judgment.outcomes.window_length = 3;
-  judgment.outcomes.queries.resize(layout.scope.query.frames);
-  for (size_t q = 0; q < letters.size(); ++q) {
-    const bool is_right = letters[q] == 'r' || letters[q] == 'R';
-    QueryOutcome& query = judgment.outcomes.at_window(q);
-    query.frame = layout.anchor(q);
-    query.verdict = is_right ? Verdict::correct : Verdict::incorrect;
-    query.best = FrameMatch{is_right ? 0u : 1u, query.frame};
-    query.key = score_key(double(q), ScoreOrder::distance);
-    if (letters[q] == 'R') judgment.verdicts[query.frame] = FrameVerdict::correct;
-    if (letters[q] == 'W') judgment.verdicts[query.frame] = FrameVerdict::incorrect;
-  }
-  judgment.single_best = single_best_curve(judgment.outcomes);
-  return judgment;
+  return test::judgment_of(letters, 3, {{{"monday", 30}}, {{"friday", 20}}});
 }
 
 GroundTruth aligned(const Judgment& judgment) {
@@ -71,7 +51,7 @@ const Series* find(const Chart& chart, Meaning meaning) {
 }  // namespace
 
 TEST_CASE("frames of several sequences follow each other, with round ticks") {
-  const std::vector<FrameBand> bands = frame_bands(walk("rr").layout);
+  const std::vector<FrameBand> bands = frame_bands(walk("cc").layout);
   REQUIRE(bands.size() == 2);
   CHECK(bands[1].name == "friday");
   CHECK(bands[1].at == 30);
@@ -82,7 +62,7 @@ TEST_CASE("frames of several sequences follow each other, with round ticks") {
   for (const ChartTick& tick : ticks) frames.push_back(tick.text);
   CHECK(frames == std::vector<std::string>{"0", "10", "20", "0", "10"});
   CHECK(ticks[3].at == 30.5);
-  const std::vector<FrameBand> columns = column_bands(walk("rr").layout);
+  const std::vector<FrameBand> columns = column_bands(walk("cc").layout);
   CHECK(columns[1].at == 28);
   CHECK(columns[1].first_frame == 2);
   CHECK(position_of(columns, {1, 2}) == 28);
@@ -108,7 +88,7 @@ TEST_CASE("the cost of an axis depends on its visible ticks") {
 }
 
 TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground truth") {
-  const Judgment judgment = walk("rRwWrRRR");
+  const Judgment judgment = walk("cCwWcCCC");
   const GroundTruth truth = aligned(judgment);
   const Chart chart = timeline_chart(report_of(judgment, truth), judgment, truth);
   for (const Meaning meaning : {Meaning::correct, Meaning::incorrect, Meaning::weak_correct,
@@ -142,7 +122,7 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
 }
 
 TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
-  const Judgment judgment = walk("rRwWrRRR");
+  const Judgment judgment = walk("cCwWcCCC");
   const GroundTruth truth = aligned(judgment);
   Chart chart = matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {}, "training frame",
                              {"distance"}, {});
@@ -163,7 +143,7 @@ TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
 }
 
 TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
-  Judgment judgment = walk("rrrrrrrr");
+  Judgment judgment = walk("cccccccc");
   judgment.layout.columns = {{0, 0, 28}};
   judgment.layout.scope.sequences.resize(1);
   judgment.recognized = {{0, 0}, {1, 5}};  // right, and wrong
@@ -215,7 +195,7 @@ TEST_CASE("charts and pages show scores per frame, in plain words") {
 }
 
 TEST_CASE("the outline of a ground truth leaves room in an image with small pixels") {
-  Judgment judgment = walk("rrrrrrrr");
+  Judgment judgment = walk("cccccccc");
   judgment.layout.scope.sequences = {{{"a", 1000}, true}};
   judgment.layout.columns = {{0, 0, 998}};
   const GroundTruth truth = aligned(judgment);
@@ -295,7 +275,7 @@ TEST_CASE("a map has a scale bar in meters, and places only for FAB-MAP") {
 }
 
 TEST_CASE("frames without a match are not drawn as missed") {
-  Judgment judgment = walk("rRwWrR");
+  Judgment judgment = walk("cCwWcC");
   GroundTruth truth = aligned(judgment);
   truth.pairs[3].clear();
   judgment.verdicts.assign(judgment.verdicts.size(), FrameVerdict::none);
@@ -320,9 +300,7 @@ TEST_CASE("a map can be stopped") {
 }
 
 TEST_CASE("risk against coverage, and accepted matches by threshold, equal those counted by hand") {
-  Judgment judgment = walk("rRwr");
-  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
-  judgment.single_best = single_best_curve(judgment.outcomes);
+  Judgment judgment = walk("cCwc");
   const Report report = report_of(judgment, aligned(judgment));
   const Chart chart = risk_chart(report, judgment);
   REQUIRE(chart.series.size() == 1);

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "evaluate/metrics.h"
 #include "files/report_json.h"
+#include "judgments.h"
 #include "present/comparison_report.h"
 #include "present/html_page.h"
 #include "present/matrix_chart.h"
@@ -20,26 +21,8 @@ using namespace vpr;
 
 namespace {
 
-/// Twenty queries with best matches by letter (c correct, w incorrect) and increasing scores.
 Judgment example(const std::string& letters, size_t window_length = 1) {
-  Judgment judgment;
-  ScoreLayout& layout = judgment.layout;
-  layout.window_length = window_length;
-  layout.scope = {{"", letters.size() + window_length - 1}, {{{"ref", 40}, true}}};
-  layout.columns = {{0, 0, 40 - window_length + 1}};
-  judgment.outcomes.window_length = window_length;
-  judgment.outcomes.queries.resize(layout.scope.query.frames);
-  for (size_t q = 0; q < letters.size(); ++q) {
-    QueryOutcome& query = judgment.outcomes.at_window(q);
-    query.frame = layout.anchor(q);
-    query.verdict = letters[q] == 'c' ? Verdict::correct : Verdict::incorrect;
-    query.has_match = true;
-    query.best = FrameMatch{0, query.frame};
-    query.key = score_key(double(q), ScoreOrder::distance);
-  }
-  judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
-  judgment.single_best = single_best_curve(judgment.outcomes);
-  return judgment;
+  return test::judgment_of(letters, window_length, {{{"ref", 40}}});
 }
 
 GroundTruth example_truth(const Judgment& judgment) {
@@ -181,26 +164,24 @@ TEST_CASE("a page has no external references, even with hostile names") {
   const SequenceSource sequence = open_sequence({folder.path(), {}});
   const std::string page = evaluation_page(evaluation, report_of(evaluation, {}), {}, "<s>all</s>",
                                            {sequence, {sequence}}, {});
-  CHECK(page.find("<s>all") == std::string::npos);
-  CHECK(page.find("<img src=x") == std::string::npos);
-  CHECK(page.find("</script><script>alert") == std::string::npos);
-  CHECK(page.find("<b>method") == std::string::npos);
-  CHECK(page.find("&lt;b&gt;method") != std::string::npos);
-  CHECK(page.find("&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;{{data}}.png") !=
-        std::string::npos);
-  CHECK(page.find("://") == std::string::npos);
-  CHECK(page.find("default-src 'none'") != std::string::npos);
-  CHECK(page.find("data:image/jpeg;base64,/9j/") != std::string::npos);
-  CHECK(page.find("data:image/png;base64,") != std::string::npos);
+  CHECK_FALSE(test::has(page, "<s>all"));
+  CHECK_FALSE(test::has(page, "<img src=x"));
+  CHECK_FALSE(test::has(page, "</script><script>alert"));
+  CHECK_FALSE(test::has(page, "<b>method"));
+  CHECK(test::has(page, "&lt;b&gt;method"));
+  CHECK(test::has(page, "&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;{{data}}.png"));
+  CHECK_FALSE(test::has(page, "://"));
+  CHECK(test::has(page, "default-src 'none'"));
+  CHECK(test::has(page, "data:image/jpeg;base64,/9j/"));
+  CHECK(test::has(page, "data:image/png;base64,"));
 }
 
 TEST_CASE("an empty page is a valid page") {
   const Judgment judgment = example("");
   GroundTruth truth;
   const Evaluation evaluation = evaluation_of(judgment, truth);
-  CHECK(
-      evaluation_page(evaluation, report_of(evaluation, {}), {}, "", {}, {}).find("No query has") !=
-      std::string::npos);
+  CHECK(test::has(evaluation_page(evaluation, report_of(evaluation, {}), {}, "", {}, {}),
+                  "No query has"));
 }
 
 namespace {
@@ -222,8 +203,6 @@ std::string page_of(const Judgment& judgment, const GroundTruth& truth,
 
 TEST_CASE("a page begins with its summary and states the protocol once") {
   Judgment judgment = example("cwcwcwcw");
-  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
-  judgment.single_best = single_best_curve(judgment.outcomes);
   GroundTruth truth = example_truth(judgment);
   truth.protocol = "pairs from my desk";
   const std::string page = page_of(judgment, truth);
@@ -237,10 +216,10 @@ TEST_CASE("a page begins with its summary and states the protocol once") {
     at = page.find(part);
   }
   CHECK(count_of(page, "pairs from my desk") == 1);
-  CHECK(page.find("<dt>scores</dt><dd>distance</dd>") != std::string::npos);
-  CHECK(page.find("best match incorrect, not recognized") != std::string::npos);
-  CHECK(page.find("worst mistakes") != std::string::npos);
-  CHECK(page.find("{{") == std::string::npos);
+  CHECK(test::has(page, "<dt>scores</dt><dd>distance</dd>"));
+  CHECK(test::has(page, "best match incorrect, not recognized"));
+  CHECK(test::has(page, "worst mistakes"));
+  CHECK_FALSE(test::has(page, "{{"));
 }
 
 TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
@@ -254,13 +233,13 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
       page.substr(page.find("<svg class=\"timeline wide\""),
                   page.find("</svg>", page.find("<svg class=\"timeline wide\"")) -
                       page.find("<svg class=\"timeline wide\""));
-  CHECK(timeline.find(">100</text>") != std::string::npos);
-  CHECK(timeline.find(">monday</text>") != std::string::npos);
-  CHECK(timeline.find(">&lt;tuesday&gt;</text>") != std::string::npos);
-  CHECK(timeline.find("unused") == std::string::npos);
+  CHECK(test::has(timeline, ">100</text>"));
+  CHECK(test::has(timeline, ">monday</text>"));
+  CHECK(test::has(timeline, ">&lt;tuesday&gt;</text>"));
+  CHECK_FALSE(test::has(timeline, "unused"));
   const std::string matrix = page.substr(page.find("<svg class=\"matrix wide\""));
-  CHECK(matrix.find(">19</text>") != std::string::npos);  // the first window's anchor
-  CHECK(matrix.find(">monday</text>") != std::string::npos);
+  CHECK(test::has(matrix, ">19</text>"));  // the first window's anchor
+  CHECK(test::has(matrix, ">monday</text>"));
 }
 
 TEST_CASE("the cost of a page depends on its content, not on the claimed number of frames") {
@@ -296,29 +275,27 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
   Report report = report_of(evaluation, {});
   report.counts.recognitions.ignored = 7;
   const std::string page = evaluation_page(evaluation, report, {}, "", {}, {});
-  CHECK(page.find("recognized, not judged") != std::string::npos);
-  CHECK(page.find("recognized, incorrect") == std::string::npos);
-  CHECK(page.find("worst mistakes") == std::string::npos);
-  CHECK(page.find("class=\"card mistake\"") == std::string::npos);
-  CHECK(page.find("class=\"card recognition unjudged\"") != std::string::npos);
-  CHECK(page.find("correct: query") == std::string::npos);
-  CHECK(page.find("; the ground truth has no match") == std::string::npos);
-  CHECK(page.find("<dd>7</dd>") != std::string::npos);
+  CHECK(test::has(page, "recognized, not judged"));
+  CHECK_FALSE(test::has(page, "recognized, incorrect"));
+  CHECK_FALSE(test::has(page, "worst mistakes"));
+  CHECK_FALSE(test::has(page, "class=\"card mistake\""));
+  CHECK(test::has(page, "class=\"card recognition unjudged\""));
+  CHECK_FALSE(test::has(page, "correct: query"));
+  CHECK_FALSE(test::has(page, "; the ground truth has no match"));
+  CHECK(test::has(page, "<dd>7</dd>"));
 }
 
 TEST_CASE("a page has risk against coverage") {
   Judgment judgment = example("cwcwcw");
-  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
-  judgment.single_best = single_best_curve(judgment.outcomes);
   const std::string page = page_of(judgment, example_truth(judgment));
-  CHECK(page.find("<svg class=\"risk-coverage any\"") != std::string::npos);
-  CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
+  CHECK(test::has(page, "<svg class=\"risk-coverage any\""));
+  CHECK(test::has(page, "risk: share of mistakes among them"));
 }
 
 TEST_CASE("a page of thinned sequences has the recordings' frames for saved labels") {
   Judgment judgment = example("cwcwcw");
   const GroundTruth truth = example_truth(judgment);
-  CHECK(page_of(judgment, truth).find("\"query_sources\"") == std::string::npos);
+  CHECK_FALSE(test::has(page_of(judgment, truth), "\"query_sources\""));
   Selection kept;
   kept.recorded_frames = 20;
   kept.selected_fps = 5;
@@ -326,6 +303,6 @@ TEST_CASE("a page of thinned sequences has the recordings' frames for saved labe
   judgment.layout.scope.query.selection = kept;
   judgment.layout.scope.sequences[0].sequence.selection = kept;
   const std::string page = page_of(judgment, truth);
-  CHECK(page.find("\"query_sources\":[0,3,7,9,12,19]") != std::string::npos);
-  CHECK(page.find("\"train_sources\":[[0,3,7,9,12,19]]") != std::string::npos);
+  CHECK(test::has(page, "\"query_sources\":[0,3,7,9,12,19]"));
+  CHECK(test::has(page, "\"train_sources\":[[0,3,7,9,12,19]]"));
 }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "present/evaluation_text.h"
+#include "support.h"
 
 using namespace vpr;
 
@@ -36,7 +37,7 @@ TEST_CASE("a name in a table can neither control a terminal nor leave its cell")
         "--------------\n"
         "a\\x1b[31m\\x0ab\n");
   for (const TableFormat format : {TableFormat::markdown, TableFormat::latex})
-    CHECK(render_table(hostile, format).find('\x1b') == std::string::npos);
+    CHECK_FALSE(test::has(render_table(hostile, format), "\x1b"));
   CHECK(render_table(hostile, TableFormat::csv) == "\"na\nme\"\n\"a\x1b[31m\nb\"\n");
 }
 
@@ -57,9 +58,9 @@ TEST_CASE("Markdown escapes bars") {
 
 TEST_CASE("LaTeX escapes its special characters") {
   const std::string text = render_table({"a_b", {"50 %"}, {{"x & y"}}}, TableFormat::latex);
-  CHECK(text.find("\\caption{a\\_b}") != std::string::npos);
-  CHECK(text.find("50 \\%") != std::string::npos);
-  CHECK(text.find("x \\& y \\\\") != std::string::npos);
+  CHECK(test::has(text, "\\caption{a\\_b}"));
+  CHECK(test::has(text, "50 \\%"));
+  CHECK(test::has(text, "x \\& y \\\\"));
 }
 
 TEST_CASE("a LaTeX table has booktabs rules and a label for references") {
@@ -87,7 +88,7 @@ TEST_CASE("the best cells are bold, marked by a star in text, and CSV has number
         "**T**\n\n| of | R@1 | gap |\n| --- | ---: | ---: |\n| a\\|b | **0.5** | - |\n"
         "| c | 0.25 | **3** |\n");
   const std::string latex = render_table(table, TableFormat::latex);
-  CHECK(latex.find("a|b & \\textbf{0.5} & - \\\\") != std::string::npos);
-  CHECK(latex.find("c & 0.25 & \\textbf{3} \\\\") != std::string::npos);
-  CHECK(latex.find("\\label{tab:T}") != std::string::npos);
+  CHECK(test::has(latex, "a|b & \\textbf{0.5} & - \\\\"));
+  CHECK(test::has(latex, "c & 0.25 & \\textbf{3} \\\\"));
+  CHECK(test::has(latex, "\\label{tab:T}"));
 }

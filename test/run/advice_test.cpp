@@ -6,15 +6,13 @@
 #include "examples.h"
 #include "queries.h"
 #include "run/open.h"
+#include "support.h"
 
 using namespace vpr;
+using test::has;
 using test::resources;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 // Twenty query windows and ten training windows.
 Result planned_result(std::optional<double> threshold) {

@@ -5,7 +5,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "examples.h"
 #include "queries.h"
 #include "run/open.h"
@@ -81,10 +80,7 @@ void check_path(const Result& live, const Result& whole, size_t frame) {
 
 // Returns the number of recognized windows.
 size_t check_live_query(const Walks& walks, const SequenceQuerySettings& settings) {
-  const Result whole =
-      run_query(plan_query(walks.database, walks.query, "q", settings, resources(), {}), settings,
-                resources(), {}, {})
-          .result;
+  const Result whole = test::query_result(walks.database, walks.query, settings);
   LiveQuery query(walks.database, "q", settings, resources(), {});
   const DescriptorRows rows = walks.query.rows();
   const size_t length = whole.window_length();
@@ -170,30 +166,6 @@ TEST_CASE("live frames have the results of the whole query: fused with FAB-MAP")
   filter.method = "filter";
   filter.fusion_weight = 0.25;
   CHECK(check_live_query(walks, filter) > 30);
-}
-
-TEST_CASE("settings that need later frames are refused") {
-  const Walks walks;
-  const auto refused = [&](const SequenceQuerySettings& settings) {
-    return test::error_kind([&] {
-      const ResolvedSettings followed(settings, {Feature::database, Feature::live});
-      LiveQuery(walks.database, "q", followed, resources(), {});
-    });
-  };
-  SequenceQuerySettings relative;
-  relative.distance_threshold = 0.5;
-  CHECK(refused(relative) == ErrorKind::usage);
-  relative.threshold_scale = ThresholdScale::bits;
-  CHECK_FALSE(refused(relative));
-  SequenceQuerySettings offline;
-  offline.score = Score::zscore_offline;
-  CHECK(refused(offline) == ErrorKind::usage);
-  SequenceQuerySettings lsh;
-  lsh.method = "lsh";
-  CHECK(refused(lsh) == ErrorKind::usage);
-  SequenceQuerySettings rates;
-  rates.rates = {"1", "2"};
-  CHECK(refused(rates) == ErrorKind::usage);
 }
 
 TEST_CASE("a stop of any length keeps at most as many frames as pending keyframes") {

@@ -14,16 +14,9 @@
 
 using namespace vpr;
 using test::make_query;
-using test::resources;
+using test::query_result;
 
 namespace {
-
-Result query_by(const SequenceDatabase& database, const DescriptorSet& query,
-                const SequenceQuerySettings& settings) {
-  return run_query(plan_query(database, query, "q", settings, resources(), {}), settings,
-                   resources(), {}, {})
-      .result;
-}
 
 SequenceQuerySettings by_margin(size_t length, std::optional<double> margin) {
   SequenceQuerySettings settings;
@@ -74,7 +67,7 @@ TEST_CASE("every exact method gives each query window its margin, for any decisi
       settings.window_length = 6;
       settings.exclusion_frames = width;
       const ThreadLimit limit(1 + width % 3);
-      const Result result = query_by(database, query, settings);
+      const Result result = query_result(database, query, settings);
       REQUIRE(result.margins.size() == 55);
       for (size_t window = 0; window < 55; ++window) {
         INFO(method << " " << width << " " << window);
@@ -88,7 +81,7 @@ TEST_CASE("by margin, only a place that is seen again is recognized") {
   const Walks walks;
   const SequenceDatabase database = test::make_database(walks.train);
   for (const std::optional<double> margin : {std::optional<double>(), std::optional(60.0)}) {
-    const Result result = query_by(database, make_query(walks.query), by_margin(10, margin));
+    const Result result = query_result(database, make_query(walks.query), by_margin(10, margin));
     CHECK(result.recognitions.size() >= 20);
     for (const Match& recognition : result.recognitions) {
       CHECK(recognition.sequence == 0);
@@ -106,7 +99,7 @@ TEST_CASE("two sequences of one place do not reduce each other's margin") {
                                 std::vector<std::string> same_place) {
     SequenceQuerySettings settings = by_margin(10, 60.0);
     settings.same_place = std::move(same_place);
-    return query_by(database, query, settings).recognitions;
+    return query_result(database, query, settings).recognitions;
   };
   const std::vector<Match> once = recognitions(test::make_database(walks.train), {});
   REQUIRE(once.size() >= 20);
@@ -129,14 +122,14 @@ TEST_CASE("stored exclusion radii and overlaps have the results of computed ones
   CHECK(database.overlapping_sequences == std::vector<std::pair<size_t, size_t>>{{0, 2}});
   const SequenceQuerySettings settings = by_margin(10, std::nullopt);
   const DescriptorSet query = make_query(walks.query);
-  const Result result = query_by(database, query, settings);
-  const Result derived = query_by(old, query, settings);
+  const Result result = query_result(database, query, settings);
+  const Result derived = query_result(old, query, settings);
   CHECK(result.recognitions == derived.recognitions);
   CHECK(result.margins == derived.margins);
   CHECK(result.sequences[1].margin == derived.sequences[1].margin);
   // The query uses the stored value.
   database.overlapping_sequences->clear();
-  CHECK(query_by(database, query, settings).recognitions.empty());
+  CHECK(query_result(database, query, settings).recognitions.empty());
 }
 
 TEST_CASE(
@@ -145,13 +138,13 @@ TEST_CASE(
   SequenceQuerySettings settings = by_margin(10, 0.0);
   settings.exclusion_frames = 10'000;
   const SequenceDatabase one = test::make_database({walks.train[0]});
-  Result result = query_by(one, make_query(walks.query), settings);
+  Result result = query_result(one, make_query(walks.query), settings);
   CHECK(result.recognitions.empty());
   CHECK(std::none_of(result.margins.begin(), result.margins.end(),
                      [](const auto& margin) { return margin.has_value(); }));
   // A training sequence of one frame, and a query of one.
   const SequenceDatabase frame = test::make_database({{walks.train[0][0]}});
-  result = query_by(frame, make_query({walks.query[0]}), by_margin(1, std::nullopt));
+  result = query_result(frame, make_query({walks.query[0]}), by_margin(1, std::nullopt));
   CHECK(result.recognitions.empty());
   CHECK(result.margins == std::vector<std::optional<double>>{std::nullopt});
 }
@@ -161,7 +154,7 @@ TEST_CASE("unreadable frames have no margin") {
   DescriptorSet query = make_query(walks.query);
   query.sequence.unreadable = {30};
   const Result result =
-      query_by(test::make_database(walks.train), query, by_margin(5, std::nullopt));
+      query_result(test::make_database(walks.train), query, by_margin(5, std::nullopt));
   for (size_t window = 0; window < result.margins.size(); ++window)
     CHECK(result.margins[window].has_value() == (window < 26 || window > 30));
 }

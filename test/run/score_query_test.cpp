@@ -13,7 +13,6 @@
 #include "run/query.h"
 #include "run/train_sequences.h"
 #include "support.h"
-#include "tune/sweep.h"
 
 using namespace vpr;
 using test::make_query;
@@ -35,9 +34,7 @@ SequenceQuerySettings scored_settings(uint64_t length) {
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, size_t verify = 50) {
-  const QueryResources resources = test::resources(verify);
-  return run_query(plan_query(database, query, "q", settings, resources, {}), settings, resources,
-                   {}, {});
+  return test::query_run(database, query, settings, verify);
 }
 
 }  // namespace
@@ -135,63 +132,4 @@ TEST_CASE("missing statistics of a database are computed") {
   CHECK(test::error_kind([&] { query_all(database, query, settings); }) == ErrorKind::usage);
   ensure_statistics(database, {});
   CHECK(database.statistics == stored);
-}
-
-TEST_CASE("settings of another score are usage errors") {
-  const SequenceDatabase database =
-      make_database({test::walk_codes(30, 1), test::walk_codes(30, 2)});
-  const DescriptorSet query = make_query(test::walk_codes(20, 2));
-  const auto kind = [&](Score score, auto change) {
-    SequenceQuerySettings settings;
-    settings.score = score;
-    settings.window_length = 5;
-    settings.distance_threshold = -0.4;
-    change(settings);
-    return test::error_kind([&] { query_all(database, query, settings); });
-  };
-  for (const Score score : {Score::zscore, Score::zscore_offline}) {
-    CHECK(kind(score, [](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
-    CHECK_FALSE(kind(score, [](auto& s) { s.distance_threshold = -3; }));
-    CHECK(kind(score, [](auto& s) { s.distance_threshold = 0.4; }) == ErrorKind::usage);
-    CHECK_FALSE(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }));
-    CHECK(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::bits; }) ==
-          ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::relative; }) ==
-          ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.method = "openable"; }) == ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.method = "lsh"; }) == ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.safety_factor = 0.9; }) == ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.window_length = kMaxScoredWindow + 1; }) == ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.zscore.lag_keyframes = 0; }) == ErrorKind::usage);
-  }
-  CHECK(kind(Score::raw, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }) ==
-        ErrorKind::usage);
-}
-
-TEST_CASE("a sweep of scores has the counts of single queries") {
-  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
-                                                   test::walk_codes(45, 2)};
-  std::vector<LdbCode> codes = test::walk_codes(50, 3);
-  std::copy_n(train[0].begin() + 10, 20, codes.begin() + 10);
-  const SequenceDatabase database = make_database(train);
-  const DescriptorSet query = make_query(codes);
-  const TruthReader truth = [](const GroundTruthScope& scope) {
-    return test::aligned_truth(scope.query.frames, scope.query.frames);
-  };
-  const QueryResources resources = test::resources();
-  SequenceQuerySettings settings = scored_settings(5);
-  const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
-  const Grid grid{{5, 1, 12}, {-1.0, -4.0, -2.0}};
-  const auto cells = sweep_sequences(database, query, "q", base, grid, truth, resources, {}).cells;
-  REQUIRE(cells.size() == 9);
-  for (const CellCounts& cell : cells) {
-    CHECK(cell.scale == ThresholdScale::mean_z);
-    settings.window_length = cell.window;
-    settings.distance_threshold = cell.threshold;
-    const Result result = query_all(database, query, settings).result;
-    const Counts counts = count_recognitions(result, truth(scope_of(result)));
-    CHECK(cell.counts.recognitions.correct == counts.recognitions.correct);
-    CHECK(cell.counts.recognitions.incorrect == counts.recognitions.incorrect);
-    CHECK(cell.counts.best_match.correct == counts.best_match.correct);
-  }
 }

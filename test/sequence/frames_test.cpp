@@ -84,17 +84,15 @@ long peak_memory_kib() {
 }  // namespace
 
 TEST_CASE("frames of a folder are decoded as OpenCV does, at their own index and size") {
-  const TemporaryFolder folder;
-  write_image(folder / "1.png", 1, 40, 30);
-  write_image(folder / "2.jpg", 2, 17, 90);
-  write_image(folder / "10.bmp", 3, 1, 1);
-  const Pass pass = read_all({folder.path(), {}});
+  write_image("1.png", 1, 40, 30);
+  write_image("2.jpg", 2, 17, 90);
+  write_image("10.bmp", 3, 1, 1);
+  const Pass pass = read_all({".", {}});
   CHECK(pass.sequence.frame_names == std::vector<std::string>{"1.png", "2.jpg", "10.bmp"});
   REQUIRE(pass.images.size() == 3);
   for (size_t i = 0; i < 3; ++i)
-    CHECK(same_pixels(
-        pass.images.at(i),
-        cv::imread((folder / pass.sequence.frame_names[i]).string(), cv::IMREAD_GRAYSCALE)));
+    CHECK(same_pixels(pass.images.at(i),
+                      cv::imread(pass.sequence.frame_names[i], cv::IMREAD_GRAYSCALE)));
 }
 
 TEST_CASE("an undecodable frame is named, the first of several for any number of threads") {
@@ -126,18 +124,16 @@ TEST_CASE("a JPEG with a complete preview but a truncated image counts as trunca
   segment += static_cast<char>(length >> 8);
   segment += static_cast<char>(length & 0xff);
   whole.insert(2, segment + preview);
-  const TemporaryFolder folder;
-  write_text(folder / "1.jpg", whole);
-  CHECK(read_all({folder.path(), {}}).images.size() == 1);
-  write_text(folder / "1.jpg", whole.substr(0, whole.size() - 200));
-  CHECK(error_kind([&] { read_all({folder.path(), {}}); }) == ErrorKind::input);
+  write_text("1.jpg", whole);
+  CHECK(read_all({".", {}}).images.size() == 1);
+  write_text("1.jpg", whole.substr(0, whole.size() - 200));
+  CHECK(error_kind([&] { read_all({".", {}}); }) == ErrorKind::input);
 }
 
 TEST_CASE("images are accepted by their first bytes, not by their names") {
-  const TemporaryFolder folder;
   const auto read = [&](const std::string& bytes) {
-    write_text(folder / "1.png", bytes);
-    return error_text([&] { read_all({folder.path(), {}}); });
+    write_text("1.png", bytes);
+    return error_text([&] { read_all({".", {}}); });
   };
   const auto encoded = [](const std::string& extension, const cv::Mat& image) {
     std::vector<uint8_t> bytes;
@@ -169,32 +165,27 @@ TEST_CASE("a progressive JPEG is decoded, and refused with thousands of scans") 
   std::vector<uint8_t> bytes;
   cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
   std::string jpeg(bytes.begin(), bytes.end());
-  const TemporaryFolder folder;
-  write_text(folder / "1.jpg", jpeg);
-  CHECK(read_all({folder.path(), {}}).images.size() == 1);
+  write_text("1.jpg", jpeg);
+  CHECK(read_all({".", {}}).images.size() == 1);
   const size_t last = jpeg.rfind("\xff\xda");
   const std::string scan = jpeg.substr(last, jpeg.size() - 2 - last);
   for (int i = 0; i < 3000; ++i) jpeg.insert(jpeg.size() - 2, scan);
-  write_text(folder / "1.jpg", jpeg);
-  CHECK(has(error_text([&] {
-              read_all({folder.path(), {}});
-            }),
-            "the JPEG has 3010 scans, more than 100"));
+  write_text("1.jpg", jpeg);
+  CHECK(has(error_text([&] { read_all({".", {}}); }), "the JPEG has 3010 scans, more than 100"));
 }
 
 TEST_CASE("a file that is truncated during reading is reported as damaged, without a crash") {
-  const TemporaryFolder folder;
   cv::Mat image(2000, 3000, CV_8UC3);
   cv::randu(image, 0, 256);
-  cv::imwrite(folder / "1.bmp", image);
-  const auto size = fs::file_size(folder / "1.bmp");
+  cv::imwrite("1.bmp", image);
+  const auto size = fs::file_size("1.bmp");
   for (int trial = 0; trial < 20; ++trial) {
     std::jthread writer([&] {
-      fs::resize_file(folder / "1.bmp", 100);
-      fs::resize_file(folder / "1.bmp", size);
+      fs::resize_file("1.bmp", 100);
+      fs::resize_file("1.bmp", size);
     });
     try {
-      decode_image(folder / "1.bmp", PixelFormat::gray);
+      decode_image("1.bmp", PixelFormat::gray);
     } catch (const Error& error) {
       CHECK(error.kind() == ErrorKind::input);
     }
@@ -222,10 +213,9 @@ TEST_CASE("an image with more pixels than the limit is refused in any format") {
 }
 
 TEST_CASE("a small file that claims a large image does not allocate memory for it") {
-  const TemporaryFolder folder;
   const auto refusal = [&](uint32_t width, uint32_t height) {
-    write_text(folder / "1.png", png_that_claims(width, height));
-    return error_text([&] { read_all({folder.path(), {}}); });
+    write_text("1.png", png_that_claims(width, height));
+    return error_text([&] { read_all({".", {}}); });
   };
   CHECK(has(refusal(9, 9), "can't be decoded"));
   const long before = peak_memory_kib();
@@ -249,25 +239,22 @@ TEST_CASE("invalid pixel limits are refused, and limits end with their scope") {
 }
 
 TEST_CASE("a sequence without readable frames is an error even with --skip-unreadable") {
-  const TemporaryFolder folder;
-  write_text(folder / "1.png", "");
-  CHECK(error_kind([&] { read_all({folder.path(), {}}, Unreadable::skip); }) == ErrorKind::input);
+  write_text("1.png", "");
+  CHECK(error_kind([&] { read_all({".", {}}, Unreadable::skip); }) == ErrorKind::input);
 }
 
 TEST_CASE("a stop request ends the pass") {
-  const TemporaryFolder folder;
-  write_image(folder / "1.png", 1);
+  write_image("1.png", 1);
   std::atomic<bool> stop{true};
   Monitor monitor;
   monitor.stop = &stop;
   CHECK(error_kind([&] {
-          read_all({folder.path(), {}}, Unreadable::fail, monitor);
+          read_all({".", {}}, Unreadable::fail, monitor);
         }) == ErrorKind::interrupted);
 }
 
 TEST_CASE("a video is read frame by frame, within its range") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "walk.avi";
+  const std::string path = "walk.avi";
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {32, 24});
     REQUIRE(writer.isOpened());
@@ -288,8 +275,7 @@ TEST_CASE("a video is read frame by frame, within its range") {
 }
 
 TEST_CASE("a video with frames above the limit is refused before decoding") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "walk.avi";
+  const std::string path = "walk.avi";
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {1280, 1024});
     REQUIRE(writer.isOpened());
@@ -302,7 +288,6 @@ TEST_CASE("a video with frames above the limit is refused before decoding") {
 }
 
 TEST_CASE("a file that is not a video is an input error") {
-  const TemporaryFolder folder;
-  write_text(folder / "walk.mp4", "not a video");
-  CHECK(error_kind([&] { read_all({folder / "walk.mp4", {}}); }) == ErrorKind::input);
+  write_text("walk.mp4", "not a video");
+  CHECK(error_kind([&] { read_all({"walk.mp4", {}}); }) == ErrorKind::input);
 }

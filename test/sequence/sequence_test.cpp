@@ -91,20 +91,18 @@ TEST_CASE("a step beyond the end selects one frame") {
 }
 
 TEST_CASE("a list yields its files in its own order, relative to its folder") {
-  const TemporaryFolder folder;
-  write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
-  fs::create_directory(folder / "a");
-  write_text(folder / "a/1.png", "");
-  const SequenceSource sequence = open_sequence({folder / "list.txt", {}});
-  CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
+  write_text("list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
+  fs::create_directory("a");
+  write_text("a/1.png", "");
+  const SequenceSource sequence = open_sequence({"list.txt", {}});
+  CHECK(sequence.files == std::vector<fs::path>{"b/2.png", "a/1.png"});
 }
 
 TEST_CASE("a byte order mark before a list is not part of a name") {
-  const TemporaryFolder folder;
-  write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
-  write_text(folder / "1.png", "");
-  const SequenceSource sequence = open_sequence({folder / "list.txt", {}});
-  CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
+  write_text("list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
+  write_text("1.png", "");
+  const SequenceSource sequence = open_sequence({"list.txt", {}});
+  CHECK(sequence.files == std::vector<fs::path>{"1.png", "2.png"});
 }
 
 TEST_CASE("a missing array is reported as a missing file") {
@@ -129,9 +127,8 @@ TEST_CASE("a path that is not a sequence is an input error with its name") {
 }
 
 TEST_CASE("an empty file, such as files in /proc, is not opened as a video") {
-  const TemporaryFolder folder;
-  write_text(folder / "walk.mp4", "");
-  for (const fs::path& path : {folder / "walk.mp4", fs::path("/proc/kmsg")}) {
+  write_text("walk.mp4", "");
+  for (const fs::path& path : {fs::path("walk.mp4"), fs::path("/proc/kmsg")}) {
     if (!fs::exists(path)) continue;  // /proc/kmsg, in some containers
     CHECK(error_text([&] { open_sequence({path, {}}); }) == path.string() + ": is an empty file");
   }

@@ -86,23 +86,22 @@ TEST_CASE("walks on another floor or in another direction never show the same pl
 TEST_CASE("a folder with anything but a recording is recognized as another folder") {
   World world = three_frames();
   world.image_width = world.image_height = 32;
-  const TemporaryFolder folder;
-  write_recording(world, folder.path(), Monitor());
-  CHECK(is_recording_folder(folder.path()));
+  write_recording(world, ".", Monitor());
+  CHECK(is_recording_folder("."));
   for (const char* other : {"notes.txt", "query/notes.txt", "places/x.png", "places/p/poses.csv"}) {
     INFO(other);
-    write_text(folder / other, "");
-    CHECK_FALSE(is_recording_folder(folder.path()));
-    std::filesystem::remove(folder / other);
-    CHECK(is_recording_folder(folder.path()));
+    write_text(other, "");
+    CHECK_FALSE(is_recording_folder("."));
+    std::filesystem::remove(other);
+    CHECK(is_recording_folder("."));
   }
   for (const char* required : {"dataset.json", "plan.csv", "query/poses.csv"}) {
-    std::filesystem::remove(folder / required);
-    CHECK_FALSE(is_recording_folder(folder.path()));
-    write_text(folder / required, "");
+    std::filesystem::remove(required);
+    CHECK_FALSE(is_recording_folder("."));
+    write_text(required, "");
   }
-  std::filesystem::create_directory(folder / "query/more");
-  CHECK_FALSE(is_recording_folder(folder.path()));
+  std::filesystem::create_directory("query/more");
+  CHECK_FALSE(is_recording_folder("."));
 }
 
 TEST_CASE("pretraining omits frames that show a place") {
@@ -156,14 +155,12 @@ TEST_CASE("the shipped walks at other speeds have exact ground truth, and a deto
   };
   CHECK(share("slow") == Approx(2).margin(0.02));
   CHECK(share("fast") == Approx(1.2 / 2.2).margin(0.02));
-  const TemporaryFolder folder;
   for (const auto& [name, text] : recording_texts(world, walks))
-    if (name.ends_with(".csv")) write_text(folder / name, text);
+    if (name.ends_with(".csv")) write_text(name, text);
   // Percent of frames that show no place of the training walk.
   const auto unknown = [&](const std::string& walk) {
     const GroundTruthScope scope = {{"", frames[walk]}, {{"trained", frames["trained"]}}};
-    const GroundTruth truth =
-        read_ground_truth({"pairs", folder / (walk + ".ground_truth.csv"), 0}, scope);
+    const GroundTruth truth = read_ground_truth({"pairs", (walk + ".ground_truth.csv"), 0}, scope);
     size_t none = 0;
     for (size_t q = 0; q < scope.query.frames; ++q) none += truth.has_match(q) ? 0 : 1;
     return 100.0 * static_cast<double>(none) / static_cast<double>(scope.query.frames);
@@ -209,12 +206,11 @@ TEST_CASE("rendered corridors have the detail and the similarity of real ones") 
 }
 
 TEST_CASE("invalid worlds are refused with a reason") {
-  const TemporaryFolder folder;
   const auto refused = [&](const std::function<void(Json&)>& change) {
     Json world = Json::parse(building(1, {"one", "back"}));
     change(world);
-    write_text(folder / "w.json", world.dump());
-    return error_kind([&] { record_walks(read_world(folder / "w.json")); }) == ErrorKind::usage;
+    write_text("w.json", world.dump());
+    return error_kind([&] { record_walks(read_world("w.json")); }) == ErrorKind::usage;
   };
   CHECK_FALSE(refused([](Json&) {}));
   CHECK(refused([](Json& w) { w["floors"][0]["rooms"][0]["x"] = 0.3; }));

@@ -6,51 +6,49 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
-using test::Files;
+using test::read_labels;
+using test::write_text;
 
 TEST_CASE("frames between two anchors are interpolated, and frames outside have no place") {
-  const Files files;
-  files.text("anchors.csv", "query,anchor\n1,0\n3,3\n");
+  write_text("anchors.csv", "query,anchor\n1,0\n3,3\n");
   // Query 2 is at 1.5, rounded up to 2.
-  CHECK(files.read("anchors.csv", 5, 4) == ".... S... ..S. ...S ....");
+  CHECK(read_labels("anchors.csv", 5, 4) == ".... S... ..S. ...S ....");
   GroundTruthArgument wider{"", "anchors.csv", 1};
-  CHECK(files.read(wider, 5, 4) == ".... SS.. .SSS ..SS ....");
+  CHECK(read_labels(wider, 5, 4) == ".... SS.. .SSS ..SS ....");
   // Backward as well.
-  files.text("back.anchors.csv", "# walked back\nquery,anchor\n0,3\n3,0\n");
-  CHECK(files.read("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
-  files.text("one.csv", "query,reference\n1,2\n");
-  CHECK(files.read(GroundTruthArgument{"anchors", "one.csv"}, 3, 3) == "... ..S ...");
+  write_text("back.anchors.csv", "# walked back\nquery,anchor\n0,3\n3,0\n");
+  CHECK(read_labels("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
+  write_text("one.csv", "query,reference\n1,2\n");
+  CHECK(read_labels(GroundTruthArgument{"anchors", "one.csv"}, 3, 3) == "... ..S ...");
   // Query 29 is at 14.5: 29 / 50 is not exact.
-  files.text("half.csv", "query,reference\n0,0\n50,25\n");
-  CHECK(files.read(GroundTruthArgument{"anchors", "half.csv"}, 51, 26).substr(29 * 27, 26) ==
+  write_text("half.csv", "query,reference\n0,0\n50,25\n");
+  CHECK(read_labels(GroundTruthArgument{"anchors", "half.csv"}, 51, 26).substr(29 * 27, 26) ==
         "...............S..........");
-  files.text("none.csv", "query,reference\n");
-  CHECK_THROWS_WITH(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2),
+  write_text("none.csv", "query,reference\n");
+  CHECK_THROWS_WITH(read_labels(GroundTruthArgument{"anchors", "none.csv"}, 2, 2),
                     Catch::Contains("has no anchors"));
 }
 
 TEST_CASE("anchors are detected by the file's name, and are pairs under any other name") {
-  const Files files;
-  files.text("anchors.csv", "query,anchor\n0,0\n2,2\n");
-  files.text("pairs.csv", "query,reference\n0,0\n2,2\n");
-  CHECK(files.read("anchors.csv", 3, 3) == "S.. .S. ..S");
-  CHECK(files.read("pairs.csv", 3, 3) == "S.. ... ..S");
-  CHECK(read_ground_truth({"", files.folder / "anchors.csv"}, {{"", 3}, {{"ref", 3}}}).protocol ==
+  write_text("anchors.csv", "query,anchor\n0,0\n2,2\n");
+  write_text("pairs.csv", "query,reference\n0,0\n2,2\n");
+  CHECK(read_labels("anchors.csv", 3, 3) == "S.. .S. ..S");
+  CHECK(read_labels("pairs.csv", 3, 3) == "S.. ... ..S");
+  CHECK(read_ground_truth({"", "anchors.csv"}, {{"", 3}, {{"ref", 3}}}).protocol ==
         "anchors: 2 anchors, interpolated linearly, without places before and after them, within 0 "
         "frames");
 }
 
 TEST_CASE("pairs that may be anchors cause a warning") {
-  const Files files;
   const auto warnings = [&](const std::string& text, size_t frames, const std::string& format) {
-    files.text("some.csv", text);
+    write_text("some.csv", text);
     size_t count = 0;
     Monitor monitor;
     monitor.warn = [&](const std::string& sentence) {
-      CHECK(sentence.find("some.csv labels 2 of 20 query frames") != std::string::npos);
+      CHECK(test::has(sentence, "some.csv labels 2 of 20 query frames"));
       ++count;
     };
-    read_ground_truth({format, files.folder / "some.csv"}, {{"", frames}, {{"ref", 99}}}, monitor);
+    read_ground_truth({format, "some.csv"}, {{"", frames}, {{"ref", 99}}}, monitor);
     return count;
   };
   CHECK(warnings("query,reference\n0,0\n10,12\n", 20, "") == 1);
@@ -63,64 +61,59 @@ TEST_CASE("pairs that may be anchors cause a warning") {
 }
 
 TEST_CASE("a tolerance of anchors in meters uses the poses of the training sequence") {
-  const Files files;
-  files.text("anchors.csv", "query,anchor\n0,0\n2,3\n");
+  write_text("anchors.csv", "query,anchor\n0,0\n2,3\n");
   // Half a meter between 1 and 2, so the middle, 1.5, is at 1.25 meters.
-  files.text("r.csv", "frame,x,y\n0,0,0\n1,1,0\n2,1.5,0\n3,4,0\n5,1.25,0.25\n");
+  write_text("r.csv", "frame,x,y\n0,0,0\n1,1,0\n2,1.5,0\n3,4,0\n5,1.25,0.25\n");
   GroundTruthArgument argument{"", "anchors.csv"};
   argument.options.reference = "r.csv";
   argument.options.radius_m = 0.25;
-  CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
+  CHECK(read_labels(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
   // The same places as a trajectory of another rate, with half of its poses between frames.
-  files.text("r.tum",
+  write_text("r.tum",
              "10 0 0 0 0 0 0 1\n10.5 0.5 0 0 0 0 0 1\n11 1 0 0 0 0 0 1\n"
              "12 1.5 0 0 0 0 0 1\n13 4 0 0 0 0 0 1\n15 1.25 0.25 0 0 0 0 1\n");
-  files.text("times.txt", "10\n11\n12\n13\n14\n15\n");
+  write_text("times.txt", "10\n11\n12\n13\n14\n15\n");
   argument.options.reference = "r.tum";
-  argument.options.train_times = files.folder / "times.txt";
-  CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
+  argument.options.train_times = "times.txt";
+  CHECK(read_labels(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
   argument.options.train_times.clear();
   argument.options.reference = "r.csv";
   argument.options.radius_m.reset();
-  CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { read_labels(argument, 4, 6); }) == ErrorKind::usage);
   argument.options = {};
   argument.options.radius_m = 1;
-  CHECK(test::error_text([&] { files.read(argument, 4, 6); }).find("--ground-truth-train") !=
-        std::string::npos);
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 4, 6); }), "--ground-truth-train"));
   argument.options.reference = "r.csv";
   argument.tolerance_frames = 1;
-  CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { read_labels(argument, 4, 6); }) == ErrorKind::usage);
 }
 
 TEST_CASE("anchors may name several sequences and have the query's range") {
-  const Files files;
-  files.text("anchors.csv", "query,sequence,anchor\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
-  const GroundTruth truth =
-      read_ground_truth({"", files.folder / "anchors.csv"}, {{"", 3}, {{"a", 3}, {"b", 3}}});
+  write_text("anchors.csv", "query,sequence,anchor\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
+  const GroundTruth truth = read_ground_truth({"", "anchors.csv"}, {{"", 3}, {{"a", 3}, {"b", 3}}});
   CHECK(truth.label(1, 0, 1) == PlaceLabel::same);
   CHECK(truth.label(1, 1, 1) == PlaceLabel::same);
   CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
   CHECK(truth.label(2, 1, 0) == PlaceLabel::different);
   // A radius needs one searched sequence, and uses only its anchors.
-  files.text("a.poses", "frame,x,y\n0,0,0\n1,1,0\n2,2,0\n");
-  GroundTruthArgument near{"", files.folder / "anchors.csv"};
-  near.options.reference = files.folder / "a.poses";
+  write_text("a.poses", "frame,x,y\n0,0,0\n1,1,0\n2,2,0\n");
+  GroundTruthArgument near{"", "anchors.csv"};
+  near.options.reference = "a.poses";
   near.options.radius_m = 0;
   CHECK(test::draw(read_ground_truth(near, {{"", 3}, {{{"a", 3}}, {{"b", 3}, false}}}), 3, 3) ==
         "S.. .S. ..S");
-  files.text("all.csv", "query,reference\n0,0\n10,5\n");
+  write_text("all.csv", "query,reference\n0,0\n10,5\n");
   GroundTruthArgument part{"anchors", "all.csv@4:9:2"};  // frames 4, 6 and 8
-  CHECK(files.read(part, 3, 6) == "..S... ...S.. ....S.");
+  CHECK(read_labels(part, 3, 6) == "..S... ...S.. ....S.");
 }
 
 TEST_CASE("anchors that decrease, repeat or are out of range are refused with the line") {
-  const Files files;
   const auto refused = [&](const std::string& lines, const std::string& words) {
-    files.text("anchors.csv", "query,anchor\n" + lines);
-    CHECK(test::error_kind([&] { files.read("anchors.csv", 5, 5); }) == ErrorKind::data);
-    const std::string text = test::error_text([&] { files.read("anchors.csv", 5, 5); });
+    write_text("anchors.csv", "query,anchor\n" + lines);
+    CHECK(test::error_kind([&] { read_labels("anchors.csv", 5, 5); }) == ErrorKind::data);
+    const std::string text = test::error_text([&] { read_labels("anchors.csv", 5, 5); });
     INFO(text);
-    CHECK(text.find(words) != std::string::npos);
+    CHECK(test::has(text, words));
   };
   refused("2,2\n1,3\n", "line 3: query 1 is not after the previous anchor, 2");
   refused("2,2\n2,3\n", "line 3");
@@ -129,9 +122,9 @@ TEST_CASE("anchors that decrease, repeat or are out of range are refused with th
   refused("-1,2\n", "line 2");
   refused("1,2,3\n", "line 2");
   // Without known numbers of frames, as many as the anchors need.
-  files.text("anchors.csv", "query,anchor\n1,2\n3,4\n");
-  const auto found = inspect_ground_truth({"", files.folder / "anchors.csv"},
-                                          {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
+  write_text("anchors.csv", "query,anchor\n1,2\n3,4\n");
+  const auto found =
+      inspect_ground_truth({"", "anchors.csv"}, {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
   CHECK(found.scope.query.frames == 4);
   CHECK(found.scope.sequences[0].sequence.frames == 5);
 }

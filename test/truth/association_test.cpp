@@ -12,7 +12,8 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
-using test::Files;
+using test::read_labels;
+using test::write_text;
 
 namespace {
 
@@ -115,40 +116,36 @@ TEST_CASE("one pass over both times equals comparing every frame with every pose
 
 TEST_CASE("frames without poses cause a warning with the median difference, or an error") {
   const Trajectory trajectory = at({{0, 0}, {kSecond, 1}, {2 * kSecond, 2}});
-  std::vector<std::string> warnings;
-  Monitor monitor;
-  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  test::Warnings warnings;
   associate(trajectory, std::vector<int64_t>{0, kSecond, 5 * kSecond, 6 * kSecond}, {}, "walk",
-            monitor);
-  CHECK(warnings.empty());  // exactly half causes no warning
-  associate(trajectory, std::vector<int64_t>{0, 5 * kSecond, 6 * kSecond}, {}, "walk", monitor);
-  REQUIRE(warnings.size() == 1);
-  CHECK(warnings[0].find("walk: 2 of 3 frames have no pose within 0.02 s") != std::string::npos);
-  CHECK(warnings[0].find("cover 0 to 6 s, but poses.txt covers 0 to 2 s") != std::string::npos);
-  CHECK(warnings[0].find("the median difference to the nearest pose is 3 s") != std::string::npos);
+            warnings.monitor);
+  CHECK(warnings.said.empty());  // exactly half causes no warning
+  associate(trajectory, std::vector<int64_t>{0, 5 * kSecond, 6 * kSecond}, {}, "walk",
+            warnings.monitor);
+  REQUIRE(warnings.said.size() == 1);
+  CHECK(test::has(warnings.said[0], "walk: 2 of 3 frames have no pose within 0.02 s"));
+  CHECK(test::has(warnings.said[0], "cover 0 to 6 s, but poses.txt covers 0 to 2 s"));
+  CHECK(test::has(warnings.said[0], "the median difference to the nearest pose is 3 s"));
   const auto apart = [&] {
-    associate(trajectory, std::vector<int64_t>{5 * kSecond, 6 * kSecond}, {}, "walk", monitor);
+    associate(trajectory, std::vector<int64_t>{5 * kSecond, 6 * kSecond}, {}, "walk",
+              warnings.monitor);
   };
   CHECK(test::error_kind(apart) == ErrorKind::data);
-  CHECK(test::error_text(apart).find("use --offset") != std::string::npos);
+  CHECK(test::has(test::error_text(apart), "use --offset"));
 }
 
 TEST_CASE("frames between distant poses need a larger difference") {
   const Trajectory trajectory = at({{0, 0}, {kSecond / 10, 1}, {kSecond / 5, 2}});
-  std::vector<std::string> warnings;
-  Monitor monitor;
-  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  test::Warnings warnings;
   // 25 ms before and after poses: a signed median would be near 0.
   associate(trajectory, std::vector<int64_t>{0, 75'000'000, 125'000'000, 175'000'000}, {}, "walk",
-            monitor);
-  REQUIRE(warnings.size() == 1);
-  CHECK(
-      warnings[0].find("nearest pose is 0.025 s. Poses are 0.1 s apart: --max-difference 0.05?") !=
-      std::string::npos);
+            warnings.monitor);
+  REQUIRE(warnings.said.size() == 1);
+  CHECK(test::has(warnings.said[0],
+                  "nearest pose is 0.025 s. Poses are 0.1 s apart: --max-difference 0.05?"));
 }
 
 TEST_CASE("a trajectory with another rate than the images is ground truth by time") {
-  const Files files;
   const std::string rest = " 0 0 0 0 0 1\n";
   // Ten meters per second, ten poses per second; images every 0.25 s, and every 0.5 s an hour
   // later.
@@ -158,84 +155,78 @@ TEST_CASE("a trajectory with another rate than the images is ground truth by tim
     query += fmt::format("{:.1f} {}", 1000 + i * 0.1, i) + rest;
     train += fmt::format("{:.1f} {}", 4600 + i * 0.1, i) + rest;
   }
-  files.text("q.txt", query);
-  files.text("r.txt", train);
-  files.text("q.times", "# image time\n1000\n1000.25\n1000.5\n1000.75\n");
-  files.text("r.times", "0\n0.5\n1\n");
+  write_text("q.txt", query);
+  write_text("r.txt", train);
+  write_text("q.times", "# image time\n1000\n1000.25\n1000.5\n1000.75\n");
+  write_text("r.times", "0\n0.5\n1\n");
   GroundTruthArgument argument{"", "q.txt"};
   argument.options.reference = "r.txt";
   argument.options.radius_m = 2.5;
-  argument.options.query_times = files.folder / "q.times";
-  argument.options.train_times = files.folder / "r.times";
+  argument.options.query_times = "q.times";
+  argument.options.train_times = "r.times";
   argument.options.max_difference_s = 0.05;
   argument.options.train_offset_s = 4600;
   // Query frames at 0, 2.5, 5 and 7.5 meters; training frames at 0, 5 and 10.
-  CHECK(files.read(argument, 4, 3) == "S.. SS. .S. .SS");
+  CHECK(read_labels(argument, 4, 3) == "S.. SS. .S. .SS");
   argument.options.train_offset_s = 1e10;
-  CHECK(test::error_text([&] { files.read(argument, 4, 3); }).find("--train-offset") == 0);
+  CHECK(test::error_text([&] { read_labels(argument, 4, 3); }).find("--train-offset") == 0);
   argument.options.train_offset_s = 4600;
   argument.options.max_difference_s = 0.01;  // 1000.25 and 1000.75 are between poses
-  CHECK(files.read(argument, 4, 3) == "S.. iii .S. iii");
-  CHECK(test::error_kind([&] { files.read(argument, 5, 3); }) == ErrorKind::data);
+  CHECK(read_labels(argument, 4, 3) == "S.. iii .S. iii");
+  CHECK(test::error_kind([&] { read_labels(argument, 5, 3); }) == ErrorKind::data);
   argument.options.train_offset_s.reset();
-  CHECK(test::error_kind([&] { files.read(argument, 4, 3); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_labels(argument, 4, 3); }) == ErrorKind::data);
   argument.options.train_times.clear();
   argument.options.train_offset_s = 1;
-  CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { read_labels(argument, 4, 21); }) == ErrorKind::usage);
   argument.options.train_offset_s.reset();
   argument.options.max_difference_s = -1;
-  CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { read_labels(argument, 4, 21); }) == ErrorKind::usage);
   argument.options.query_times.clear();
   argument.options.max_difference_s = 0.05;  // without any times
-  CHECK(test::error_kind([&] { files.read(argument, 21, 21); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { read_labels(argument, 21, 21); }) == ErrorKind::usage);
   argument.options.max_difference_s.reset();
   // pose i belongs to frame i, as without times
-  CHECK(files.read(argument, 21, 21).size() == 21 * 22 - 1);
+  CHECK(read_labels(argument, 21, 21).size() == 21 * 22 - 1);
 }
 
 TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in nanoseconds") {
-  const Files files;
-  files.text("k.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 8 0 1 0 0 0 0 1 0\n");
-  files.text("k.times", "1.5e+00\n2.5e+00\n");
-  files.text("frames.csv", "time\n1.5\n2\n2.5\n");
+  write_text("k.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 8 0 1 0 0 0 0 1 0\n");
+  write_text("k.times", "1.5e+00\n2.5e+00\n");
+  write_text("frames.csv", "time\n1.5\n2\n2.5\n");
   GroundTruthArgument argument{"", "k.txt"};
   argument.options.reference = "k.txt";
   argument.options.radius_m = 4;
   argument.options.max_difference_s = 0.5;
-  argument.options.query_times = files.folder / "frames.csv";
-  CHECK(test::error_text([&] { files.read(argument, 3, 2); }).find("--query-pose-times") !=
-        std::string::npos);
-  argument.options.query_pose_times = files.folder / "k.times";
-  argument.options.train_times = files.folder / "frames.csv";
-  CHECK(test::error_text([&] { files.read(argument, 3, 2); }).find("--train-pose-times") !=
-        std::string::npos);
+  argument.options.query_times = "frames.csv";
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 2); }), "--query-pose-times"));
+  argument.options.query_pose_times = "k.times";
+  argument.options.train_times = "frames.csv";
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 2); }), "--train-pose-times"));
   argument.options.train_times.clear();
-  CHECK(files.read(argument, 3, 2) == "S. SS .S");
-  files.text("e.csv",
+  CHECK(read_labels(argument, 3, 2) == "S. SS .S");
+  write_text("e.csv",
              "#timestamp [ns],x,y,z,qw,qx,qy,qz\n1403636580000000000,0,0,0,1,0,0,0\n"
              "1403636581000000000,8,0,0,1,0,0,0\n");
-  files.text("e.times", "1403636580000000000,a.png\n1403636580500000000,b.png\n");
+  write_text("e.times", "1403636580000000000,a.png\n1403636580500000000,b.png\n");
   GroundTruthArgument euroc{"", "e.csv"};
   euroc.options = argument.options;
   euroc.options.reference = "e.csv";
-  euroc.options.query_times = files.folder / "e.times";
+  euroc.options.query_times = "e.times";
   // two sources of times
-  CHECK(test::error_kind([&] { files.read(euroc, 2, 2); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { read_labels(euroc, 2, 2); }) == ErrorKind::usage);
   euroc.options.query_pose_times.clear();
-  CHECK(files.read(euroc, 2, 2) == "S. SS");
+  CHECK(read_labels(euroc, 2, 2) == "S. SS");
 }
 
 TEST_CASE("names of images are times") {
-  const Files files;
-  std::filesystem::create_directory(files.folder / "walk");
+  std::filesystem::create_directory("walk");
   for (const char* name : {"1305031102.25.png", "1305031101.5.png", "1305031103.png"})
-    test::write_image(files.folder / "walk" / name, 1);
-  CHECK(read_frame_times(files.folder / "walk", {}) ==
+    test::write_image(std::string("walk/") + name, 1);
+  CHECK(read_frame_times("walk", {}) ==
         std::vector<int64_t>{1305031101500000000, 1305031102250000000, 1305031103000000000});
-  CHECK(read_frame_times((files.folder / "walk").string() + "@1:2", {}) ==
-        std::vector<int64_t>{1305031102250000000});
-  test::write_image(files.folder / "walk" / "last.png", 1);
-  CHECK(test::error_text([&] {
-          read_frame_times(files.folder / "walk", {});
-        }).find("last.png: \"last\" is not a valid time") != std::string::npos);
+  CHECK(read_frame_times("walk@1:2", {}) == std::vector<int64_t>{1305031102250000000});
+  test::write_image("walk/last.png", 1);
+  CHECK(test::has(test::error_text([&] { read_frame_times("walk", {}); }),
+                  "last.png: \"last\" is not a valid time"));
 }

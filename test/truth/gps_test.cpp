@@ -10,7 +10,8 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
-using test::Files;
+using test::read_labels;
+using test::write_text;
 
 namespace {
 
@@ -27,56 +28,52 @@ void check_refused(const std::function<void()>& work, const std::string& words,
   CHECK(test::error_kind(work) == kind);
   const std::string text = test::error_text(work);
   INFO(text);
-  CHECK(text.find(words) != std::string::npos);
+  CHECK(test::has(text, words));
 }
 
 }  // namespace
 
 TEST_CASE("fixes of frames are compared in meters") {
-  const Files files;
-  files.text("q.csv", "frame,lat,lon\n0,52,13\n2,52.0001,13\n");
-  files.text("r.csv", "\"Longitude\",frame,\"Latitude\"\n13.0001,0,52\n13,1,52.0001\n13,2,-52\n");
-  CHECK(files.read(fixes("q.csv", "r.csv", 12), 4, 3) == "SS. iii .S. iii");
-  CHECK(files.read(fixes("q.csv", "r.csv", 11), 4, 3) == "S.. iii .S. iii");
-  CHECK(files.read(fixes("q.csv", "r.csv", 6.86), 4, 3) == "... iii .S. iii");
-  files.text("m.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
-  check_refused([&] { files.read(fixes("q.csv", "m.csv", 1), 3, 3); }, "in meters");
-  check_refused([&] { files.read(fixes("m.csv", "r.csv", 1), 3, 3); }, "format gps");
+  write_text("q.csv", "frame,lat,lon\n0,52,13\n2,52.0001,13\n");
+  write_text("r.csv", "\"Longitude\",frame,\"Latitude\"\n13.0001,0,52\n13,1,52.0001\n13,2,-52\n");
+  CHECK(read_labels(fixes("q.csv", "r.csv", 12), 4, 3) == "SS. iii .S. iii");
+  CHECK(read_labels(fixes("q.csv", "r.csv", 11), 4, 3) == "S.. iii .S. iii");
+  CHECK(read_labels(fixes("q.csv", "r.csv", 6.86), 4, 3) == "... iii .S. iii");
+  write_text("m.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
+  check_refused([&] { read_labels(fixes("q.csv", "m.csv", 1), 3, 3); }, "in meters");
+  check_refused([&] { read_labels(fixes("m.csv", "r.csv", 1), 3, 3); }, "format gps");
 }
 
 TEST_CASE("fixes on both sides of the antimeridian are near each other") {
-  const Files files;
-  files.text("q.csv", "latitude,longitude\n0,179.99999\n0,-0.5\n");
-  files.text("r.csv", "latitude,longitude\n0,-179.99999\n0,359.5\n");
-  CHECK(files.read(fixes("q.csv", "r.csv", 3), 2, 2) == "S. .S");
+  write_text("q.csv", "latitude,longitude\n0,179.99999\n0,-0.5\n");
+  write_text("r.csv", "latitude,longitude\n0,-179.99999\n0,359.5\n");
+  CHECK(read_labels(fixes("q.csv", "r.csv", 3), 2, 2) == "S. .S");
 }
 
 TEST_CASE("with fixes by image names, other images have no place") {
-  const Files files;
   for (const char* image : {"a1.jpg", "a2.jpg", "a10.jpg"}) {
-    std::filesystem::create_directories(files.folder / "walk");
-    files.text(std::string("walk/") + image, "x");
+    std::filesystem::create_directories("walk");
+    write_text(std::string("walk/") + image, "x");
   }
-  files.text("q.csv", "image,lat,lng,heading\nwalk/a10.jpg,52,13,90\na1.jpg,52.001,13,0\n");
-  files.text("r.csv", "lat,lon,heading\n52.001,13,10\n52,13,270\n,,\n");
+  write_text("q.csv", "image,lat,lng,heading\nwalk/a10.jpg,52,13,90\na1.jpg,52.001,13,0\n");
+  write_text("r.csv", "lat,lon,heading\n52.001,13,10\n52,13,270\n,,\n");
   GroundTruthArgument argument = fixes("q.csv", "r.csv", 2);
-  check_refused([&] { files.read(argument, 3, 3); }, "--query-images", ErrorKind::usage);
-  argument.options.query_images = files.folder / "walk";
-  CHECK(files.read(argument, 3, 3) == "S.i iii .Si");
+  check_refused([&] { read_labels(argument, 3, 3); }, "--query-images", ErrorKind::usage);
+  argument.options.query_images = "walk";
+  CHECK(read_labels(argument, 3, 3) == "S.i iii .Si");
   argument.options.angle_deg = 20;
-  CHECK(files.read(argument, 3, 3) == "S.i iii ..i");
-  files.text("q.csv", "image,lat,lon\na3.jpg,52,13\n");
-  check_refused([&] { files.read(argument, 3, 3); }, "line 2");
-  files.text("q.csv", "image,lat,lon\na1.jpg,52,13\nb/a1.jpg,52,13\n");
-  check_refused([&] { files.read(argument, 3, 3); }, "line 3: the image a1.jpg is listed twice");
+  CHECK(read_labels(argument, 3, 3) == "S.i iii ..i");
+  write_text("q.csv", "image,lat,lon\na3.jpg,52,13\n");
+  check_refused([&] { read_labels(argument, 3, 3); }, "line 2");
+  write_text("q.csv", "image,lat,lon\na1.jpg,52,13\nb/a1.jpg,52,13\n");
+  check_refused([&] { read_labels(argument, 3, 3); }, "line 3: the image a1.jpg is listed twice");
 }
 
 TEST_CASE("invalid positions are refused with the line") {
-  const Files files;
-  files.text("r.csv", "lat,lon\n52,13\n");
+  write_text("r.csv", "lat,lon\n52,13\n");
   const auto refused = [&](const std::string& rows, const std::string& words) {
-    files.text("q.csv", "lat,lon\n" + rows);
-    check_refused([&] { files.read(fixes("q.csv", "r.csv", 1), 2, 1); }, words);
+    write_text("q.csv", "lat,lon\n" + rows);
+    check_refused([&] { read_labels(fixes("q.csv", "r.csv", 1), 2, 1); }, words);
   };
   refused("52,13\n103.8,1.3\n",
           "line 3: the latitude 103.8 is beyond 90 degrees; are latitude and");
@@ -88,48 +85,43 @@ TEST_CASE("invalid positions are refused with the line") {
 }
 
 TEST_CASE("a side without fixes for most frames causes a warning") {
-  const Files files;
-  files.text("q.csv", "lat,lon\n52,13\n,\n,\n");
-  files.text("r.csv", "lat,lon\n52,13\n60,13\n61,13\n62,13\n");
-  GroundTruthArgument argument = fixes(files.folder / "q.csv", files.folder / "r.csv", 1);
-  std::vector<std::string> warnings;
-  Monitor monitor;
-  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
-  read_ground_truth(argument, {{"", 3}, {{"ref", 4}}}, monitor);
-  REQUIRE_FALSE(warnings.empty());
-  CHECK(warnings.front().find("2 of 3 frames have no fix") != std::string::npos);
+  write_text("q.csv", "lat,lon\n52,13\n,\n,\n");
+  write_text("r.csv", "lat,lon\n52,13\n60,13\n61,13\n62,13\n");
+  GroundTruthArgument argument = fixes("q.csv", "r.csv", 1);
+  test::Warnings warnings;
+  read_ground_truth(argument, {{"", 3}, {{"ref", 4}}}, warnings.monitor);
+  REQUIRE_FALSE(warnings.said.empty());
+  CHECK(test::has(warnings.said.front(), "2 of 3 frames have no fix"));
 }
 
 TEST_CASE("frames are located on a track by time") {
-  const Files files;
-  files.text("t.csv",
+  write_text("t.csv",
              "time,lat,lon\n2024-05-01T12:00:00Z,52,13\n2024-05-01T12:00:02Z,52.0002,13\n");
   // At the first fix, halfway between the two, and long after.
-  files.text("q.times", "1714564800\n1714564801\n1714564900\n");
-  files.text("r.csv",
+  write_text("q.times", "1714564800\n1714564801\n1714564900\n");
+  write_text("r.csv",
              "lat,lon,time\n52.0001,13,2024-05-01T12:00:01Z\n52,13,2024-05-01T12:00:05Z\n");
   GroundTruthArgument argument = fixes("t.csv", "r.csv", 1);
-  argument.options.query_times = files.folder / "q.times";
-  CHECK(files.read(argument, 3, 2) == ".S S. ii");
+  argument.options.query_times = "q.times";
+  CHECK(read_labels(argument, 3, 2) == ".S S. ii");
   GroundTruthOptions train;
-  train.train_times = files.folder / "q.times";
-  CHECK(read_train_poses(files.folder / "t.csv", train, {}).poses[1].has_value());
+  train.train_times = "q.times";
+  CHECK(read_train_poses("t.csv", train, {}).poses[1].has_value());
   argument.options.max_difference_s = 0.5;
-  CHECK(files.read(argument, 3, 2) == ".S ii ii");
+  CHECK(read_labels(argument, 3, 2) == ".S ii ii");
   argument.options.query_times.clear();
   argument.options.max_difference_s.reset();
-  CHECK(files.read(argument, 2, 2) == ".S ..");
+  CHECK(read_labels(argument, 2, 2) == ".S ..");
 }
 
 TEST_CASE("times of fixes that decrease, repeat or are missing are refused") {
-  const Files files;
-  files.text("r.csv", "lat,lon\n52,13\n");
-  files.text("q.times", "1714564800\n");
+  write_text("r.csv", "lat,lon\n52,13\n");
+  write_text("q.times", "1714564800\n");
   const auto refused = [&](const std::string& rows, const std::string& words) {
-    files.text("t.csv", "time,lat,lon\n" + rows);
+    write_text("t.csv", "time,lat,lon\n" + rows);
     GroundTruthArgument argument = fixes("t.csv", "r.csv", 1);
-    argument.options.query_times = files.folder / "q.times";
-    check_refused([&] { files.read(argument, 1, 1); }, words);
+    argument.options.query_times = "q.times";
+    check_refused([&] { read_labels(argument, 1, 1); }, words);
   };
   refused("2024-05-01T12:00:02Z,52,13\n2024-05-01T12:00:02Z,52,13\n",
           "t.csv, line 3: its time 1714564802 equals the time of the previous frame");
@@ -140,35 +132,33 @@ TEST_CASE("times of fixes that decrease, repeat or are missing are refused") {
 }
 
 TEST_CASE("formats that scripts convert are refused with the script") {
-  const Files files;
-  files.text("r.csv", "lat,lon\n52,13\n");
-  files.text("t.gpx", "<?xml version=\"1.0\"?>\n<gpx><trk/></gpx>\n");
-  std::filesystem::create_directories(files.folder / "photos");
-  files.text("photos/IMG_1.jpg", "\xff\xd8\xff");
+  write_text("r.csv", "lat,lon\n52,13\n");
+  write_text("t.gpx", "<?xml version=\"1.0\"?>\n<gpx><trk/></gpx>\n");
+  std::filesystem::create_directories("photos");
+  write_text("photos/IMG_1.jpg", "\xff\xd8\xff");
   const auto refused = [&](const std::string& query, const std::string& script, ErrorKind kind) {
     GroundTruthArgument argument = fixes(query, "r.csv", 1);
-    check_refused([&] { files.read(argument, 1, 1); }, "scripts/convert/" + script, kind);
+    check_refused([&] { read_labels(argument, 1, 1); }, "scripts/convert/" + script, kind);
     std::swap(argument.path, argument.options.reference);
-    check_refused([&] { files.read(argument, 1, 1); }, "scripts/convert/" + script,
+    check_refused([&] { read_labels(argument, 1, 1); }, "scripts/convert/" + script,
                   ErrorKind::usage);
   };
   refused("t.gpx", "gpx.py", ErrorKind::usage);
   refused("photos", "exif.py", ErrorKind::data);
-  check_refused([&] { read_trajectory(files.folder / "t.gpx", {}); }, "gpx.py", ErrorKind::usage);
-  check_refused([&] { read_frame_times(files.folder / "photos", {}); }, "exif.py");
+  check_refused([&] { read_trajectory("t.gpx", {}); }, "gpx.py", ErrorKind::usage);
+  check_refused([&] { read_frame_times("photos", {}); }, "exif.py");
 }
 
 TEST_CASE("trajectories and maps of fixes are projected to a plane at the first fix") {
-  const Files files;
-  files.text("t.csv", "lat,lon\n52,13\n52.001,13\n");
-  const Trajectory found = read_trajectory(files.folder / "t.csv", {});
+  write_text("t.csv", "lat,lon\n52,13\n52.001,13\n");
+  const Trajectory found = read_trajectory("t.csv", {});
   CHECK(found.poses[0]->position == std::array<double, 3>{});
   CHECK(found.poses[1]->position[1] == Approx(111.267).margin(0.01));
   CHECK(std::abs(found.poses[1]->position[0]) < 1e-9);
-  files.text("a.csv", "frame,lat,lon\n1,52,13\n");
-  files.text("b.csv", "frame,lat,lon\n0,52.001,13\n");
-  files.text("m.csv", "frame,x,y\n0,1,2\n");
-  const auto path = [&](const char* name) { return files.folder / name; };
+  write_text("a.csv", "frame,lat,lon\n1,52,13\n");
+  write_text("b.csv", "frame,lat,lon\n0,52.001,13\n");
+  write_text("m.csv", "frame,x,y\n0,1,2\n");
+  const auto path = [&](const char* name) { return name; };
   const Routes routes = read_routes({path("a.csv"), "", path("b.csv")});
   CHECK(routes.is_gps);
   CHECK_FALSE(routes.routes[0][0]);

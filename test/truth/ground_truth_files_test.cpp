@@ -7,15 +7,16 @@
 
 using namespace vpr;
 using test::draw;
-using test::Files;
+using test::read_labels;
+using test::write_matrix;
+using test::write_text;
 using test::write_truth;
 
 TEST_CASE("pairs are joined to runs and detected by content") {
-  const Files files;
-  files.text("g.txt", "query,reference,label\n0,2,\n0,1,\n0,1,\n1,0,ignore\n");
-  CHECK(files.read("g.txt", 2, 4) == ".SS. i...");
-  const auto found = inspect_ground_truth({"", files.folder / "g.txt"},
-                                          {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
+  write_text("g.txt", "query,reference,label\n0,2,\n0,1,\n0,1,\n1,0,ignore\n");
+  CHECK(read_labels("g.txt", 2, 4) == ".SS. i...");
+  const auto found =
+      inspect_ground_truth({"", "g.txt"}, {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
   CHECK(found.format == "pairs");
   CHECK(found.scope.query.frames == 2);
   CHECK(found.scope.sequences[0].sequence.frames == 3);
@@ -23,18 +24,17 @@ TEST_CASE("pairs are joined to runs and detected by content") {
 }
 
 TEST_CASE("ranges of pairs are those of the query") {
-  const Files files;
-  files.text("g.csv", "query,reference\n0,0\n1,1\n2,2\n3,3\n4,4\n");
-  CHECK(files.read("g.csv@1:4", 3, 5) == ".S... ..S.. ...S.");
-  CHECK(files.read("g.csv@1:5:2", 2, 5) == ".S... ...S.");
-  CHECK(files.read("g.csv@3:", 2, 5) == "...S. ....S");
-  CHECK(test::error_text([&] { files.read("g.csv@1:4", 2, 5); }).find("its range has 3 frames") !=
-        std::string::npos);
-  const std::string beyond = test::error_text([&] { files.read("g.csv", 3, 5); });
-  CHECK(beyond.find("line 5: query 3 is out of range") != std::string::npos);
-  CHECK(beyond.find("g.csv@60:111") != std::string::npos);
-  files.matrix<uint8_t>("m.npy", {0, 1, 0, 0}, 2, 2, "|b1");
-  CHECK(test::error_kind([&] { files.read("m.npy@1:2", 1, 2); }) == ErrorKind::usage);
+  write_text("g.csv", "query,reference\n0,0\n1,1\n2,2\n3,3\n4,4\n");
+  CHECK(read_labels("g.csv@1:4", 3, 5) == ".S... ..S.. ...S.");
+  CHECK(read_labels("g.csv@1:5:2", 2, 5) == ".S... ...S.");
+  CHECK(read_labels("g.csv@3:", 2, 5) == "...S. ....S");
+  CHECK(test::has(test::error_text([&] { read_labels("g.csv@1:4", 2, 5); }),
+                  "its range has 3 frames"));
+  const std::string beyond = test::error_text([&] { read_labels("g.csv", 3, 5); });
+  CHECK(test::has(beyond, "line 5: query 3 is out of range"));
+  CHECK(test::has(beyond, "g.csv@60:111"));
+  write_matrix<uint8_t>("m.npy", {0, 1, 0, 0}, 2, 2, "|b1");
+  CHECK(test::error_kind([&] { read_labels("m.npy@1:2", 1, 2); }) == ErrorKind::usage);
 }
 
 TEST_CASE("aligned sequences may have different sampling") {
@@ -61,8 +61,8 @@ TEST_CASE("presets are aligned within their tolerance, with the step of their da
         "SS.................... .........SSS.......... ...................SSS");
   const GroundTruth alike = read_ground_truth({"nordland-vpr-bench"}, {{"", 3}, {{"ref", 4}}});
   CHECK(draw(alike, 3, 4) == "SS.. SSS. .SSS");
-  CHECK(tenth.protocol.find("10 i") != std::string::npos);
-  CHECK(alike.protocol.find("training frame i,") != std::string::npos);
+  CHECK(test::has(tenth.protocol, "10 i"));
+  CHECK(test::has(alike.protocol, "training frame i,"));
   CHECK(find_presets("nordland-all").size() == ground_truth_presets().size());
   CHECK(find_presets("nordland-25m,nordland-exact").size() == 2);
   CHECK(test::error_kind([] { find_presets("nordland-25m,"); }) == ErrorKind::usage);
@@ -70,96 +70,87 @@ TEST_CASE("presets are aligned within their tolerance, with the step of their da
 }
 
 TEST_CASE("an unknown format, or an option without effect, is a usage error") {
-  const Files files;
-  files.text("what.txt", "hello world\n");
-  CHECK(test::error_kind([&] { files.read("what.txt", 2, 2); }) == ErrorKind::usage);
-  files.text("what.csv", "hello,world\n");
-  CHECK(test::error_kind([&] { files.read("what.csv", 2, 2); }) == ErrorKind::data);
-  CHECK(test::error_kind([&] { files.read("missing", 2, 2); }) == ErrorKind::input);
-  CHECK(test::error_text([] {
-          read_ground_truth({"pair", "x"}, {});
-        }).find("pairs") != std::string::npos);
+  write_text("what.txt", "hello world\n");
+  CHECK(test::error_kind([&] { read_labels("what.txt", 2, 2); }) == ErrorKind::usage);
+  write_text("what.csv", "hello,world\n");
+  CHECK(test::error_kind([&] { read_labels("what.csv", 2, 2); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_labels("missing", 2, 2); }) == ErrorKind::input);
+  CHECK(test::has(test::error_text([] { read_ground_truth({"pair", "x"}, {}); }), "pairs"));
   CHECK(test::error_kind([] { read_ground_truth({"pairs"}, {}); }) == ErrorKind::usage);
-  files.text("g.csv", "query,reference\n");
+  write_text("g.csv", "query,reference\n");
   GroundTruthArgument argument{"", "g.csv"};
   argument.options.radius_m = 3;
-  CHECK(test::error_text([&] { files.read(argument, 2, 2); }).find("--radius") !=
-        std::string::npos);
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 2, 2); }), "--radius"));
 }
 
 TEST_CASE("an empty archive is damaged ground truth") {
-  const Files files;
-  files.text("none.npz", std::string("PK\x05\x06") + std::string(18, '\0'));
-  CHECK(test::error_kind([&] { files.read("none.npz", 1, 1); }) == ErrorKind::data);
+  write_text("none.npz", std::string("PK\x05\x06") + std::string(18, '\0'));
+  CHECK(test::error_kind([&] { read_labels("none.npz", 1, 1); }) == ErrorKind::data);
 }
 
 TEST_CASE("matrices may have any number type and a soft matrix") {
-  const Files files;
-  files.matrix<uint8_t>("b.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "|b1");
-  files.matrix<double>("d.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "<f8");
-  files.matrix<int64_t>("i.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "<i8");
-  files.matrix<uint8_t>("soft.npy", {1, 1, 0, 0, 0, 1}, 2, 3, "|b1");
+  write_matrix<uint8_t>("b.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "|b1");
+  write_matrix<double>("d.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "<f8");
+  write_matrix<int64_t>("i.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "<i8");
+  write_matrix<uint8_t>("soft.npy", {1, 1, 0, 0, 0, 1}, 2, 3, "|b1");
   for (const std::string name : {"b.npy", "d.npy", "i.npy"}) {
-    CHECK(files.read(name, 2, 3) == "S.. .S.");
-    CHECK(files.read(name, 3, 2) == "S. .S ..");  // only the transposed shape fits
+    CHECK(read_labels(name, 2, 3) == "S.. .S.");
+    CHECK(read_labels(name, 3, 2) == "S. .S ..");  // only the transposed shape fits
   }
   GroundTruthArgument argument{"", "b.npy"};
   argument.options.soft = "soft.npy";
-  CHECK(files.read(argument, 2, 3) == "Si. .Si");
+  CHECK(read_labels(argument, 2, 3) == "Si. .Si");
   argument.options.matrix_rows = MatrixRows::reference;
-  CHECK(files.read(argument, 3, 2) == "S. iS .i");
-  CHECK(test::error_kind([&] { files.read(argument, 2, 3); }) == ErrorKind::data);
-  files.matrix<uint8_t>("soft.npy", {1, 1, 0, 0, 0, 1}, 3, 2, "|b1");
-  CHECK(test::error_kind([&] { files.read(argument, 3, 2); }) == ErrorKind::data);
+  CHECK(read_labels(argument, 3, 2) == "S. iS .i");
+  CHECK(test::error_kind([&] { read_labels(argument, 2, 3); }) == ErrorKind::data);
+  write_matrix<uint8_t>("soft.npy", {1, 1, 0, 0, 0, 1}, 3, 2, "|b1");
+  CHECK(test::error_kind([&] { read_labels(argument, 3, 2); }) == ErrorKind::data);
 }
 
 TEST_CASE("rows of square matrices are queries unless the options or the file differ") {
-  const Files files;
-  files.matrix<uint8_t>("s.npy", {0, 1, 0, 0}, 2, 2, "|u1");
-  CHECK(files.read("s.npy", 2, 2) == ".S ..");
+  write_matrix<uint8_t>("s.npy", {0, 1, 0, 0}, 2, 2, "|u1");
+  CHECK(read_labels("s.npy", 2, 2) == ".S ..");
   GroundTruthArgument argument{"", "s.npy"};
   argument.options.matrix_rows = MatrixRows::reference;
-  CHECK(files.read(argument, 2, 2) == ".. S.");
+  CHECK(read_labels(argument, 2, 2) == ".. S.");
   // Fortran order: the same bytes are the transposed matrix.
   std::string header = npy_header("|u1", {2, 2});
   header.replace(header.find("False,"), 6, "True, ");
-  files.text("f.npy", header + std::string("\0\1\0\0", 4));
-  CHECK(files.read("f.npy", 2, 2) == ".. S.");
+  write_text("f.npy", header + std::string("\0\1\0\0", 4));
+  CHECK(read_labels("f.npy", 2, 2) == ".. S.");
 }
 
 TEST_CASE("invalid matrices are refused") {
-  const Files files;
-  files.matrix<uint8_t>("v.npy", {0, 2, 0, 0}, 2, 2, "|u1");
-  files.matrix<float>("nan.npy", {0, NAN, 0, 0}, 2, 2, "<f4");
-  files.matrix<float>("half.npy", {0, 0.5f, 0, 0}, 2, 2, "<f4");
-  files.matrix<uint8_t>("short.npy", {0, 1, 0}, 2, 2, "|b1");
-  files.matrix<uint8_t>("long.npy", {0, 1, 0, 0, 0}, 2, 2, "|b1");
-  files.matrix<uint8_t>("other.npy", {0, 1}, 1, 2, "|b1");
-  files.matrix<uint8_t>("text.npy", {0, 1, 0, 0}, 2, 2, "|S1");
+  write_matrix<uint8_t>("v.npy", {0, 2, 0, 0}, 2, 2, "|u1");
+  write_matrix<float>("nan.npy", {0, NAN, 0, 0}, 2, 2, "<f4");
+  write_matrix<float>("half.npy", {0, 0.5f, 0, 0}, 2, 2, "<f4");
+  write_matrix<uint8_t>("short.npy", {0, 1, 0}, 2, 2, "|b1");
+  write_matrix<uint8_t>("long.npy", {0, 1, 0, 0, 0}, 2, 2, "|b1");
+  write_matrix<uint8_t>("other.npy", {0, 1}, 1, 2, "|b1");
+  write_matrix<uint8_t>("text.npy", {0, 1, 0, 0}, 2, 2, "|S1");
   for (const std::string name :
        {"v.npy", "nan.npy", "half.npy", "short.npy", "long.npy", "other.npy", "text.npy"}) {
     INFO(name);
-    CHECK(test::error_kind([&] { files.read(name, 2, 2); }) == ErrorKind::data);
+    CHECK(test::error_kind([&] { read_labels(name, 2, 2); }) == ErrorKind::data);
   }
   // A shape whose size overflows, which no memory can hold.
-  files.text("huge.npy", npy_header("|b1", {size_t{1} << 40, size_t{1} << 40}) + "x");
+  write_text("huge.npy", npy_header("|b1", {size_t{1} << 40, size_t{1} << 40}) + "x");
   CHECK(test::error_kind([&] {
-          inspect_ground_truth({"matrix", files.folder / "huge.npy"},
+          inspect_ground_truth({"matrix", "huge.npy"},
                                {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
         }) == ErrorKind::data);
 }
 
 TEST_CASE("files that scripts convert are refused with the script, by content or name") {
-  const Files files;
-  files.text("v7.bin", "MATLAB 5.0 MAT-file");
-  files.text("v73.bin", "\x89HDF\r\n\x1a\n");
-  files.text("old.mat", "");
-  files.text("m.bin", "\x89PNG\r\n");
-  files.text("m.jpg", "\xff\xd8");
-  files.text("o.csv", "1, 2 ,0\n");
-  files.text("g.txt", "<?xml?><gpx>");
-  files.text("g.yml", "%YAML:1.0\n");
-  files.text("p.npy", npy_header("|O", {3}));
+  write_text("v7.bin", "MATLAB 5.0 MAT-file");
+  write_text("v73.bin", "\x89HDF\r\n\x1a\n");
+  write_text("old.mat", "");
+  write_text("m.bin", "\x89PNG\r\n");
+  write_text("m.jpg", "\xff\xd8");
+  write_text("o.csv", "1, 2 ,0\n");
+  write_text("g.txt", "<?xml?><gpx>");
+  write_text("g.yml", "%YAML:1.0\n");
+  write_text("p.npy", npy_header("|O", {3}));
   for (const auto& [name, script] : {std::pair("v7.bin", "mat"),
                                      {"v73.bin", "mat"},
                                      {"old.mat", "mat"},
@@ -170,34 +161,32 @@ TEST_CASE("files that scripts convert are refused with the script, by content or
                                      {"g.yml", "openfabmap"},
                                      {"p.npy", "vpr_bench"}}) {
     INFO(name);
-    const auto read = [&, path = std::string(name)] { files.read(path, 3, 3); };
+    const auto read = [&, path = std::string(name)] { read_labels(path, 3, 3); };
     CHECK(test::error_kind(read) == ErrorKind::usage);
-    CHECK(test::error_text(read).find(std::string("scripts/convert/") + script + ".py") !=
-          std::string::npos);
+    CHECK(test::has(test::error_text(read), std::string("scripts/convert/") + script + ".py"));
   }
-  const auto scores = [&] { NpyArray(files.folder / "v7.bin"); };
-  CHECK(test::error_text(scores).find("scripts/convert/mat.py") != std::string::npos);
-  CHECK(test::error_kind([&] { NpyArray(files.folder / "m.bin"); }) == ErrorKind::data);
-  CHECK(test::error_text([] { find_format("mask"); }).find("mask.py") != std::string::npos);
+  const auto scores = [&] { NpyArray("v7.bin"); };
+  CHECK(test::has(test::error_text(scores), "scripts/convert/mat.py"));
+  CHECK(test::error_kind([&] { NpyArray("m.bin"); }) == ErrorKind::data);
+  CHECK(test::has(test::error_text([] { find_format("mask"); }), "mask.py"));
 }
 
 TEST_CASE("a truncated archive is refused") {
-  const Files files;
   const InspectedGroundTruth truth = inspect_ground_truth({"aligned"}, {{"", 3}, {{"ref", 3}}});
-  write_truth(find_format("matrix"), truth, files.folder / "a.npz");
-  const std::string whole = test::read_text(files.folder / "a.npz");
+  write_truth(find_format("matrix"), truth, "a.npz");
+  const std::string whole = test::read_text("a.npz");
   for (size_t size = 4; size < whole.size(); ++size) {
-    files.text("cut.npz", whole.substr(0, size));
-    REQUIRE(test::error_kind([&] { files.read("cut.npz", 3, 3); }) == ErrorKind::data);
+    write_text("cut.npz", whole.substr(0, size));
+    REQUIRE(test::error_kind([&] { read_labels("cut.npz", 3, 3); }) == ErrorKind::data);
   }
   // Any flipped bit is an error or, in names and dates, yields the same matrix.
   for (size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 4);
-    files.text("bad.npz", damaged);
+    write_text("bad.npz", damaged);
     std::string found;
     const auto kind = test::error_kind([&] {
-      found = files.read(GroundTruthArgument{"matrix", "bad.npz"}, 3, 3);
+      found = read_labels(GroundTruthArgument{"matrix", "bad.npz"}, 3, 3);
     });
     if (kind)
       CHECK(kind == ErrorKind::data);

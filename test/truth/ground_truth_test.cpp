@@ -13,9 +13,8 @@ using namespace vpr;
 namespace {
 
 GroundTruth read(const std::string& csv, const GroundTruthScope& scope, int tolerance = 0) {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "g.csv", csv);
-  return read_ground_truth({"pairs", folder / "g.csv", tolerance}, scope);
+  test::write_text("g.csv", csv);
+  return read_ground_truth({"pairs", "g.csv", tolerance}, scope);
 }
 
 const GroundTruthScope kOne = {{"", 5}, {{"ref", 10}}};
@@ -55,22 +54,20 @@ TEST_CASE("pairs may use frame names if the scope has names") {
   const auto error = [&](const std::string& row) {
     return test::error_text([&] { read("query,reference\n" + row + "\n", scope); });
   };
-  CHECK(error("c.png,0").find("line 2: query \"c.png\" is neither") != std::string::npos);
+  CHECK(test::has(error("c.png,0"), "line 2: query \"c.png\" is neither"));
   // two candidates
-  CHECK(error("a.png,y").find("reference \"y\" is neither") != std::string::npos);
+  CHECK(test::has(error("a.png,y"), "reference \"y\" is neither"));
   scope.query.frames = 4;
-  CHECK(error("a.png,0").find("one of 3 names, but the result has 4 frames") != std::string::npos);
+  CHECK(test::has(error("a.png,0"), "one of 3 names, but the result has 4 frames"));
   scope.query_names = nullptr;
-  CHECK(error("a.png,0").find("--query and --train") != std::string::npos);
+  CHECK(test::has(error("a.png,0"), "--query and --train"));
 }
 
 TEST_CASE("frame numbers that only a file states have an upper bound") {
-  const test::TemporaryFolder folder;
   const auto error = [&](const std::string& format, const std::string& rows) {
-    test::write_text(folder / "g.csv", "query,sequence,reference\n" + rows);
+    test::write_text("g.csv", "query,sequence,reference\n" + rows);
     return test::error_text([&] {
-      inspect_ground_truth({format, folder / "g.csv"},
-                           {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
+      inspect_ground_truth({format, "g.csv"}, {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
     });
   };
   std::string anchors;
@@ -79,23 +76,21 @@ TEST_CASE("frame numbers that only a file states have an upper bound") {
     anchors += fmt::format("0,s{0},0\n4194303,s{0},4194303\n", s);
     pairs += fmt::format("4194303,s{0},0\n", s);
   }
-  CHECK(error("anchors", anchors).find("more than 16777216 runs") != std::string::npos);
-  CHECK(error("pairs", pairs).find("4194304 query frames and 16 training sequences") !=
-        std::string::npos);
+  CHECK(test::has(error("anchors", anchors), "more than 16777216 runs"));
+  CHECK(test::has(error("pairs", pairs), "4194304 query frames and 16 training sequences"));
 }
 
 TEST_CASE("the number of nearby poses is limited before the comparison") {
-  const test::TemporaryFolder folder;
   std::string poses = "frame,x,y\n";
   for (int i = 0; i < 20000; ++i) poses += fmt::format("{},{},0\n", i, i % 2);
-  test::write_text(folder / "p.csv", poses);
+  test::write_text("p.csv", poses);
   const auto error = [&](double radius) {
-    GroundTruthArgument argument{"poses", folder / "p.csv"};
-    argument.options.reference = folder / "p.csv";
+    GroundTruthArgument argument{"poses", "p.csv"};
+    argument.options.reference = "p.csv";
     argument.options.radius_m = radius;
     return test::error_text([&] { read_ground_truth(argument, {{"", 20000}, {{"", 20000}}}); });
   };
-  CHECK(error(1).find("more than 134217728 pairs of frames lie within 1 m") != std::string::npos);
+  CHECK(test::has(error(1), "more than 134217728 pairs of frames lie within 1 m"));
 }
 
 TEST_CASE("a query whose pairs are all ignored has no match") {
@@ -132,8 +127,8 @@ TEST_CASE("damaged pairs are refused with the line") {
       "query,reference\n1,99999999999999999999999\n", "query,reference,label\n1,1,maybe\n",
       "query,sequence,reference\n1,zzz,1\n", "query,reference,label\n1,1,same\n1,1,ignore\n");
   CHECK(test::error_kind([&] { read(csv, kOne); }) == ErrorKind::data);
-  CHECK(test::error_text([] { read("query,reference\n1,1\n\n1,10\n", kOne); }).find("line 4") !=
-        std::string::npos);
+  CHECK(
+      test::has(test::error_text([] { read("query,reference\n1,1\n\n1,10\n", kOne); }), "line 4"));
 }
 
 TEST_CASE("aligned: query frame i is training frame i, within the tolerance") {
@@ -165,12 +160,11 @@ TEST_CASE("an unknown ground truth ignores every pair of the searched sequences"
 namespace {
 
 // Compares a resampled query with the labels of its recording, frame by frame.
-void check_replayed(const std::string& argument, int tolerance,
-                    const test::TemporaryFolder& folder) {
+void check_replayed(const std::string& argument, int tolerance) {
   GroundTruthArgument given = parse_ground_truth_argument(argument, tolerance);
   if (argument.ends_with("poses.csv")) {
     given.options.radius_m = 2;
-    given.options.reference = folder / "poses.csv";
+    given.options.reference = "poses.csv";
   }
   const GroundTruthScope recorded = {{"", 60}, {{"ref", 60}}};
   const GroundTruth truth = read_ground_truth(given, recorded);
@@ -180,7 +174,7 @@ void check_replayed(const std::string& argument, int tolerance,
     scope.query = selected(scope.query, at_speed(std::string(rule.name), 60, 3));
     const GroundTruth at_speed = read_ground_truth(given, scope);
     REQUIRE(at_speed.pairs.size() == scope.query.frames);
-    CHECK(at_speed.protocol.find("query at speed ") != std::string::npos);
+    CHECK(test::has(at_speed.protocol, "query at speed "));
     for (size_t k = 0; k < scope.query.frames; ++k)
       for (size_t r = 0; r < 60; ++r)
         if (at_speed.label(k, 0, r) != truth.label(scope.query.selection.sources[k], 0, r))
@@ -191,7 +185,6 @@ void check_replayed(const std::string& argument, int tolerance,
 }  // namespace
 
 TEST_CASE("a resampled frame has the labels of its recorded frame, in every format") {
-  const test::TemporaryFolder folder;
   std::string pairs = "query,reference,label\n";
   std::string poses = "frame,x,y\n";
   for (int q = 0; q < 60; ++q) {
@@ -199,19 +192,18 @@ TEST_CASE("a resampled frame has the labels of its recorded frame, in every form
     if (q % 7 == 0) pairs += std::to_string(q) + "," + std::to_string(q / 2) + ",ignore\n";
     poses += std::to_string(q) + "," + std::to_string(q * q % 40) + ",0\n";
   }
-  test::write_text(folder / "pairs.csv", pairs);
-  test::write_text(folder / "poses.csv", poses);
+  test::write_text("pairs.csv", pairs);
+  test::write_text("poses.csv", poses);
   const GroundTruthScope scope = {{"", 60}, {{"ref", 60}}};
-  const InspectedGroundTruth truth =
-      inspect_ground_truth({"pairs", folder / "pairs.csv", 0}, scope);
+  const InspectedGroundTruth truth = inspect_ground_truth({"pairs", "pairs.csv", 0}, scope);
   Outputs outputs(Existing::refuse);
   for (const char* name : {"matrix.npy", "matrix.npz"}) {
-    outputs.claim_file(folder / name);
-    find_format("matrix").write(truth, outputs.file(folder / name), {});
+    outputs.claim_file(name);
+    find_format("matrix").write(truth, outputs.file(name), {});
   }
   outputs.commit();
   for (const char* name : {"pairs.csv", "poses.csv", "matrix.npy", "matrix.npz"})
-    check_replayed(folder / name, 1, folder);
-  check_replayed("aligned", 1, folder);
-  check_replayed("nordland-exact", 0, folder);
+    check_replayed(name, 1);
+  check_replayed("aligned", 1);
+  check_replayed("nordland-exact", 0);
 }

@@ -9,7 +9,9 @@
 
 using namespace vpr;
 using test::draw;
-using test::Files;
+using test::read_labels;
+using test::write_matrix;
+using test::write_text;
 using test::write_truth;
 
 TEST_CASE("runs of references are labeled with the tolerance, within the sequence") {
@@ -54,10 +56,9 @@ TEST_CASE("labels of random runs equal the reference implementation") {
 }
 
 TEST_CASE("every written format can be read back, with the tolerance applied") {
-  const Files files;
-  files.text("g.csv", "query,reference,label\n0,0,\n0,1,\n1,3,\n1,1,ignore\n3,5,ignore\n3,0,\n");
+  write_text("g.csv", "query,reference,label\n0,0,\n0,1,\n1,3,\n1,1,ignore\n3,5,ignore\n3,0,\n");
   const InspectedGroundTruth truth =
-      inspect_ground_truth({"pairs", files.folder / "g.csv", 1}, {{"", 4}, {{"ref", 6}}});
+      inspect_ground_truth({"pairs", "g.csv", 1}, {{"", 4}, {{"ref", 6}}});
   const std::string all = "SSS... .iSSS. ...... SS...i";
   REQUIRE(draw(truth.truth, 4, 6) == all);
   std::string without_ignored = all;
@@ -66,22 +67,20 @@ TEST_CASE("every written format can be read back, with the tolerance applied") {
     if (format.write == nullptr) continue;
     for (const std::string name : {"o.npz", "o.npy"}) {
       INFO(format.name << " " << name);
-      write_truth(format, truth, files.folder / name);
+      write_truth(format, truth, name);
       const bool is_whole = format.ignores_in.empty() || name == "o.npz";
-      CHECK(files.read(name, 4, 6) == (is_whole ? all : without_ignored));
+      CHECK(read_labels(name, 4, 6) == (is_whole ? all : without_ignored));
     }
   }
   // Writing is deterministic, with fixed dates.
-  write_truth(find_format("matrix"), truth, files.folder / "a.npz");
-  write_truth(find_format("matrix"), truth, files.folder / "b.npz");
-  CHECK(test::read_text(files.folder / "a.npz") == test::read_text(files.folder / "b.npz"));
+  write_truth(find_format("matrix"), truth, "a.npz");
+  write_truth(find_format("matrix"), truth, "b.npz");
+  CHECK(test::read_text("a.npz") == test::read_text("b.npz"));
 }
 
 TEST_CASE("a check counts the pairs that reading refuses") {
-  const Files files;
-  files.text("g.csv", "query,reference,label\n0,0,\n0,0,\n5,0,\n0,9,\n-1,0,\n1,1,ignore\n1,1,\n");
-  const InspectedGroundTruth found =
-      inspect_ground_truth({"", files.folder / "g.csv"}, {{"", 2}, {{"ref", 3}}});
+  write_text("g.csv", "query,reference,label\n0,0,\n0,0,\n5,0,\n0,9,\n-1,0,\n1,1,ignore\n1,1,\n");
+  const InspectedGroundTruth found = inspect_ground_truth({"", "g.csv"}, {{"", 2}, {{"ref", 3}}});
   CHECK(found.findings[size_t(FindingKind::out_of_range)].count == 3);
   CHECK(found.findings[size_t(FindingKind::out_of_range)].examples[0] ==
         "line 4: query 5 is out of range; there are 2 frames (0 to 1)");
@@ -103,8 +102,8 @@ TEST_CASE("overlapping labels are counted for the runs that they overlap") {
   const InspectedGroundTruth found = builder.finish("");
   CHECK(found.findings[size_t(FindingKind::contradiction)].count == 8 + 2);
   CHECK(found.findings[size_t(FindingKind::duplicate)].count == 4 + 5);
-  CHECK(found.findings[size_t(FindingKind::duplicate)].examples[0].find("reference 5 is listed") !=
-        std::string::npos);
+  CHECK(test::has(found.findings[size_t(FindingKind::duplicate)].examples[0],
+                  "reference 5 is listed"));
   CHECK(draw(found.truth, 1, 14) == "SSSSSSSSSSiii.");
 }
 
@@ -137,16 +136,14 @@ TEST_CASE("runs of labels equal the reference implementation") {
 }
 
 TEST_CASE("a fingerprint depends on the label of every pair, not on its origin") {
-  const Files files;
-  const auto fingerprint = [&](GroundTruthArgument argument, const GroundTruthScope& scope) {
-    if (!argument.path.empty()) argument.path = files.folder / argument.path.string();
+  const auto fingerprint = [](const GroundTruthArgument& argument, const GroundTruthScope& scope) {
     return ground_truth_fingerprint(read_ground_truth(argument, scope), scope);
   };
   const GroundTruthScope one{{"", 3}, {{"ref", 4}}};
   const std::string aligned = fingerprint({"aligned", {}, 1}, one);
-  files.text("a.csv", "query,reference\n0,0\n1,1\n2,2\n");
-  files.text("b.csv", "query,reference\n2,3\n2,1\n2,2\n1,2\n1,1\n1,0\n0,1\n0,0\n");
-  files.matrix<uint8_t>("m.npy", {1, 1, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1}, 3, 4, "|b1");
+  write_text("a.csv", "query,reference\n0,0\n1,1\n2,2\n");
+  write_text("b.csv", "query,reference\n2,3\n2,1\n2,2\n1,2\n1,1\n1,0\n0,1\n0,0\n");
+  write_matrix<uint8_t>("m.npy", {1, 1, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1}, 3, 4, "|b1");
   CHECK(fingerprint({"", "a.csv", 1}, one) == aligned);
   CHECK(fingerprint({"", "b.csv"}, one) == aligned);
   CHECK(fingerprint({"", "m.npy"}, one) == aligned);
@@ -155,18 +152,16 @@ TEST_CASE("a fingerprint depends on the label of every pair, not on its origin")
   // Names have no effect, and neither have sequences that were not searched or have no pair.
   CHECK(fingerprint({"aligned", {}, 1}, {{"", 3}, {{{"other", 9}, false}, {"references", 4}}}) ==
         aligned);
-  files.text("s.csv", "query,sequence,reference\n0,ref,0\n1,ref,1\n2,ref,2\n");
+  write_text("s.csv", "query,sequence,reference\n0,ref,0\n1,ref,1\n2,ref,2\n");
   CHECK(fingerprint({"", "s.csv", 1}, {{"", 3}, {{"ref", 4}, {"more", 7}}}) == aligned);
   CHECK(fingerprint({"", "s.csv", 1}, {{"", 3}, {{"more", 7}, {"ref", 4}}}) != aligned);
-  files.text("i.csv", "query,reference,label\n0,0,\n1,1,\n2,2,\n0,3,ignore\n");
+  write_text("i.csv", "query,reference,label\n0,0,\n1,1,\n2,2,\n0,3,ignore\n");
   CHECK(fingerprint({"", "i.csv", 1}, one) != aligned);
 }
 
 TEST_CASE("one large index does not make a file large") {
-  const Files files;
-  files.text("g.csv", "query,reference\n4000000000,0\n");
+  write_text("g.csv", "query,reference\n4000000000,0\n");
   CHECK(test::error_kind([&] {
-          inspect_ground_truth({"", files.folder / "g.csv"},
-                               {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
+          inspect_ground_truth({"", "g.csv"}, {{"", kUnknownFrames}, {{"", kUnknownFrames}}});
         }) == ErrorKind::data);
 }

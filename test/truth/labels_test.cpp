@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "support.h"
 #include "truth/ground_truth.h"
 
@@ -13,9 +12,8 @@ const std::string kHeader = "query,reference,label,tolerance\n";
 
 /// The labels of a file, for 3 query frames and 10 training frames.
 GroundTruth read_labels_of(const std::string& text, int tolerance = 0) {
-  const TemporaryFolder out;
-  write_text(out / "labels.csv", text);
-  return read_ground_truth({"", out / "labels.csv", tolerance}, {{"q", 3}, {{{"t", 10}}}});
+  write_text("labels.csv", text);
+  return read_ground_truth({"", "labels.csv", tolerance}, {{"q", 3}, {{{"t", 10}}}});
 }
 
 /// One character per training frame: s same, d different, i ignore.

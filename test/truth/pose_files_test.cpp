@@ -10,94 +10,86 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
-using test::Files;
+using test::read_labels;
+using test::write_text;
 
 TEST_CASE("poses within a radius are the same place, unknown ones are ignored") {
-  const Files files;
-  files.text("q.csv", "frame,x,y\n0,0,0\n2,3,4\n");
-  files.text("r.csv", "frame,x,y\n1,0,5\n0,0,5.001\n3,1e300,-1e300\n");
+  write_text("q.csv", "frame,x,y\n0,0,0\n2,3,4\n");
+  write_text("r.csv", "frame,x,y\n1,0,5\n0,0,5.001\n3,1e300,-1e300\n");
   GroundTruthArgument argument{"", "q.csv"};
   argument.options.reference = "r.csv";
   argument.options.radius_m = 5;
   // Query 1 and reference 2 have no pose. (0,0)-(0,5) is 5 m: the bound is inclusive.
-  CHECK(files.read(argument, 3, 4) == ".Si. iiii SSi.");
+  CHECK(read_labels(argument, 3, 4) == ".Si. iiii SSi.");
   argument.options.radius_m = 0;
-  CHECK(files.read(argument, 3, 4) == "..i. iiii ..i.");
+  CHECK(read_labels(argument, 3, 4) == "..i. iiii ..i.");
   for (const double none : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     argument.options.radius_m = none;
-    CHECK(test::error_kind([&] { files.read(argument, 3, 4); }) == ErrorKind::usage);
+    CHECK(test::error_kind([&] { read_labels(argument, 3, 4); }) == ErrorKind::usage);
   }
-  CHECK(test::error_text([&] { files.read("q.csv", 3, 4); }).find("--ground-truth-train") !=
-        std::string::npos);
+  CHECK(test::has(test::error_text([&] { read_labels("q.csv", 3, 4); }), "--ground-truth-train"));
 }
 
 TEST_CASE("headings are circular, and both bounds are inclusive") {
-  const Files files;
-  files.text("q.csv", "frame,x,y,heading\n0,0,0,350\n1,0,0,-170\n");
-  files.text("r.csv", "frame,x,y,heading\n0,0,0,10\n1,0,0,170\n2,0,0,11\n");
+  write_text("q.csv", "frame,x,y,heading\n0,0,0,350\n1,0,0,-170\n");
+  write_text("r.csv", "frame,x,y,heading\n0,0,0,10\n1,0,0,170\n2,0,0,11\n");
   GroundTruthArgument argument{"poses", "q.csv"};
   argument.options.reference = "r.csv";
   argument.options.radius_m = 25;
   argument.options.angle_deg = 20;
-  CHECK(files.read(argument, 2, 3) == "S.. .S.");
-  files.text("r.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
-  CHECK(test::error_kind([&] { files.read(argument, 2, 3); }) == ErrorKind::data);
+  CHECK(read_labels(argument, 2, 3) == "S.. .S.");
+  write_text("r.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
+  CHECK(test::error_kind([&] { read_labels(argument, 2, 3); }) == ErrorKind::data);
 }
 
 TEST_CASE("ranges of pose files are those of the sequences") {
-  const Files files;
-  files.text("all.csv", "frame,x,y\n0,0,0\n1,100,0\n2,200,0\n3,300,0\n4,400,0\n");
+  write_text("all.csv", "frame,x,y\n0,0,0\n1,100,0\n2,200,0\n3,300,0\n4,400,0\n");
   GroundTruthArgument argument{"", "all.csv@1:5:2"};  // frames 1 and 3
   argument.options.reference = "all.csv@3:";          // frames 3 and 4
   argument.options.radius_m = 25;
-  CHECK(files.read(argument, 2, 2) == ".. S.");
-  CHECK(test::error_kind([&] { files.read(argument, 2, 1); }) == ErrorKind::data);
+  CHECK(read_labels(argument, 2, 2) == ".. S.");
+  CHECK(test::error_kind([&] { read_labels(argument, 2, 1); }) == ErrorKind::data);
   // The other frames of a longer query would silently be ignored.
-  CHECK(test::error_kind([&] { files.read(argument, 3, 2); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_labels(argument, 3, 2); }) == ErrorKind::data);
   argument.path = "all.csv@1:";
-  CHECK(files.read(argument, 4, 2) == ".. .. S. .S");
-  argument.path = files.folder / "all.csv@3:";
-  argument.options.reference = files.folder / "all.csv";
-  CHECK(read_ground_truth(argument, {{"", 3}, {{"ref", 6}}})
-            .protocol.find("1 query and 1 training frames without a pose") != std::string::npos);
+  CHECK(read_labels(argument, 4, 2) == ".. .. S. .S");
+  argument.path = "all.csv@3:";
+  argument.options.reference = "all.csv";
+  CHECK(test::has(read_ground_truth(argument, {{"", 3}, {{"ref", 6}}}).protocol,
+                  "1 query and 1 training frames without a pose"));
 }
 
 TEST_CASE("poses need a radius, and one that includes nearly all pairs causes a warning") {
-  const Files files;
   std::string line = "frame,x,y\n";
   for (int i = 0; i < 30; ++i) line += fmt::format("{},{},0\n", i, i);
-  files.text("p.csv", line);
-  GroundTruthArgument argument{"", files.folder / "p.csv"};
-  argument.options.reference = files.folder / "p.csv";
+  write_text("p.csv", line);
+  GroundTruthArgument argument{"", "p.csv"};
+  argument.options.reference = "p.csv";
   const GroundTruthScope scope{{"", 30}, {{"ref", 30}}};
   const std::string missing = test::error_text([&] { read_ground_truth(argument, scope); });
-  CHECK(missing.find("--radius 2") != std::string::npos);
-  CHECK(missing.find("radius_m") != std::string::npos);
-  std::vector<std::string> warnings;
-  Monitor monitor;
-  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  CHECK(test::has(missing, "--radius 2"));
+  CHECK(test::has(missing, "radius_m"));
+  test::Warnings warnings;
   argument.options.radius_m = 1;  // 88 of 900 pairs
-  read_ground_truth(argument, scope, monitor);
-  CHECK(warnings.empty());
+  read_ground_truth(argument, scope, warnings.monitor);
+  CHECK(warnings.said.empty());
   argument.options.radius_m = 2;  // 144 of 900
-  read_ground_truth(argument, scope, monitor);
-  REQUIRE(warnings.size() == 1);
-  CHECK(warnings[0].find("within 2 m lie 16 % of all pairs") != std::string::npos);
+  read_ground_truth(argument, scope, warnings.monitor);
+  REQUIRE(warnings.said.size() == 1);
+  CHECK(test::has(warnings.said[0], "within 2 m lie 16 % of all pairs"));
 }
 
 TEST_CASE("lines that begin with # may precede a header") {
-  const Files files;
-  files.text("p.csv", "# made by hand\n#\nframe,x,y\n0,0,0\n1,one,0\n");
-  files.text("g.csv", "# made by hand\nquery,reference\n0,1\n");
-  CHECK(files.read("g.csv", 1, 2) == ".S");
+  write_text("p.csv", "# made by hand\n#\nframe,x,y\n0,0,0\n1,one,0\n");
+  write_text("g.csv", "# made by hand\nquery,reference\n0,1\n");
+  CHECK(read_labels("g.csv", 1, 2) == ".S");
   GroundTruthArgument argument{"", "p.csv"};
   argument.options.reference = "p.csv";
   argument.options.radius_m = 1;
-  CHECK(test::error_text([&] { files.read(argument, 2, 2); }).find("line 5") != std::string::npos);
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 2, 2); }), "line 5"));
 }
 
 TEST_CASE("near poses equal those of comparing all pairs") {
-  const Files files;
   uint64_t state = 3;
   const auto coordinate = [&] {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -110,7 +102,7 @@ TEST_CASE("near poses equal those of comparing all pairs") {
       sides[side].push_back({coordinate(), coordinate()});
       text += fmt::format("{},{},{}\n", i, sides[side][i][0], sides[side][i][1]);
     }
-    files.text(side == 0 ? "q.csv" : "r.csv", text);
+    write_text(side == 0 ? "q.csv" : "r.csv", text);
   }
   for (const double radius : {0.0, 0.25, 2.0, 5.0, 40.0}) {
     GroundTruthArgument argument{"poses", "q.csv"};
@@ -126,60 +118,57 @@ TEST_CASE("near poses equal those of comparing all pairs") {
       expected += ' ';
     }
     expected.pop_back();
-    CHECK(files.read(argument, 60, 60) == expected);
+    CHECK(read_labels(argument, 60, 60) == expected);
   }
 }
 
 TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orientations") {
-  const Files files;
   const double half = std::sqrt(0.5);  // a quarter turn around z as a quaternion
-  files.text("q.tum", "# time x y z qx qy qz qw\n1.5 0 0 0 0 0 0 1\n");
-  files.text("r.tum",
+  write_text("q.tum", "# time x y z qx qy qz qw\n1.5 0 0 0 0 0 0 1\n");
+  write_text("r.tum",
              fmt::format("1 3 0 4 0 0 0 2\n2 0 0 0 0 0 {} {}\n\n3 0 0 5.01 0 0 0 1\n", half, half));
   GroundTruthArgument argument{"", "q.tum"};
   argument.options.reference = "r.tum";
   argument.options.radius_m = 5;
-  CHECK(files.read(argument, 1, 3) == "SS.");
+  CHECK(read_labels(argument, 1, 3) == "SS.");
   argument.options.angle_deg = 89.9;
-  CHECK(files.read(argument, 1, 3) == "S..");
+  CHECK(read_labels(argument, 1, 3) == "S..");
   argument.options.angle_deg = 90.1;
-  CHECK(files.read(argument, 1, 3) == "SS.");
+  CHECK(read_labels(argument, 1, 3) == "SS.");
   // The same poses as matrices, with the position in the last column.
-  files.text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
-  files.text("r.kitti", "1 0 0 3 0 1 0 0 0 0 1 4\n0 -1 0 0 1 0 0 0 0 0 1 0\n");
+  write_text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  write_text("r.kitti", "1 0 0 3 0 1 0 0 0 0 1 4\n0 -1 0 0 1 0 0 0 0 0 1 0\n");
   argument = {"", "q.kitti"};
   argument.options.reference = "r.kitti";
   argument.options.angle_deg = 89.9;
   argument.options.radius_m = 5;
-  CHECK(files.read(argument, 1, 2) == "S.");
-  CHECK(test::error_kind([&] { files.read(argument, 2, 2); }) == ErrorKind::data);
+  CHECK(read_labels(argument, 1, 2) == "S.");
+  CHECK(test::error_kind([&] { read_labels(argument, 2, 2); }) == ErrorKind::data);
 }
 
 TEST_CASE("a KITTI matrix that is not a rotation is refused with the line") {
-  const Files files;
-  files.text("r.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  write_text("r.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   GroundTruthArgument argument{"", "q.kitti"};
   argument.options.reference = "r.kitti";
   argument.options.radius_m = 5;
   const auto refusal = [&](const std::string& matrix) {
-    files.text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n" + matrix + "\n");
-    return test::error_text([&] { files.read(argument, 2, 1); });
+    write_text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n" + matrix + "\n");
+    return test::error_text([&] { read_labels(argument, 2, 1); });
   };
   for (const char* matrix :
        {"5 0 0 0 0 5 0 0 0 0 5 0", "0 0 0 0 0 0 0 0 0 0 0 0", "1 0 0 0 0 1 0 0 0 0 -1 0",
         "1 0.1 0 0 0 1 0 0 0 0 1 0", "9e307 9e307 9e307 0 9e307 9e307 9e307 0 9e307 9e307 9e307 0"})
-    CHECK(refusal(matrix).find("line 2: its matrix is not a rotation") != std::string::npos);
+    CHECK(test::has(refusal(matrix), "line 2: its matrix is not a rotation"));
   // Rounded to three digits, as in some files: 30 degrees around z.
   CHECK(refusal("0.866 -0.5 0 0 0.5 0.866 0 0 0 0 1 0").empty());
 }
 
 TEST_CASE("a byte order mark before a trajectory is not part of a number") {
-  const Files files;
-  files.text("q.tum", "\xef\xbb\xbf\x31 0 0 0 0 0 0 1\n");
+  write_text("q.tum", "\xef\xbb\xbf\x31 0 0 0 0 0 0 1\n");
   GroundTruthArgument argument{"", "q.tum"};
   argument.options.reference = "q.tum";
   argument.options.radius_m = 5;
-  CHECK(files.read(argument, 1, 1) == "S");
+  CHECK(read_labels(argument, 1, 1) == "S");
 }
 
 TEST_CASE("the angle between orientations equals values computed by hand") {
@@ -212,25 +201,24 @@ TEST_CASE("names of images have UTM coordinates") {
 }
 
 TEST_CASE("folders of images with UTM names have a default radius of 25 m") {
-  const Files files;
-  std::filesystem::create_directory(files.folder / "q");
-  std::filesystem::create_directory(files.folder / "r");
+  std::filesystem::create_directory("q");
+  std::filesystem::create_directory("r");
   // Ten frames are 25 m minus half a step: the dummy coordinates of Nordland.
   for (int i = 0; i < 12; ++i)
-    files.text(fmt::format("r/@0@{:.1f}@@@@@{}@.jpg", 25 / 10.5 * i, i), "");
-  files.text("q/@0@0.0@@@@@0@.jpg", "");
+    write_text(fmt::format("r/@0@{:.1f}@@@@@{}@.jpg", 25 / 10.5 * i, i), "");
+  write_text("q/@0@0.0@@@@@0@.jpg", "");
   GroundTruthArgument argument{"", "q"};
   argument.options.reference = "r";
   // Natural order sorts by the numbers in the names, as for the frames themselves.
-  CHECK(files.read(argument, 1, 12) == "SSSSSSSSSSS.");
-  CHECK(read_ground_truth({"", files.folder / "q", 0, {files.folder / "r", {}, {}, {}, {}, {}}},
-                          {{"", 1}, {{"ref", 12}}})
-            .protocol.find("within 25 m, the radius of the benchmark") != std::string::npos);
+  CHECK(read_labels(argument, 1, 12) == "SSSSSSSSSSS.");
+  CHECK(test::has(
+      read_ground_truth({"", "q", 0, {"r", {}, {}, {}, {}, {}}}, {{"", 1}, {{"ref", 12}}}).protocol,
+      "within 25 m, the radius of the benchmark"));
   argument.options.radius_m = 2.4;
-  CHECK(files.read(argument, 1, 12) == "SS..........");
-  files.text("r/plain.jpg", "");
-  CHECK(test::error_kind([&] { files.read(argument, 1, 13); }) == ErrorKind::data);
-  files.text("q/@0@0.0@32@@@@1@.jpg", "");
-  files.text("q/@0@0.0@33@@@@2@.jpg", "");
-  CHECK(test::error_text([&] { files.read(argument, 3, 13); }).find("zone") != std::string::npos);
+  CHECK(read_labels(argument, 1, 12) == "SS..........");
+  write_text("r/plain.jpg", "");
+  CHECK(test::error_kind([&] { read_labels(argument, 1, 13); }) == ErrorKind::data);
+  write_text("q/@0@0.0@32@@@@1@.jpg", "");
+  write_text("q/@0@0.0@33@@@@2@.jpg", "");
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 13); }), "zone"));
 }

@@ -18,10 +18,8 @@ std::optional<ErrorKind> kind_of(const std::string& text, Read read) {
 }  // namespace
 
 TEST_CASE("a route is read by column names") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "p.csv",
-                   "frame,time,x,y,heading,floor\n0,0,1,2,90,a\n2,0.2,1.5,2.5,0,b\n");
-  const auto route = read_routes({folder / "p.csv"}).routes.front();
+  test::write_text("p.csv", "frame,time,x,y,heading,floor\n0,0,1,2,90,a\n2,0.2,1.5,2.5,0,b\n");
+  const auto route = read_routes({"p.csv"}).routes.front();
   REQUIRE(route.size() == 3);
   CHECK(route[0]->x == 1);
   CHECK(route[0]->floor == "a");
@@ -31,14 +29,13 @@ TEST_CASE("a route is read by column names") {
 }
 
 TEST_CASE("places and walls are read, with the first view of each place") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "p.csv", "place,view,x,y\nb,0.jpg,1,2\nb,1.jpg,9,9\na,0.jpg,3,4\n");
-  const auto places = read_place_positions(folder / "p.csv");
+  test::write_text("p.csv", "place,view,x,y\nb,0.jpg,1,2\nb,1.jpg,9,9\na,0.jpg,3,4\n");
+  const auto places = read_place_positions("p.csv");
   REQUIRE(places.size() == 2);
   CHECK(places[0].x == 1);
   CHECK(places[1].y == 4);
-  test::write_text(folder / "w.csv", "floor,x0,y0,x1,y1,kind\ng,0,0,5,0,wall\n");
-  const auto walls = read_walls(folder / "w.csv");
+  test::write_text("w.csv", "floor,x0,y0,x1,y1,kind\ng,0,0,5,0,wall\n");
+  const auto walls = read_walls("w.csv");
   REQUIRE(walls.size() == 1);
   CHECK(walls[0].to.x == 5);
   CHECK(walls[0].from.floor == "g");

@@ -73,8 +73,7 @@ TEST_CASE("a folder of images with times as names is resampled by time") {
   CHECK(fast.sequence.selection.is_all());
   CHECK(fast.sequence.fps == Approx(10));
   REQUIRE(seconds.warnings.size() == 1);
-  CHECK(seconds.warnings[0].find("has 10 frames per second; --fps 30 cannot add frames") !=
-        std::string::npos);
+  CHECK(test::has(seconds.warnings[0], "has 10 frames per second; --fps 30 cannot add frames"));
 }
 
 TEST_CASE("times from a list, or a constant rate, thin a folder") {
@@ -92,16 +91,15 @@ TEST_CASE("frames with unknown times, or times that do not increase, cannot be r
   Recording walk({"0.png", "1.png", "2.png"});
   CHECK_FALSE(walk.rated({}, {}).sequence.fps);
   CHECK(test::error_kind([&] { walk.rated({}, 5); }) == ErrorKind::usage);
-  CHECK(test::error_text([&] { walk.rated({}, 5); }).find("the times of its frames are unknown") !=
-        std::string::npos);
+  CHECK(test::has(test::error_text([&] { walk.rated({}, 5); }),
+                  "the times of its frames are unknown"));
   test::write_text(walk.folder / "falling.txt", "0\n0.2\n0.1\n");
   CHECK(test::error_kind([&] { walk.rated({walk.folder / "falling.txt"}, 5); }) == ErrorKind::data);
-  CHECK(test::error_text([&] {
-          walk.rated({walk.folder / "falling.txt"}, 5);
-        }).find("falling.txt, line 3") != std::string::npos);
+  CHECK(test::has(test::error_text([&] { walk.rated({walk.folder / "falling.txt"}, 5); }),
+                  "falling.txt, line 3"));
   test::write_text(walk.folder / "few.txt", "0\n0.2\n");
-  CHECK(test::error_text([&] { walk.rated({walk.folder / "few.txt"}, 5); }).find("has 2 times") !=
-        std::string::npos);
+  CHECK(test::has(test::error_text([&] { walk.rated({walk.folder / "few.txt"}, 5); }),
+                  "has 2 times"));
   // Decimal names are in the order of time.
   Recording decimal({"1.9.png", "1.10.png"});
   CHECK(decimal.rated({}, {}).sequence.fps);

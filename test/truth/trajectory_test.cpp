@@ -98,8 +98,8 @@ TEST_CASE("times that decrease or repeat are refused with the line") {
   const TextFiles file;
   const auto falls = file("t.txt", std::string("2") + kNoTurn + "\n1" + kNoTurn);
   const std::string text = test::error_text([&] { read_trajectory(falls, {}); });
-  CHECK(text.find("t.txt, line 3") != std::string::npos);
-  CHECK(text.find("before the time of the previous frame, 2") != std::string::npos);
+  CHECK(test::has(text, "t.txt, line 3"));
+  CHECK(test::has(text, "before the time of the previous frame, 2"));
   const auto repeats = file("r.txt", "1\n1\n");
   CHECK(test::error_kind([&] { read_time_list(repeats); }) == ErrorKind::data);
   CHECK(test::error_kind([&] { read_time_list(file("w.txt", "1\nx\n")); }) == ErrorKind::data);
@@ -158,7 +158,7 @@ TEST_CASE("unknown frames, loops to later frames and missing scores are refused 
     CHECK(test::error_kind([&] { read_loops(path, trajectory); }) == ErrorKind::data);
     const std::string text = test::error_text([&] { read_loops(path, trajectory); });
     INFO(text);
-    CHECK(text.find(words) != std::string::npos);
+    CHECK(test::has(text, words));
   };
   refused("2,0\n3,0\n", "l.csv, line 2: there is no frame 3; the trajectory has 3 (0 to 2)");
   refused("1,-1\n", "line 1: there is no frame -1");
@@ -170,9 +170,8 @@ TEST_CASE("unknown frames, loops to later frames and missing scores are refused 
   refused("from,to\n1,0\n", "expected the header query,match");
   Trajectory gap = trajectory;
   gap.poses[1].reset();
-  CHECK(test::error_text([&] {
-          read_loops(file("g.csv", "2,1\n"), gap);
-        }).find("no pose for frame 1") != std::string::npos);
+  CHECK(test::has(test::error_text([&] { read_loops(file("g.csv", "2,1\n"), gap); }),
+                  "no pose for frame 1"));
   Trajectory untimed = trajectory;
   untimed.times_ns.clear();
   CHECK(test::error_kind([&] { read_loops(file("u.csv", "2.5,1.5\n"), untimed); }) ==

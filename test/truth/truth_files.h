@@ -32,33 +32,23 @@ inline std::string draw(const GroundTruth& truth, size_t query_frames, size_t tr
   return text;
 }
 
-struct Files {
-  test::TemporaryFolder folder;
+/// The labels of a ground truth of one training sequence.
+inline std::string read_labels(const GroundTruthArgument& argument, size_t query, size_t train) {
+  return draw(read_ground_truth(argument, {{"", query}, {{"ref", train}}}), query, train);
+}
+inline std::string read_labels(const std::string& name, size_t query, size_t train) {
+  return read_labels(GroundTruthArgument{"", name}, query, train);
+}
 
-  std::string read(GroundTruthArgument argument, size_t query, size_t train) const {
-    argument.path = folder / argument.path.string();
-    if (!argument.options.reference.empty())
-      argument.options.reference = folder / argument.options.reference.string();
-    if (!argument.options.soft.empty())
-      argument.options.soft = folder / argument.options.soft.string();
-    return draw(read_ground_truth(argument, {{"", query}, {{"ref", train}}}), query, train);
-  }
-  std::string read(const std::string& name, size_t query, size_t train) const {
-    return read(GroundTruthArgument{"", name}, query, train);
-  }
-  void text(const std::string& name, const std::string& content) const {
-    test::write_text(folder / name, content);
-  }
-  template <class T>
-  void matrix(const std::string& name, const std::vector<T>& values, size_t rows, size_t cols,
-              std::string_view type) const {
-    Outputs outputs(Existing::replace);
-    Output& file = outputs.file(folder / name);
-    file.write(npy_header(type, {rows, cols}));
-    file.write(std::as_bytes(std::span<const T>(values)));
-    outputs.commit();
-  }
-};
+template <class T>
+void write_matrix(const std::string& name, const std::vector<T>& values, size_t rows, size_t cols,
+                  std::string_view type) {
+  Outputs outputs(Existing::replace);
+  Output& file = outputs.file(name);
+  file.write(npy_header(type, {rows, cols}));
+  file.write(std::as_bytes(std::span<const T>(values)));
+  outputs.commit();
+}
 
 inline void write_truth(const GroundTruthFormat& format, const InspectedGroundTruth& truth,
                         const std::filesystem::path& path) {

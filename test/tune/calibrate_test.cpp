@@ -3,8 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/json.h"
-#include "base/parallel.h"
 #include "evaluate/outcomes.h"
 #include "examples.h"
 #include "queries.h"
@@ -31,10 +29,10 @@ struct Walks {
     ensure_statistics(database, {});
     ensure_exclusion_zones(database, select_kernels(), {});
   }
-  GroundTruth truth(size_t first = 20) const {
+  GroundTruth truth() const {
     GroundTruth truth;
     truth.pairs.resize(100);
-    for (uint32_t i = 0; i < 40; ++i) truth.pairs[first + i] = {{0, 30 + i, PlaceLabel::same, 0}};
+    for (uint32_t i = 0; i < 40; ++i) truth.pairs[20 + i] = {{0, 30 + i, PlaceLabel::same, 0}};
     truth.tolerance_frames = 2;
     return truth;
   }
@@ -44,9 +42,7 @@ struct Walks {
                               [&](const GroundTruthScope&) { return truth(); }, resources(), {});
   }
   Result query_with(const SequenceQuerySettings& settings) const {
-    return run_query(plan_query(database, query, "q", settings, resources(), {}), settings,
-                     resources(), {}, {})
-        .result;
+    return test::query_result(database, query, settings);
   }
 };
 
@@ -104,36 +100,4 @@ TEST_CASE(
   open.margin = (double(*length.calibration.strength) - 1) / 5;
   CHECK(recognized_windows(walks.query_with(open)) >=
         recognized_windows(walks.query_with(length.settings)));
-}
-
-TEST_CASE("calibrations are the same for any number of threads") {
-  const Walks walks;
-  for (const SequenceQuerySettings& settings : decisions()) {
-    std::vector<Json> found;
-    for (const size_t threads : {1, 3}) {
-      const ThreadLimit limit(threads);
-      const CalibratedSequence walk = walks.calibrate(settings);
-      found.push_back(settings_in_force(walk.lengths[*walk.chosen].settings));
-      found.back()["seen"] = walk.lengths[*walk.chosen].calibration.expected.interval.high;
-    }
-    CHECK(found[0] == found[1]);
-  }
-}
-
-TEST_CASE("a calibration without sufficient data is refused") {
-  const Walks walks;
-  SequenceQuerySettings settings = decisions().front();
-  const auto calibrate = [&](const GroundTruth& truth, double precision) {
-    return calibrate_sequence(walks.database, walks.query, "q", settings, {5}, precision,
-                              [&](const GroundTruthScope&) { return truth; }, resources(), {});
-  };
-  GroundTruth nothing = walks.truth();
-  for (auto& row : nothing.pairs) row.clear();
-  CHECK_THROWS_WITH(calibrate(nothing, 1), Catch::Contains("no trained place"));
-  for (const double precision : {0.0, 1.01, -1.0})
-    CHECK_THROWS_WITH(calibrate(walks.truth(), precision), Catch::Contains("precision"));
-  // With the ground truth of another sequence, correct matches are incorrect, and other ones are
-  // closer.
-  const CalibratedSequence walk = calibrate(walks.truth(60), 1);
-  CHECK(!walk.chosen);
 }

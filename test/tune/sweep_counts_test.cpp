@@ -8,28 +8,23 @@
 #include "tune/sweep.h"
 
 using namespace vpr;
+using test::random_words;
 
 namespace {
-
-WordSet some_words(size_t words, RandomEngine& engine) {
-  WordSet set;
-  for (uint32_t q = 0; q < words; ++q)
-    if (uniform_below(engine, 3) == 0) set.push_back(q);
-  return set;
-}
 
 /// A sequence of 20 views, and a place with three views.
 FabmapDatabase make_database(RandomEngine& engine) {
   FabmapDatabase database;
   std::vector<WordSet> pretrain;
-  for (int f = 0; f < 40; ++f) pretrain.push_back(some_words(100, engine));
+  for (int f = 0; f < 40; ++f) pretrain.push_back(random_words(100, 3, engine));
   database.tree = train_chow_liu(pretrain, 100, {});
   for (const WordSet& frame : pretrain) database.pretrain.add(frame);
   std::vector<WordSet> walk;
-  for (int f = 0; f < 20; ++f) walk.push_back(some_words(100, engine));
+  for (int f = 0; f < 20; ++f) walk.push_back(random_words(100, 3, engine));
   add_group(database, {{"walk", 20}}, walk);
-  add_group(database, {{"lift", 3}, true},
-            std::vector<WordSet>{walk[3], some_words(100, engine), some_words(100, engine)});
+  add_group(
+      database, {{"lift", 3}, true},
+      std::vector<WordSet>{walk[3], random_words(100, 3, engine), random_words(100, 3, engine)});
   index_views(database);
   return database;
 }

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "support.h"
 #include "tune/sweep_report.h"
 
 using namespace vpr;
@@ -99,13 +100,13 @@ TEST_CASE("the recommendation names the first error") {
   sweep.cells[2].path.incorrect = 1;
   const std::string text = unwrapped(recommendation_text(sweep, false));
   CHECK(text.starts_with("Recommended: c_l 5, t_r 0.3 (relative): 2 of 9 frames correctly, 0"));
-  CHECK(text.find("The first error of c_l 5 is at t_r 0.5, where 8 of the 34 accepted pairs are "
-                  "incorrect.\n") != std::string::npos);
+  CHECK(test::has(text,
+                  "The first error of c_l 5 is at t_r 0.5, where 8 of the 34 accepted pairs are "
+                  "incorrect.\n"));
   Sweep short_grid = example();
   short_grid.cells.resize(1);
   short_grid.recommendation = recommend(short_grid.cells, ScoreOrder::distance);
-  CHECK(unwrapped(recommendation_text(short_grid, false)).find("the grid has no looser t_r") !=
-        std::string::npos);
+  CHECK(test::has(unwrapped(recommendation_text(short_grid, false)), "the grid has no looser t_r"));
 }
 
 TEST_CASE("a sweep names the filter if it recognizes more frames and no more incorrectly") {

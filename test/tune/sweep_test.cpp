@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "examples.h"
 #include "queries.h"
+#include "run/open.h"
 #include "support.h"
 
 using namespace vpr;
@@ -26,6 +27,21 @@ SequenceDatabase make_database() {
   return database;
 }
 
+// Frames 10 to 89 of the first sequence, with changed bits.
+DescriptorSet make_query(size_t changed_bits) {
+  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
+  codes.erase(codes.begin(), codes.begin() + 10);
+  RandomEngine engine(5);
+  for (LdbCode& code : codes)
+    for (size_t i = 0; i < changed_bits; ++i) {
+      uint8_t& byte = code[uniform_below(engine, 173)];
+      byte = static_cast<uint8_t>(byte ^ 1U << uniform_below(engine, 8));
+    }
+  DescriptorSet query = test::make_query(codes);
+  query.sequence.unreadable = {30};
+  return query;
+}
+
 GroundTruth make_truth(const GroundTruthScope& scope) {
   GroundTruth truth;
   truth.tolerance_frames = 2;
@@ -37,53 +53,57 @@ GroundTruth make_truth(const GroundTruthScope& scope) {
 
 }  // namespace
 
-TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
-  const SequenceDatabase database = make_database();
-  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
-  codes.erase(codes.begin(), codes.begin() + 10);
-  RandomEngine engine(5);
-  for (LdbCode& code : codes)
-    for (int i = 0; i < 200; ++i) {
-      uint8_t& byte = code[uniform_below(engine, 173)];
-      byte = static_cast<uint8_t>(byte ^ 1U << uniform_below(engine, 8));
-    }
-  DescriptorSet query = ldb_set(codes, {});
-  for (size_t i = 0; i < codes.size(); ++i) query.sequence.frame_names.push_back(std::to_string(i));
-  query.sequence.unreadable = {30};
-  const QueryResources resources = test::resources();
-  for (const ThresholdScale scale : {ThresholdScale::relative, ThresholdScale::bits}) {
-    SequenceQuerySettings base;
-    base.threshold_scale = scale;
-    const Grid grid = scale == ThresholdScale::bits
-                          ? Grid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}
-                          : Grid{{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}};
-    const auto cells =
-        sweep_sequences(database, query, "q", base, grid, make_truth, resources, {}).cells;
-    REQUIRE(cells.size() == 15);
-    size_t recognitions = 0;
-    for (size_t c = 0; c < cells.size(); ++c) {
-      SequenceQuerySettings settings = base;
-      settings.window_length = grid.windows[c / 5];
-      settings.distance_threshold = grid.thresholds[c % 5];
-      const Result result = run_query(plan_query(database, query, "q", settings, resources, {}),
-                                      settings, resources, {}, {})
-                                .result;
-      const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
-      INFO("c_l " << settings.window_length << ", cell " << c);
-      CHECK(cells[c].window == settings.window_length);
-      CHECK(cells[c].threshold == settings.distance_threshold);
-      CHECK(numbers(cells[c].counts.recognitions) == numbers(alone.recognitions));
-      const std::vector<uint64_t> by_place = numbers(*cells[c].counts.recognitions_by_place);
-      CHECK(by_place == numbers(*alone.recognitions_by_place));
-      CHECK(std::reduce(by_place.begin(), by_place.end()) == result.recognitions.size());
-      CHECK(numbers(*cells[c].counts.clusters) == numbers(*alone.clusters));
-      CHECK(cells[c].counts.distinct == alone.distinct);
-      CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
-      CHECK(cells[c].counts.best_match.frames == alone.best_match.frames);
-      recognitions += alone.recognitions.correct;
-    }
-    CHECK(recognitions > 0);
+namespace {
+
+// Every cell has the counts of a single query with its settings.
+Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
+                  const ResolvedSettings& base, const Grid& grid) {
+  const Sweep sweep =
+      sweep_sequences(database, query, "q", base, grid, make_truth, test::resources(), {});
+  REQUIRE(sweep.cells.size() == grid.windows.size() * grid.thresholds.size());
+  size_t recognitions = 0;
+  for (size_t c = 0; c < sweep.cells.size(); ++c) {
+    const CellCounts& cell = sweep.cells[c];
+    SequenceQuerySettings settings = *base;
+    settings.window_length = grid.windows[c / grid.thresholds.size()];
+    const auto threshold = grid.thresholds[c % grid.thresholds.size()];
+    (base->decision == Decision::margin ? settings.margin : settings.distance_threshold) =
+        threshold;
+    const Result result = test::query_result(database, query, settings);
+    const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
+    INFO("c_l " << settings.window_length << ", cell " << c);
+    CHECK(cell.window == settings.window_length);
+    CHECK(cell.threshold == threshold);
+    CHECK(numbers(cell.counts.recognitions) == numbers(alone.recognitions));
+    const std::vector<uint64_t> by_place = numbers(*cell.counts.recognitions_by_place);
+    CHECK(by_place == numbers(*alone.recognitions_by_place));
+    CHECK(std::reduce(by_place.begin(), by_place.end()) == result.recognitions.size());
+    CHECK(numbers(*cell.counts.clusters) == numbers(*alone.clusters));
+    CHECK(cell.counts.distinct == alone.distinct);
+    CHECK(cell.counts.best_match.correct == alone.best_match.correct);
+    CHECK(cell.counts.best_match.frames == alone.best_match.frames);
+    recognitions += alone.recognitions.correct;
   }
+  CHECK(recognitions > 0);
+  return sweep;
+}
+
+}  // namespace
+
+TEST_CASE("a sweep of thresholds equals single queries, cell by cell") {
+  SequenceDatabase database = make_database();
+  const DescriptorSet query = make_query(200);
+  SequenceQuerySettings base;
+  base.threshold_scale = ThresholdScale::relative;
+  check_sweep(database, query, base, {{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}});
+  base.threshold_scale = ThresholdScale::bits;
+  check_sweep(database, query, base, {{1, 20, 5}, {250, 400, 650, 0, std::nullopt}});
+  ensure_statistics(database, {});
+  base.score = Score::zscore;
+  base.threshold_scale.reset();
+  const ResolvedSettings scored(base, {Feature::database, Feature::sweep});
+  const Sweep sweep = check_sweep(database, query, scored, {{5, 1, 12}, {-1.0, -4.0, -2.0}});
+  CHECK(sweep.cells[0].scale == ThresholdScale::mean_z);
 }
 
 TEST_CASE("an empty grid is refused") {
@@ -96,19 +116,15 @@ TEST_CASE("an empty grid is refused") {
 
 TEST_CASE("a sweep gives each warning of its settings once") {
   SequenceDatabase database = make_database();
-  DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
-  for (size_t i = 0; i < query.rows().size(); ++i)
-    query.sequence.frame_names.push_back(std::to_string(i));
+  DescriptorSet query = test::make_query(test::walk_codes(90, 10, 40));
   query.sequence.unreadable = {30};
   const QueryResources resources = test::resources();
-  std::vector<std::string> said;
-  Monitor monitor;
-  monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
+  test::Warnings warnings;
   // The second training sequence has runs of at most 49 frames.
   sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
-                  resources, monitor);
+                  resources, warnings.monitor);
   const auto times = [&](const std::string& words) {
-    return std::count_if(said.begin(), said.end(), [&](const std::string& sentence) {
+    return std::ranges::count_if(warnings.said, [&](const std::string& sentence) {
       return sentence.find(words) != std::string::npos;
     });
   };
@@ -119,9 +135,7 @@ TEST_CASE("a sweep gives each warning of its settings once") {
 
 TEST_CASE("the recognitions of all window lengths share the memory limit") {
   const SequenceDatabase database = make_database();
-  DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
-  for (size_t i = 0; i < query.rows().size(); ++i)
-    query.sequence.frame_names.push_back(std::to_string(i));
+  DescriptorSet query = test::make_query(test::walk_codes(90, 10, 40));
   QueryResources resources = test::resources();
   SequenceQuerySettings bits;
   bits.threshold_scale = ThresholdScale::bits;
@@ -178,32 +192,13 @@ TEST_CASE("a FAB-MAP threshold is a number") {
 }
 
 TEST_CASE("a sweep by margin equals single queries by margin") {
-  const SequenceDatabase database = make_database();
-  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
-  codes.erase(codes.begin(), codes.begin() + 10);
-  DescriptorSet query = test::make_query(codes);
-  query.sequence.unreadable = {30};
-  const QueryResources resources = test::resources();
   SequenceQuerySettings base;
   base.decision = Decision::margin;
-  const Grid grid{{1, 12}, {0, 30, 90, 300, std::nullopt}};
-  const Sweep sweep = sweep_sequences(database, query, "q", base, grid, make_truth, resources, {});
+  const Sweep sweep =
+      check_sweep(make_database(), make_query(0), base, {{1, 12}, {0, 30, 90, 300, std::nullopt}});
   CHECK(sweep.threshold_symbol == "margin");
   CHECK(sweep.threshold_order == ScoreOrder::similarity);
-  REQUIRE(sweep.cells.size() == 10);
-  for (size_t c = 0; c < sweep.cells.size(); ++c) {
-    SequenceQuerySettings settings = base;
-    settings.window_length = grid.windows[c / 5];
-    settings.margin = grid.thresholds[c % 5];
-    const Result result = run_query(plan_query(database, query, "q", settings, resources, {}),
-                                    settings, resources, {}, {})
-                              .result;
-    const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
-    INFO("cell " << c);
-    CHECK(numbers(sweep.cells[c].counts.recognitions) == numbers(alone.recognitions));
-    CHECK(numbers(*sweep.cells[c].counts.clusters) == numbers(*alone.clusters));
-    CHECK_FALSE(sweep.cells[c].scale);
-  }
+  CHECK_FALSE(sweep.cells[0].scale);
   // A smaller margin accepts more, also without the places.
   for (const size_t c : {0, 1, 2, 5, 6, 7}) {
     CHECK(sweep.cells[c].unknown_place >= sweep.cells[c + 1].unknown_place);

@@ -9,31 +9,26 @@ using namespace vpr;
 using namespace vpr::test;
 
 TEST_CASE("OpenFABMAP's tree, vocabulary and frames are read") {
-  const TemporaryFolder folder;
-  write_array<double>(folder / "t.npy", {0, 0, 0.5, 0.25, 0.5, 0.75, 0.5, 0.125}, {4, 2});
-  const ChowLiuTree tree = read_openfabmap_tree(folder / "t.npy");
+  write_array<double>("t.npy", {0, 0, 0.5, 0.25, 0.5, 0.75, 0.5, 0.125}, {4, 2});
+  const ChowLiuTree tree = read_openfabmap_tree("t.npy");
   CHECK(tree.parent == std::vector<uint32_t>{0, 0});
   CHECK(tree.p_given_not == std::vector<double>{0.5, 0.125});
-  write_array<float>(folder / "v.npy", {1, 2, 3, 4, 5, 6}, {2, 3});
-  CHECK(read_openfabmap_vocabulary(folder / "v.npy").at<float>(1, 0) == 4);
-  write_array<float>(folder / "b.npy", {0, 0.25, 0, 0, 1, 2}, {3, 2});
+  write_array<float>("v.npy", {1, 2, 3, 4, 5, 6}, {2, 3});
+  CHECK(read_openfabmap_vocabulary("v.npy").at<float>(1, 0) == 4);
+  write_array<float>("b.npy", {0, 0.25, 0, 0, 1, 2}, {3, 2});
   const std::vector<WordSet> all = {{1}, {}, {0, 1}};
-  CHECK(read_openfabmap_frames({folder / "b.npy", {}}, 2) == all);
-  write_array<uint8_t>(folder / "u.npy", {0, 1, 0, 0, 1, 1}, {3, 2});
-  CHECK(read_openfabmap_frames({folder / "u.npy", {}}, 2) == all);
-  CHECK(read_openfabmap_frames({folder / "b.npy", {1, 3, 1}}, 2) ==
-        std::vector<WordSet>{{}, {0, 1}});
-  CHECK(error_kind([&] { read_openfabmap_frames({folder / "b.npy", {}}, 3); }) == ErrorKind::data);
-  CHECK(error_kind([&] {
-          read_openfabmap_frames({folder / "b.npy", {0, 4, 1}}, 2);
-        }) == ErrorKind::usage);
+  CHECK(read_openfabmap_frames({"b.npy", {}}, 2) == all);
+  write_array<uint8_t>("u.npy", {0, 1, 0, 0, 1, 1}, {3, 2});
+  CHECK(read_openfabmap_frames({"u.npy", {}}, 2) == all);
+  CHECK(read_openfabmap_frames({"b.npy", {1, 3, 1}}, 2) == std::vector<WordSet>{{}, {0, 1}});
+  CHECK(error_kind([&] { read_openfabmap_frames({"b.npy", {}}, 3); }) == ErrorKind::data);
+  CHECK(error_kind([&] { read_openfabmap_frames({"b.npy", {0, 4, 1}}, 2); }) == ErrorKind::usage);
 }
 
 TEST_CASE("invalid trees are refused") {
-  const TemporaryFolder folder;
   const auto refused = [&](const std::vector<double>& values, size_t rows) {
-    write_array<double>(folder / "t.npy", values, {rows, values.size() / rows});
-    CHECK(error_kind([&] { read_openfabmap_tree(folder / "t.npy"); }) == ErrorKind::data);
+    write_array<double>("t.npy", values, {rows, values.size() / rows});
+    CHECK(error_kind([&] { read_openfabmap_tree("t.npy"); }) == ErrorKind::data);
   };
   refused({0, 0.5, 0.5}, 3);
   refused({1, 0.5, 0.5, 0.5}, 4);
@@ -43,25 +38,22 @@ TEST_CASE("invalid trees are refused") {
   refused({0, 0.5, 1, 0.5}, 4);
   refused({0, 1e-305, 0.5, 0.5}, 4);
   refused({1, 0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, 4);
-  write_array<float>(folder / "t.npy", {0, 0.5F, 0.5F, 0.5F}, {4, 1});
-  CHECK(error_kind([&] { read_openfabmap_tree(folder / "t.npy"); }) == ErrorKind::data);
-  CHECK(error_kind([&] { read_openfabmap_tree(folder / "none.npy"); }) == ErrorKind::input);
+  write_array<float>("t.npy", {0, 0.5F, 0.5F, 0.5F}, {4, 1});
+  CHECK(error_kind([&] { read_openfabmap_tree("t.npy"); }) == ErrorKind::data);
+  CHECK(error_kind([&] { read_openfabmap_tree("none.npy"); }) == ErrorKind::input);
 }
 
 TEST_CASE("vocabularies without finite words are refused") {
-  const TemporaryFolder folder;
-  const auto read = [&] { read_openfabmap_vocabulary(folder / "v.npy"); };
-  write_array<float>(folder / "v.npy", {1, INFINITY}, {1, 2});
+  const auto read = [&] { read_openfabmap_vocabulary("v.npy"); };
+  write_array<float>("v.npy", {1, INFINITY}, {1, 2});
   CHECK(error_kind(read) == ErrorKind::data);
-  write_array<float>(folder / "v.npy", {}, {size_t{1} << 31, 0});
+  write_array<float>("v.npy", {}, {size_t{1} << 31, 0});
   CHECK(error_kind(read) == ErrorKind::data);
 }
 
 TEST_CASE("OpenFABMAP's YAML is refused, and its converter is suggested") {
-  const TemporaryFolder folder;
-  write_text(folder / "tree.yml", "%YAML:1.0\n---\n");
-  write_text(folder / "tree.yml.gz", "\x1f\x8b");
+  write_text("tree.yml", "%YAML:1.0\n---\n");
+  write_text("tree.yml.gz", "\x1f\x8b");
   for (const char* name : {"tree.yml", "tree.yml.gz"})
-    CHECK(has(error_text([&] { read_openfabmap_tree(folder / name); }),
-              "scripts/convert/openfabmap.py"));
+    CHECK(has(error_text([&] { read_openfabmap_tree(name); }), "scripts/convert/openfabmap.py"));
 }
