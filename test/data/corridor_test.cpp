@@ -156,7 +156,7 @@ TEST_CASE("a path through the corridor is one place, at equal and at double spee
   if (!corridor) return;
   run_ok("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", "c.vprdb"});
   for (const auto& [range, first, last] :
-       {std::tuple<std::string, size_t, size_t>{"", 29, 110}, {"@::2", 16, 55}}) {
+       {std::tuple<std::string, size_t, size_t>{"", 28, 110}, {"@::2", 14, 55}}) {
     INFO(range);
     const Json result =
         printed_json("vpr-query", {"c.vprdb", "--query", (*corridor / "query").string() + range,
