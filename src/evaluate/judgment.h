@@ -26,16 +26,6 @@ struct RecognizedCell {
   size_t column = 0;
 };
 
-/// The source of verdicts.
-enum class JudgedBy {
-  ground_truth,  ///< of pairs
-  places,        ///< answers to the places of a result
-  nothing
-};
-template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<JudgedBy> = {"ground_truth", "places",
-                                                                         "nothing"};
-
 struct Judgment {
   JudgedBy by = JudgedBy::ground_truth;
   ScoreLayout layout;
