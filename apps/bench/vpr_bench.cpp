@@ -26,9 +26,10 @@ template <class T>
 void add_values(const Command& command, const std::string& flag, std::vector<T>& values,
                 const std::string& help) {
   const bool is_text = std::is_same_v<T, std::string>;
-  command.add_option(flag, values, is_text ? help : help + ", as in 20,40,60")
-      .comma_separated()
-      .type_name(is_text ? "NAMES" : "NUMBERS");
+  command
+      .add_option(flag, values, is_text ? help : help + ", as in 20,40,60", kEssentialGroup,
+                  is_text ? "NAMES" : "NUMBERS")
+      .comma_separated();
 }
 
 std::string report_text(const BenchResult& result, TableFormat format) {
@@ -65,7 +66,7 @@ std::pair<Command, Bench<Settings>&> add_bench(
   const Command command = program.add_command(name, description, example, run_bench);
   program.add_config(command, bench->settings);
   add_format_flag(command, bench->format).group("Reports");
-  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)").group("Reports");
+  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)", "Reports");
   return {command, *bench};
 }
 

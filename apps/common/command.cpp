@@ -268,12 +268,10 @@ Program::Program(const std::string& name, const std::string& description,
               fmt::format("{} {} ({})", name, program_version(), program_commit())),
       chosen_(parser_.root()) {
   command().add_footer(last_sections(example));
-  command()
-      .add_option(
-          "--completion", completion_,
-          "print completions for a shell, or the manual page; cannot be combined with other flags")
-      .type_name("bash|zsh|fish|man")
-      .group(kCommonGroup);
+  command().add_option(
+      "--completion", completion_,
+      "print completions for a shell, or the manual page; cannot be combined with other flags",
+      kCommonGroup, "bash|zsh|fish|man");
 }
 
 Command Program::add_command(const std::string& name, const std::string& description,
@@ -296,24 +294,27 @@ void Program::set_run(std::function<void(Session&)> run) {
 }
 
 void Program::add_common_flags(const Command& command) {
-  const auto group = [](Flag flag) { flag.group(kCommonGroup); };
   command.add_option("-o,--output", common_.output, "output file or folder");
-  group(add_setting(command, "--threads", common_.threads,
-                    fmt::format("number of threads; 0: all cores (default: {})", common_.threads)));
-  group(add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)"));
-  group(
-      add_setting(command, "--order", common_.order,
-                  "order of the images in folders: natural, name (as bytes), time (names are "
-                  "numbers), auto (natural, but decimal numbers by value), or rows (auto, but UTM "
-                  "names as bytes) (default: auto; rows for vpr-eval matrix)"));
-  group(add_setting(command, "--max-megapixels", common_.max_megapixels,
-                    fmt::format("largest size of images and video frames, in megapixels (default: "
-                                "{})",
-                                kDefaultMegapixels)));
-  group(command.add_flag("--quiet", common_.quiet, "omit progress, warnings and tables"));
-  group(command.add_flag("-v,--verbose", common_.verbose, "print details"));
-  group(command.add_flag("--force", common_.force, "replace existing outputs"));
-  group(command.add_flag("--json", common_.json, "print the result as JSON on standard output"));
+  add_setting(command, "--threads", common_.threads,
+              fmt::format("number of threads; 0: all cores (default: {})", common_.threads),
+              kCommonGroup);
+  add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)",
+              kCommonGroup);
+  add_setting(command, "--order", common_.order,
+              "order of the images in folders: natural, name (as bytes), time (names are "
+              "numbers), auto (natural, but decimal numbers by value), or rows (auto, but UTM "
+              "names as bytes) (default: auto; rows for vpr-eval matrix)",
+              kCommonGroup);
+  add_setting(command, "--max-megapixels", common_.max_megapixels,
+              fmt::format("largest size of images and video frames, in megapixels (default: "
+                          "{})",
+                          kDefaultMegapixels),
+              kCommonGroup);
+  command.add_flag("--quiet", common_.quiet, "omit progress, warnings and tables", kCommonGroup);
+  command.add_flag("-v,--verbose", common_.verbose, "print details", kCommonGroup);
+  command.add_flag("--force", common_.force, "replace existing outputs", kCommonGroup);
+  command.add_flag("--json", common_.json, "print the result as JSON on standard output",
+                   kCommonGroup);
 }
 
 void Program::add_config(const Command& command) {
@@ -334,9 +335,7 @@ void Program::add_config_option(const Command& command,
               for (const auto& item : json.items()) common_.config_keys.push_back(item.key());
             apply(json, path);
           },
-          "settings from a JSON file or a result; flags override them")
-      .type_name("FILE")
-      .group(kCommonGroup)
+          "settings from a JSON file or a result; flags override them", kCommonGroup, "FILE")
       .read_first();
 }
 

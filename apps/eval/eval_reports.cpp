@@ -352,27 +352,24 @@ void add_compare(Program& program) {
   command.add_list("--name", inputs->names,
                    "name of a report in tables; repeat it for all, in their order (default: the "
                    "name in the report, or the name of the file)");
-  command
-      .add_option("--html", inputs->html,
-                  "HTML page with the tables, and curves and paths of all reports")
-      .type_name("FILE");
-  command
-      .add_option("--plot", inputs->plots,
-                  "folder for curves and paths of all reports, as SVG and PNG")
-      .type_name("FOLDER");
+  command.add_option("--html", inputs->html,
+                     "HTML page with the tables, and curves and paths of all reports",
+                     kEssentialGroup, "FILE");
+  command.add_option("--plot", inputs->plots,
+                     "folder for curves and paths of all reports, as SVG and PNG", kEssentialGroup,
+                     "FOLDER");
   add_setting(command, "--block", inputs->block,
               "consecutive frames that are resampled together, since neighbors depend on each "
-              "other (default: the longest window, at least 10)")
-      .group(kMoreGroup);
-  command
-      .add_flag("--common", inputs->only_common,
-                "compare only frames for which every report has a best match; all numbers are then "
-                "over these frames")
-      .group(kMoreGroup);
-  command
-      .add_flag("--allow-different", inputs->allow_different,
-                "compare reports with different ground truths; the output states them")
-      .group(kMoreGroup);
+              "other (default: the longest window, at least 10)",
+              kMoreGroup);
+  command.add_flag(
+      "--common", inputs->only_common,
+      "compare only frames for which every report has a best match; all numbers are then "
+      "over these frames",
+      kMoreGroup);
+  command.add_flag("--allow-different", inputs->allow_different,
+                   "compare reports with different ground truths; the output states them",
+                   kMoreGroup);
   add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
 }
 
@@ -388,10 +385,9 @@ void add_report(Program& program) {
                   "folder with reports of vpr-eval or results of vpr-query, also in subfolders")
       .required();
   add_truth_flags(command, inputs->truth);
-  command
-      .add_option("--html", inputs->html,
-                  "HTML page with tables, and for each query curves and paths of all methods")
-      .type_name("FILE");
+  command.add_option("--html", inputs->html,
+                     "HTML page with tables, and for each query curves and paths of all methods",
+                     kEssentialGroup, "FILE");
   add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
 }
 

@@ -59,18 +59,15 @@ GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& mo
 
 void add_scope_flags(const Command& command, ScopeInputs& inputs) {
   constexpr const char* kGroup = "Numbers of frames (default: those of the ground truth)";
-  command.add_option("--result", inputs.result, "result of vpr-query with these frames")
-      .group(kGroup);
-  command.add_option("--query", inputs.query, "query with these frames: folder, list or video")
-      .group(kGroup);
-  command.add_list("--train", inputs.train, "training sequence with these frames; repeatable")
-      .group(kGroup);
-  command.add_option("--query-frames", inputs.query_frames, "number of query frames")
-      .type_name("NUMBER")
-      .group(kGroup);
-  command.add_option("--train-frames", inputs.train_frames, "number of training frames")
-      .type_name("NUMBER")
-      .group(kGroup);
+  command.add_option("--result", inputs.result, "result of vpr-query with these frames", kGroup);
+  command.add_option("--query", inputs.query, "query with these frames: folder, list or video",
+                     kGroup);
+  command.add_list("--train", inputs.train, "training sequence with these frames; repeatable",
+                   kGroup);
+  command.add_option("--query-frames", inputs.query_frames, "number of query frames", kGroup,
+                     "NUMBER");
+  command.add_option("--train-frames", inputs.train_frames, "number of training frames", kGroup,
+                     "NUMBER");
 }
 
 // Videos are read to count their frames.

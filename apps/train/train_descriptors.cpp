@@ -192,8 +192,8 @@ void add_export(Program& program) {
   command
       .add_option("--descriptors", options->descriptors,
                   "write one row per frame of all sequences (.npy): bits as uint8 with 8 bits per "
-                  "value, vectors as float32, images as uint8")
-      .type_name("FILE")
+                  "value, vectors as float32, images as uint8",
+                  kEssentialGroup, "FILE")
       .required();
 }
 

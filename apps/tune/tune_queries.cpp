@@ -81,10 +81,8 @@ Flag add_query_flags(const Command& command, TuneOptions& options, const std::st
                      "query sequence; with --dataset, the name of one of its queries");
   command.add_option("--ground-truth", options.ground_truth,
                      "places that the query shows; " + ground_truth_help());
-  command
-      .add_list("--dataset", options.datasets,
-                "data set description with query and ground truth; repeatable")
-      .group(kQueryGroup);
+  command.add_list("--dataset", options.datasets,
+                   "data set description with query and ground truth; repeatable", kQueryGroup);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
   add_rate_flags(command, options.selection, "queries", fps_note, kQueryGroup);
   add_ground_truth_flags(command, options.ground_truth_flags);

@@ -166,20 +166,15 @@ void add_sweep_flags(const Command& command, TuneOptions& options) {
   add_query_flags(command, options).required();
   command.add_option("--save-config", options.save_config,
                      "recommended settings for vpr-query --config; exit code 5 if there are none");
-  command
-      .add_option("--validate", options.validate,
-                  "another query to evaluate the recommended settings on; with one --dataset, "
-                  "the name of another of its queries")
-      .group(kValidationGroup);
-  command
-      .add_option("--validate-ground-truth", options.validate_ground_truth,
-                  "ground truth of --validate, with the same options")
-      .group(kValidationGroup);
+  command.add_option("--validate", options.validate,
+                     "another query to evaluate the recommended settings on; with one --dataset, "
+                     "the name of another of its queries",
+                     kValidationGroup);
+  command.add_option("--validate-ground-truth", options.validate_ground_truth,
+                     "ground truth of --validate, with the same options", kValidationGroup);
   command.add_option("--heat-map", options.heat_map, "image of the counts over the grid (PNG)");
-  command
-      .add_option("--plot", options.plots,
-                  "folder for plots of correct against incorrect recognitions")
-      .group(kOutputGroup);
+  command.add_option("--plot", options.plots,
+                     "folder for plots of correct against incorrect recognitions", kOutputGroup);
   add_format_flag(command, options.format,
                   "tables of the grid: text (with -v), markdown, latex, or csv with one row per "
                   "cell (default: text)")
