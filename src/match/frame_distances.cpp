@@ -15,7 +15,7 @@ constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs
 
 constexpr std::array<const DistanceKind*, 8> kKinds = {
     &kHammingDistance, &kCosineDistance, &kWideCosineDistance,  &kPointDistance,
-    &kGrayDistance,    &kLdbHogDistance, &kLdbOfLdbHogDistance, &kPrecomputedDistance};
+    &kGrayDistance,    &kLdbHogDistance, &kPrecomputedDistance};
 
 FrameDistances compare(const std::vector<DescribedFrames>& train, const DescribedFrames& query,
                        const PreparedTraining& prepared) {

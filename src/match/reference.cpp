@@ -155,8 +155,6 @@ double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b
       return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
              std::floor(cosine / 64.0 + 0.5);
     }
-    case ElementType::ldb_of_ldb_hog:
-      return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes));
     case ElementType::frame_numbers:
       break;
   }

@@ -85,17 +85,19 @@ void add_frame(LiveScores& live, ArrivedFrame frame) {
     std::ranges::set_union(kept, stage.needed(), std::back_inserter(both));
     kept = std::move(both);
   }
-  const DescriptorRows rows(live.raw.query.rows.shape, live.bytes);
+  const DescriptorShape& shape = live.raw.query.rows.shape;
+  const DescriptorRows rows(shape, live.bytes);
+  const DescriptorRow row = frame.descriptor.first(shape.row_bytes());
   std::vector<uint8_t> bytes;
   for (const size_t index : kept) bytes.insert(bytes.end(), rows[index].begin(), rows[index].end());
-  bytes.insert(bytes.end(), frame.descriptor.begin(), frame.descriptor.end());
+  bytes.insert(bytes.end(), row.begin(), row.end());
   live.bytes = std::move(bytes);
   live.unreadable.clear();  // unreadable frames are never kept
   if (!frame.is_readable) live.unreadable.push_back(kept.size());
   live.words.assign(kept.size(), {});
   live.words.push_back(std::move(frame.words));
   live.scores = live.raw.of_query(
-      {DescriptorRows(rows.shape, live.bytes), live.unreadable, nullptr, live.words});
+      {DescriptorRows(shape, live.bytes), live.unreadable, nullptr, live.words});
   live.scores.train_runs = live.raw.train_runs;
   for (const StartedStage& stage : live.stages)
     live.scores = stage.scores(std::move(live.scores), kept, {});
