@@ -9,7 +9,6 @@
 #include "base/named_table.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
-#include "settings/query_settings.h"
 #include "truth/formats.h"
 #include "truth/times.h"
 

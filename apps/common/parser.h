@@ -2,7 +2,6 @@
 // parser.cpp includes it.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>

@@ -8,7 +8,6 @@
 #include "evaluate/prediction_lists.h"
 #include "present/recorded_frames.h"
 #include "sequence/sequence_source.h"
-#include "settings/query_settings.h"
 
 namespace vpr {
 namespace {

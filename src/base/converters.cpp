@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/npy.h"
-#include "base/text.h"
 
 namespace vpr {
 namespace {

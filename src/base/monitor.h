@@ -24,6 +24,9 @@ void check_stop(const Monitor& monitor);
 /// Forwards a warning, one sentence; without a callback it is dropped.
 void warn(const Monitor& monitor, const std::string& sentence);
 
+/// The monitor, but it forwards each warning once. `monitor` must outlive it.
+Monitor with_each_warning_once(const Monitor& monitor);
+
 /// Counts the finished units of one step, from any thread and in any order.
 class StepCounter {
  public:

@@ -90,8 +90,7 @@ std::optional<double> weighted_mean(const MethodQueries& method, std::span<const
     queries += weights[q];
     sum += weights[q] * metric.metric->of_query(query, metric.k);
   }
-  if (queries == 0) return std::nullopt;
-  return sum / static_cast<double>(queries);
+  return share_of(sum, queries);
 }
 
 Curve weighted_curve(const MethodQueries& method, std::span<const uint32_t> weights) {

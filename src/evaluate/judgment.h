@@ -1,10 +1,8 @@
 // The judgment of a result or a score matrix, from which reports and plots are made.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "evaluate/matrix_scan.h"

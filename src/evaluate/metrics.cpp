@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
+
 namespace vpr {
 namespace {
 
@@ -230,8 +232,7 @@ MetricValue risk_coverage_area(const Curve& curve) {
     accept(point.correct - correct + tied, tied);
     correct = point.correct;
   }
-  if (accepted == 0) return {};
-  return {sum / static_cast<double>(accepted), {}};
+  return {share_of(sum, accepted), {}};
 }
 
 std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) {
@@ -271,18 +272,13 @@ std::optional<double> recall_achievement(const std::vector<std::optional<double>
     ++known;
     achieved += *recall >= target;
   }
-  if (known == 0) return std::nullopt;
-  return static_cast<double>(achieved) / static_cast<double>(known);
+  return share_of(achieved, known);
 }
 
-std::optional<double> Localization::share() const {
-  if (frames_with_match == 0) return std::nullopt;
-  return static_cast<double>(correct) / static_cast<double>(frames_with_match);
-}
+std::optional<double> Localization::share() const { return share_of(correct, frames_with_match); }
 
 std::optional<double> Localization::recognized_share() const {
-  if (frames == 0) return std::nullopt;
-  return static_cast<double>(recognized) / static_cast<double>(frames);
+  return share_of(recognized, frames);
 }
 
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
@@ -371,8 +367,7 @@ std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcome
     ++frames;
     sum += metric.metric->of_query(query, metric.k);
   }
-  if (frames == 0) return std::nullopt;
-  return sum / static_cast<double>(frames);
+  return share_of(sum, frames);
 }
 
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {

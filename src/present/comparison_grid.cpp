@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "files/report_json.h"
 #include "present/comparison_report.h"
-#include "present/evaluation_text.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"
 

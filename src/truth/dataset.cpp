@@ -1,6 +1,5 @@
 #include "truth/dataset.h"
 
-#include <algorithm>
 #include <functional>
 #include <set>
 
