@@ -1,5 +1,4 @@
 // vpr-bench: measures the time of each step on this machine.
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "bench/benches.h"
@@ -197,8 +196,7 @@ struct CompareOptions {
 
 void compare(Session& session, const CompareOptions& options) {
   if (!(options.factor > 0))
-    throw Error(ErrorKind::usage,
-                fmt::format("--factor must be above 0, found {}", options.factor));
+    throw Error(ErrorKind::usage, "--factor must be above 0, found {}", options.factor);
   session.claim_output();
   const BenchComparison comparison =
       compare_benches(read_bench(options.older), read_bench(options.newer));
@@ -210,9 +208,8 @@ void compare(Session& session, const CompareOptions& options) {
   session.print_result(text, json);
   const size_t slower = count_slower(comparison, options.factor);
   if (slower > 0)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{} of {} times are above {} times the old ones", slower,
-                            comparison.ratios.size(), options.factor));
+    throw Error(ErrorKind::expectation, "{} of {} times are above {} times the old ones", slower,
+                comparison.ratios.size(), options.factor);
 }
 
 void add_compare(Program& program) {

@@ -123,8 +123,8 @@ void write_to_stdout(const std::string& text) {
   const bool written =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (!written)
-    throw Error(ErrorKind::output,
-                fmt::format("standard output: cannot be written: {}", system_error_text(errno)));
+    throw Error(ErrorKind::output, "standard output: cannot be written: {}",
+                system_error_text(errno));
 }
 
 // JSON contains names unchanged, except on a terminal.
@@ -226,9 +226,8 @@ struct Inputs {
 void refuse_empty(const std::vector<GivenFlag>& given) {
   for (const GivenFlag& flag : given)
     if (std::ranges::any_of(flag.values, &std::string::empty))
-      throw Error(ErrorKind::usage,
-                  fmt::format("{} is empty. Is a variable of the shell unset?",
-                              flag.names.empty() ? "an argument" : "--" + flag.names.back()));
+      throw Error(ErrorKind::usage, "{} is empty. Is a variable of the shell unset?",
+                  flag.names.empty() ? "an argument" : "--" + flag.names.back());
 }
 
 }  // namespace
@@ -301,13 +300,12 @@ void Program::add_common_flags(const Command& command) {
   add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)",
               kCommonGroup);
   add_setting(command, "--order", common_.order,
-              "order of the images in folders: natural, name (as bytes), time (names are "
-              "numbers), auto (natural, but decimal numbers by value), or rows (auto, but UTM "
-              "names as bytes) (default: auto; rows for vpr-eval matrix)",
+              "order of the images in folders: natural, name (as bytes), time (names are numbers), "
+              "auto (natural, but decimal numbers by value), or rows (auto, but UTM names as "
+              "bytes) (default: auto; rows for vpr-eval matrix)",
               kCommonGroup);
   add_setting(command, "--max-megapixels", common_.max_megapixels,
-              fmt::format("largest size of images and video frames, in megapixels (default: "
-                          "{})",
+              fmt::format("largest size of images and video frames, in megapixels (default: {})",
                           kDefaultMegapixels),
               kCommonGroup);
   command.add_flag("--quiet", common_.quiet, "omit progress, warnings and tables", kCommonGroup);
@@ -353,8 +351,8 @@ void Program::run_session(int argc, char** argv) {
   };
   monitor.stop = &stop_wanted;
   if (common_.threads > kMostThreads)
-    throw Error(ErrorKind::usage, fmt::format("--threads must be at most {}, found {}",
-                                              kMostThreads, common_.threads));
+    throw Error(ErrorKind::usage, "--threads must be at most {}, found {}", kMostThreads,
+                common_.threads);
   const ThreadLimit limit(common_.threads);
   const MegapixelLimit pixels(common_.max_megapixels);
   const FrameOrderScope order(common_.order);
@@ -395,9 +393,8 @@ int Program::main(int argc, char** argv) {
     if (!parser_.parse(argc, argv)) return 0;
     if (parser_.root().is_given("--completion"))
       throw Error(ErrorKind::usage,
-                  fmt::format("--completion cannot be combined with other arguments; use {} "
-                              "--completion bash",
-                              name_));
+                  "--completion cannot be combined with other arguments; use {} --completion bash",
+                  name_);
     run_session(argc, argv);
     return 0;
   } catch (const Error& error) {

@@ -55,8 +55,7 @@ size_t parse_bytes(const std::string& text) {
   const size_t shift = has_unit ? 10 * (unit + 1) : 0;
   if (used == 0 || text[0] == '-' || (has_unit && unit == std::string::npos) ||
       value >> (52 - shift) != 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("--max-memory takes bytes, as in 512M or 2G, found {}", text));
+    throw Error(ErrorKind::usage, "--max-memory takes bytes, as in 512M or 2G, found {}", text);
   return value << shift;
 }
 
@@ -101,8 +100,8 @@ SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags
 
 void require_descriptors(const SequenceArgument& argument) {
   if (open_sequence(argument).kind != SequenceKind::descriptors)
-    throw Error(ErrorKind::usage, fmt::format("{}: is not a .npy file or a folder of .npy files",
-                                              argument.path.string()));
+    throw Error(ErrorKind::usage, "{}: is not a .npy file or a folder of .npy files",
+                argument.path.string());
 }
 
 NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
@@ -113,8 +112,7 @@ NamedArgument parse_named_range(const std::string& text, const std::filesystem::
         parse_sequence_argument(fmt::format("{}@{}", path.string(), text.substr(equals + 1)));
     if (argument.path == path) return {text.substr(0, equals), argument};
   }
-  throw Error(ErrorKind::usage,
-              fmt::format("{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text));
+  throw Error(ErrorKind::usage, "{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text);
 }
 
 std::string ground_truth_help() {
@@ -221,7 +219,7 @@ void require_order(const ScoreFlags& flags) {
 }
 
 void refuse(bool is_given, const std::string& flag, const std::string& why) {
-  if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
+  if (is_given) throw Error(ErrorKind::usage, "{} {}", flag, why);
 }
 
 void add_fuse_flag(const Command& command, std::string& fabmap) {

@@ -254,11 +254,11 @@ bool Parser::parse(int argc, char** argv) {
     const std::vector<std::string> extra = app_->remaining(true);
     for (const char* flag : {"--query", "--train"})
       if (!extra.empty() && !extra.front().starts_with('-') && takes(flag))
-        throw Error(ErrorKind::usage, fmt::format("unexpected argument {}; did you mean {} {}?",
-                                                  extra.front(), flag, extra.front()));
+        throw Error(ErrorKind::usage, "unexpected argument {}; did you mean {} {}?", extra.front(),
+                    flag, extra.front());
     std::string path = app_->get_name();
     for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
-    throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), path));
+    throw Error(ErrorKind::usage, "{}; see {} --help", error.what(), path);
   }
 }
 
@@ -303,12 +303,12 @@ Json read_config(const std::string& path) {
   }
   if (schema == schema_name("sweep"))
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
-                            "vpr-tune --save-config FILE and use that file.",
-                            path));
+                "{}: is a sweep over many settings. Save the recommended settings with vpr-tune "
+                "--save-config FILE and use that file.",
+                path);
   if (schema == schema_name("tuning") || schema == schema_name("calibration")) {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
-    throw Error(ErrorKind::usage, fmt::format("{}: chooses no setting.", path));
+    throw Error(ErrorKind::usage, "{}: chooses no setting.", path);
   }
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");

@@ -29,7 +29,7 @@ constexpr const char* kMetricGroup = "Metrics";
 
 void check_range(const char* flag, uint64_t value, uint64_t most) {
   if (value == 0 || value > most)
-    throw Error(ErrorKind::usage, fmt::format("{} must be 1 to {}, found {}", flag, most, value));
+    throw Error(ErrorKind::usage, "{} must be 1 to {}, found {}", flag, most, value);
 }
 
 std::string metrics_help() {
@@ -46,11 +46,10 @@ std::string metrics_help() {
 }
 
 void add_file_flags(const Command& command, EvalInputs& inputs) {
-  command.add_option(
-      "--expect", inputs.expected,
-      "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" and "
-      "\"max\") or an earlier report; exit code 5 if they differ",
-      kFileGroup, "FILE");
+  command.add_option("--expect", inputs.expected,
+                     "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" "
+                     "and \"max\") or an earlier report; exit code 5 if they differ",
+                     kFileGroup, "FILE");
   command.add_flag("--update", inputs.update,
                    "replace the values in the file of --expect; tolerances and bounds that are met "
                    "stay. Without the file, write the report there",
@@ -61,11 +60,10 @@ void add_file_flags(const Command& command, EvalInputs& inputs) {
   command.add_option("--outcomes-csv", inputs.outcomes_csv,
                      "CSV file with one row per query: its best match and the verdict", kFileGroup,
                      "FILE");
-  command.add_option(
-      "--pairs", inputs.pairs,
-      "list of the best references of each query, one \"query reference\" per line, as "
-      "for hloc; needs no ground truth",
-      kFileGroup, "FILE");
+  command.add_option("--pairs", inputs.pairs,
+                     "list of the best references of each query, one \"query reference\" per line, "
+                     "as for hloc; needs no ground truth",
+                     kFileGroup, "FILE");
   add_setting(command, "--top-k", inputs.top_k,
               "references per query in --pairs (default: 1 for a result, 10 for scores)",
               kFileGroup, "K");
@@ -88,20 +86,19 @@ void add_evaluation_flags(Program& program, const Command& command, EvalInputs& 
   command.add_option("--query", inputs.query,
                      "query, for its images and names: a sequence, or its name in the data set",
                      kPictureGroup, "SEQUENCE");
-  command.add_list("--train", inputs.train,
-                   "training sequence, for its images and names; repeat it in the order of the "
-                   "database",
-                   kPictureGroup, "SEQUENCE");
-  command.add_option(
-      "--poses", inputs.poses,
-      "positions of the query's frames (CSV frame,x,y in meters), for gaps in meters "
-      "(default: those of the data set)",
-      kMetricGroup, "FILE");
-  add_setting(command, "--stretch", inputs.stretch_frames,
-              fmt::format("frames per stretch of the path, for the recall achievement rate "
-                          "(default: {})",
-                          kDefaultStretch),
-              kMetricGroup);
+  command.add_list(
+      "--train", inputs.train,
+      "training sequence, for its images and names; repeat it in the order of the database",
+      kPictureGroup, "SEQUENCE");
+  command.add_option("--poses", inputs.poses,
+                     "positions of the query's frames (CSV frame,x,y in meters), for gaps in "
+                     "meters (default: those of the data set)",
+                     kMetricGroup, "FILE");
+  add_setting(
+      command, "--stretch", inputs.stretch_frames,
+      fmt::format("frames per stretch of the path, for the recall achievement rate (default: {})",
+                  kDefaultStretch),
+      kMetricGroup);
   add_file_flags(command, inputs);
   program.add_config(command, inputs);
   command.add_footer(metrics_help());
@@ -158,9 +155,8 @@ namespace {
 void add_question_flags(const Command& command, EvalInputs& inputs) {
   command.add_option(
       "--ask-frames", inputs.frame_questions,
-      "HTML page that shows the images of frames and their best matches, asks whether "
-      "they are the same place, and saves labels for --ground-truth, by which any "
-      "result can be judged",
+      "HTML page that shows the images of frames and their best matches, asks whether they are the "
+      "same place, and saves labels for --ground-truth, by which any result can be judged",
       kPictureGroup, "FILE");
   command.add_option("--ask-places", inputs.place_questions,
                      "HTML page that shows images of each recognized place, asks whether it is the "
@@ -174,20 +170,17 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
   command.add_option("RESULT", inputs.results,
                      "result of vpr-query; several make one table with one row per result");
   add_evaluation_flags(program, command, inputs);
-  command.add_option(
-      "--places", inputs.places,
-      "CSV file of the page of --ask-places: judge each place, and its recognitions, by "
-      "your answer instead of a ground truth",
-      kGroundTruthGroup, "FILE");
+  command.add_option("--places", inputs.places,
+                     "CSV file of the page of --ask-places: judge each place, and its "
+                     "recognitions, by your answer instead of a ground truth",
+                     kGroundTruthGroup, "FILE");
   command.add_option(
       "--protocol", inputs.protocols,
-      "presets of a ground truth, one or several with commas, or nordland-all; one row "
-      "per preset",
+      "presets of a ground truth, one or several with commas, or nordland-all; one row per preset",
       kGroundTruthGroup);
   command.add_option(
       "--matrix", inputs.matrix,
-      "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all "
-      "pairs",
+      "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all pairs",
       kMetricGroup, "FILE");
   add_setting(command, "--confidence", inputs.confidence,
               "value by which curves, metrics, plots and comparisons accept best matches: score, "
@@ -195,23 +188,22 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
               "as the result was decided); the other one is reported next to it",
               kMetricGroup);
   add_question_flags(command, inputs);
+  command.add_option("--map", inputs.map,
+                     "folder for a map with plan, training paths and recognitions along the "
+                     "query's path, as SVG and PNG; needs --dataset with poses",
+                     kPictureGroup, "FOLDER");
   command.add_option(
-      "--map", inputs.map,
-      "folder for a map with plan, training paths and recognitions along the query's "
-      "path, as SVG and PNG; needs --dataset with poses",
-      kPictureGroup, "FOLDER");
-  command.add_option("--map-with", inputs.map_with,
-                     "second result of the same query, on a map next to the first (such as FAB-MAP "
-                     "and FastABLE)",
-                     kPictureGroup, "RESULT");
-  command.add_option("--recognitions-csv", inputs.recognitions_csv,
-                     "CSV file with one row per recognized place: frames, recognitions and the "
-                     "verdict",
-                     kFileGroup, "FILE");
+      "--map-with", inputs.map_with,
+      "second result of the same query, on a map next to the first (such as FAB-MAP and FastABLE)",
+      kPictureGroup, "RESULT");
+  command.add_option(
+      "--recognitions-csv", inputs.recognitions_csv,
+      "CSV file with one row per recognized place: frames, recognitions and the verdict",
+      kFileGroup, "FILE");
   command.add_option(
       "--save-trajectory", inputs.saved_trajectory,
-      "TUM trajectory of the positions of recognized frames (time x y z qx qy qz qw), "
-      "as for evo; needs poses of training frames: --dataset, or --ground-truth-train",
+      "TUM trajectory of the positions of recognized frames (time x y z qx qy qz qw), as for evo; "
+      "needs poses of training frames: --dataset, or --ground-truth-train",
       kFileGroup, "FILE");
 }
 
@@ -304,8 +296,8 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
                 "a result has one best match per query. For more, pass the matrix that was saved "
                 "with it, as in --matrix D.npy (vpr-query --save-matrix)");
   if (inputs.expected.empty() && inputs.has_expectation())
-    throw Error(ErrorKind::usage, fmt::format("{} needs --expect, the file of expected values",
-                                              inputs.update ? "--update" : "--junit"));
+    throw Error(ErrorKind::usage, "{} needs --expect, the file of expected values",
+                inputs.update ? "--update" : "--junit");
   for (const std::string* file :
        {&inputs.html, &inputs.frame_questions, &inputs.place_questions, &inputs.outcomes_csv,
         &inputs.recognitions_csv, &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})

@@ -1,8 +1,6 @@
 #include <cmath>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval.h"
@@ -61,9 +59,9 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
     found.list = read_loop_list(path, found.trajectory, rules);
     if (found.list.has_scores && !inputs.scores.has_order())
       throw Error(ErrorKind::usage,
-                  fmt::format("{}: the list has scores. Add --similarity (higher is better) or "
-                              "--distance (lower is better)",
-                              found.list.name));
+                  "{}: the list has scores. Add --similarity (higher is better) or --distance "
+                  "(lower is better)",
+                  found.list.name);
   }
   found.judgment = judge_loops(found.list, found.trajectory, found.rules);
   return found;

@@ -61,11 +61,10 @@ void add_arrays_flag(const Command& command, QueryOptions& options) {
 
 void add_selection_flags(const Command& command, QueryOptions& options) {
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
-  command.add_option(
-      "--query-times", options.query_times,
-      "times of the query frames, for --fps: a list, a folder of images with times as "
-      "names, or a video",
-      kQueryGroup, "FILE");
+  command.add_option("--query-times", options.query_times,
+                     "times of the query frames, for --fps: a list, a folder of images with times "
+                     "as names, or a video",
+                     kQueryGroup, "FILE");
 }
 
 // Live queries refuse OpenABLE, LSH and FAB-MAP (settings/choices.cpp).
@@ -86,10 +85,10 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
 }
 
 void add_matrix_output(const Command& command, QueryOptions& options) {
-  command.add_option("--save-matrix", options.matrix,
-                     "write the score matrix: .npy (int32, never whole in memory) or .png (dark: "
-                     "close)",
-                     kWindowGroup, "FILE");
+  command.add_option(
+      "--save-matrix", options.matrix,
+      "write the score matrix: .npy (int32, never whole in memory) or .png (dark: close)",
+      kWindowGroup, "FILE");
 }
 
 // The flags of sequence methods, and the memory that they use.
@@ -155,16 +154,16 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
 }
 
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
-  command.add_option("DB", options.database,
-                     "FAB-MAP database, whose places come before those of the query; omit it for "
-                     "windows");
+  command.add_option(
+      "DB", options.database,
+      "FAB-MAP database, whose places come before those of the query; omit it for windows");
   add_query_flags(command, options);
   add_arrays_flag(command, options);
   command.add_option(
       "--gap",
       [&](const std::string& text) { set_loop_gap(text, settings.sequence, settings.fabmap); },
-      "minimum time between a frame and its match, in frames (300) or seconds (30s); for "
-      "FAB-MAP, the frames in between (default: 10)",
+      "minimum time between a frame and its match, in frames (300) or seconds (30s); for FAB-MAP, "
+      "the frames in between (default: 10)",
       kEssentialGroup, "TIME");
   command.add_option("--save-loops", options.loop_list,
                      "write one line query,match,score per best match, for vpr-eval loops; only "
@@ -242,8 +241,7 @@ void claim_outputs(const QueryOptions& options, const Session& session) {
     session.outputs.claim_file(companion_path(output, "explain.png"));
   if (!options.matrix.empty() && !options.matrix.ends_with(".npy") &&
       !options.matrix.ends_with(".png"))
-    throw Error(ErrorKind::usage,
-                fmt::format("--save-matrix writes .npy or .png, found {}", options.matrix));
+    throw Error(ErrorKind::usage, "--save-matrix writes .npy or .png, found {}", options.matrix);
   for (const std::string& file : {options.matrix, options.posteriors, options.loop_list})
     if (!file.empty()) session.outputs.claim_file(file);
 }

@@ -1,5 +1,4 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of all views.
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "present/database_report.h"
@@ -56,8 +55,7 @@ FabmapDatabase import_files(const FabmapOptions& options) {
        {options.vocabulary, options.tree, options.pretrain_bow, options.train_bow})
     if (path.empty())
       throw Error(ErrorKind::usage,
-                  "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow "
-                  "and --train-bow");
+                  "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow and --train-bow");
   return import_openfabmap(
       {options.vocabulary, options.tree, parse_sequence_argument(options.pretrain_bow),
        parse_sequence_argument(options.train_bow)},
@@ -72,7 +70,7 @@ std::vector<GroupArgument> group_arguments(const TrainOptions& options,
   for (const std::string& text : options.places) {
     const size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error(ErrorKind::usage, fmt::format("--place takes NAME=SEQUENCE, found {}", text));
+      throw Error(ErrorKind::usage, "--place takes NAME=SEQUENCE, found {}", text);
     groups.push_back(
         {text.substr(0, equals), parse_sequence_argument(text.substr(equals + 1)), true});
   }
@@ -118,13 +116,12 @@ void add_fabmap(Program& program) {
   command.add_flag("--skip-unreadable", settings.skip_unreadable,
                    "ignore frames that cannot be decoded; they keep their index and have no words");
   constexpr const char* kOpenfabmap = "OpenFABMAP";
-  add_setting(command, "--clustering", settings.clustering,
-              "clustering of descriptors; radius: OpenFABMAP's sequential clustering "
-              "(default: kmeans)",
-              kOpenfabmap);
+  add_setting(
+      command, "--clustering", settings.clustering,
+      "clustering of descriptors; radius: OpenFABMAP's sequential clustering (default: kmeans)",
+      kOpenfabmap);
   add_setting(command, "--cluster-radius", settings.radius,
-              "radius of radius clustering, in the unit of the features (bits for "
-              "binary ones)",
+              "radius of radius clustering, in the unit of the features (bits for binary ones)",
               kOpenfabmap);
   command.add_flag("--from-openfabmap", options->from_openfabmap,
                    "import the .npy files of scripts/convert/openfabmap.py", kOpenfabmap);

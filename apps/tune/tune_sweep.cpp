@@ -80,9 +80,9 @@ void claim_outputs(const TuneOptions& options, const Session& session) {
   if (!options.plots.empty()) session.outputs.claim_folder(options.plots, is_marked_folder);
   if (!options.save_config.empty() && options.datasets.size() > 1)
     throw Error(ErrorKind::usage,
-                fmt::format("--save-config writes one recommendation, but each of {} data sets has "
-                            "its own; sweep them one by one",
-                            options.datasets.size()));
+                "--save-config writes one recommendation, but each of {} data sets has its own; "
+                "sweep them one by one",
+                options.datasets.size());
 }
 
 // Writes and prints all outputs. `base`: the settings, two of which the sweeps vary. At the end
@@ -100,9 +100,8 @@ void present(Session& session, const TuneOptions& options, DatabaseFamily family
   if (!options.plots.empty()) draw_plots(session, options, sweeps);
   session.print_result(result_text(options, session.options, sweeps), json);
   if (!options.save_config.empty() && !recommended)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: is not written, because no setting is recommended: {}",
-                            options.save_config, reason_text(sweeps.front())));
+    throw Error(ErrorKind::expectation, "{}: is not written, because no setting is recommended: {}",
+                options.save_config, reason_text(sweeps.front()));
 }
 
 void tune_fastable(Session& session, const TuneOptions& options,

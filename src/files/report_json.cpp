@@ -340,11 +340,10 @@ Json report_json(const Report& report, const RunInfo& run, double seconds) {
 Report parse_report(const Json& json, const std::string& where) {
   require_schema(json, "report", where, ErrorKind::data);
   if (json.contains("judged"))
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: is a report without ground truth, which has no metrics to compare. "
-                    "Evaluate its result again with --ground-truth",
-                    where));
+    throw Error(ErrorKind::usage,
+                "{}: is a report without ground truth, which has no metrics to compare. Evaluate "
+                "its result again with --ground-truth",
+                where);
   const Fields fields(json, where);
   Report report;
   value_from_json(json, report, fields.source(), "report");

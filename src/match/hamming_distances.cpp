@@ -7,8 +7,6 @@
 #include <mutex>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "match/frame_distances.h"
 #include "match/hamming_kernels.h"
@@ -108,9 +106,8 @@ void fill_tile(const Training& training, const DescriptorRows& rows,
 PreparedTraining prepare(std::span<const DescribedFrames> train, const DescriptorShape& shape) {
   const size_t words = shape.row_bytes() / kWordBytes;
   if (words > kMaxBits / 64)
-    throw Error(ErrorKind::data,
-                fmt::format("codes of {} bits: the maximum for Hamming distances is {}",
-                            shape.length, kMaxBits));
+    throw Error(ErrorKind::data, "codes of {} bits: the maximum for Hamming distances is {}",
+                shape.length, kMaxBits);
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
   training->words = words;

@@ -4,8 +4,6 @@
 #include <cassert>
 #include <iterator>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "match/fastable.h"
 
@@ -23,9 +21,8 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
   const auto* by_path = std::get_if<ByPath>(&plan_.decision);
   if (by_path == nullptr && !ring_fits(frames_.raw.train_frames, length, match.memory_limit))
     throw Error(ErrorKind::usage,
-                fmt::format("the distances of the last {} frames to {} training frames do not fit "
-                            "--max-memory",
-                            length, frames_.raw.train_frames));
+                "the distances of the last {} frames to {} training frames do not fit --max-memory",
+                length, frames_.raw.train_frames);
   windows_ = window_stage(frames_.scores, {&length, 1}, match);
   if (by_path != nullptr) decisions_.emplace(by_path->least_margin);
 }
@@ -96,8 +93,8 @@ void add_frame(LiveScores& live, ArrivedFrame frame) {
   if (!frame.is_readable) live.unreadable.push_back(kept.size());
   live.words.assign(kept.size(), {});
   live.words.push_back(std::move(frame.words));
-  live.scores = live.raw.of_query(
-      {DescriptorRows(shape, live.bytes), live.unreadable, nullptr, live.words});
+  live.scores =
+      live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable, nullptr, live.words});
   live.scores.train_runs = live.raw.train_runs;
   for (const StartedStage& stage : live.stages)
     live.scores = stage.scores(std::move(live.scores), kept, {});

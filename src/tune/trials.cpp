@@ -150,7 +150,7 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
       trials.all.push_back(try_setting(database, queries, best, resources, silent, silent));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::usage) throw;
-      warn(monitor, fmt::format("A setting is not tried: {}", error.what()));
+      warn(monitor, "A setting is not tried: {}", error.what());
     }
   };
   SequenceQuerySettings windows = base;
