@@ -110,8 +110,8 @@ Json numbers_json(const NamedNumbers& numbers);
 /// Settings, rows, omitted measurements, provenance and machine.
 Json bench_json(const BenchResult& result, const RunInfo& run);
 
-/// A stored benchmark, without its settings. Throws Error(input) if the file cannot be read, Error(data)
-/// if it is not a benchmark or is damaged.
+/// A stored benchmark, without its settings. Throws Error(input) if the file cannot be read,
+/// Error(data) if it is not a benchmark or is damaged.
 BenchResult read_bench(const std::filesystem::path& path);
 
 /// All rows as one table for programs, with a column for each parameter or value of any row.
