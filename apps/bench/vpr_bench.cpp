@@ -1,5 +1,4 @@
 // vpr-bench: measures the time of each step on this machine.
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "bench/benches.h"
@@ -26,9 +25,10 @@ template <class T>
 void add_values(const Command& command, const std::string& flag, std::vector<T>& values,
                 const std::string& help) {
   const bool is_text = std::is_same_v<T, std::string>;
-  command.add_option(flag, values, is_text ? help : help + ", as in 20,40,60")
-      .comma_separated()
-      .type_name(is_text ? "NAMES" : "NUMBERS");
+  command
+      .add_option(flag, values, is_text ? help : help + ", as in 20,40,60", kEssentialGroup,
+                  is_text ? "NAMES" : "NUMBERS")
+      .comma_separated();
 }
 
 std::string report_text(const BenchResult& result, TableFormat format) {
@@ -65,7 +65,7 @@ std::pair<Command, Bench<Settings>&> add_bench(
   const Command command = program.add_command(name, description, example, run_bench);
   program.add_config(command, bench->settings);
   add_format_flag(command, bench->format).group("Reports");
-  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)").group("Reports");
+  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)", "Reports");
   return {command, *bench};
 }
 
@@ -196,8 +196,7 @@ struct CompareOptions {
 
 void compare(Session& session, const CompareOptions& options) {
   if (!(options.factor > 0))
-    throw Error(ErrorKind::usage,
-                fmt::format("--factor must be above 0, found {}", options.factor));
+    throw Error(ErrorKind::usage, "--factor must be above 0, found {}", options.factor);
   session.claim_output();
   const BenchComparison comparison =
       compare_benches(read_bench(options.older), read_bench(options.newer));
@@ -209,9 +208,8 @@ void compare(Session& session, const CompareOptions& options) {
   session.print_result(text, json);
   const size_t slower = count_slower(comparison, options.factor);
   if (slower > 0)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{} of {} times are above {} times the old ones", slower,
-                            comparison.ratios.size(), options.factor));
+    throw Error(ErrorKind::expectation, "{} of {} times are above {} times the old ones", slower,
+                comparison.ratios.size(), options.factor);
 }
 
 void add_compare(Program& program) {

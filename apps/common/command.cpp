@@ -123,8 +123,8 @@ void write_to_stdout(const std::string& text) {
   const bool written =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (!written)
-    throw Error(ErrorKind::output,
-                fmt::format("standard output: cannot be written: {}", system_error_text(errno)));
+    throw Error(ErrorKind::output, "standard output: cannot be written: {}",
+                system_error_text(errno));
 }
 
 // JSON contains names unchanged, except on a terminal.
@@ -226,9 +226,8 @@ struct Inputs {
 void refuse_empty(const std::vector<GivenFlag>& given) {
   for (const GivenFlag& flag : given)
     if (std::ranges::any_of(flag.values, &std::string::empty))
-      throw Error(ErrorKind::usage,
-                  fmt::format("{} is empty. Is a variable of the shell unset?",
-                              flag.names.empty() ? "an argument" : "--" + flag.names.back()));
+      throw Error(ErrorKind::usage, "{} is empty. Is a variable of the shell unset?",
+                  flag.names.empty() ? "an argument" : "--" + flag.names.back());
 }
 
 }  // namespace
@@ -268,12 +267,10 @@ Program::Program(const std::string& name, const std::string& description,
               fmt::format("{} {} ({})", name, program_version(), program_commit())),
       chosen_(parser_.root()) {
   command().add_footer(last_sections(example));
-  command()
-      .add_option(
-          "--completion", completion_,
-          "print completions for a shell, or the manual page; cannot be combined with other flags")
-      .type_name("bash|zsh|fish|man")
-      .group(kCommonGroup);
+  command().add_option(
+      "--completion", completion_,
+      "print completions for a shell, or the manual page; cannot be combined with other flags",
+      kCommonGroup, "bash|zsh|fish|man");
 }
 
 Command Program::add_command(const std::string& name, const std::string& description,
@@ -296,24 +293,26 @@ void Program::set_run(std::function<void(Session&)> run) {
 }
 
 void Program::add_common_flags(const Command& command) {
-  const auto group = [](Flag flag) { flag.group(kCommonGroup); };
   command.add_option("-o,--output", common_.output, "output file or folder");
-  group(add_setting(command, "--threads", common_.threads,
-                    fmt::format("number of threads; 0: all cores (default: {})", common_.threads)));
-  group(add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)"));
-  group(
-      add_setting(command, "--order", common_.order,
-                  "order of the images in folders: natural, name (as bytes), time (names are "
-                  "numbers), auto (natural, but decimal numbers by value), or rows (auto, but UTM "
-                  "names as bytes) (default: auto; rows for vpr-eval matrix)"));
-  group(add_setting(command, "--max-megapixels", common_.max_megapixels,
-                    fmt::format("largest size of images and video frames, in megapixels (default: "
-                                "{})",
-                                kDefaultMegapixels)));
-  group(command.add_flag("--quiet", common_.quiet, "omit progress, warnings and tables"));
-  group(command.add_flag("-v,--verbose", common_.verbose, "print details"));
-  group(command.add_flag("--force", common_.force, "replace existing outputs"));
-  group(command.add_flag("--json", common_.json, "print the result as JSON on standard output"));
+  add_setting(command, "--threads", common_.threads,
+              fmt::format("number of threads; 0: all cores (default: {})", common_.threads),
+              kCommonGroup);
+  add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)",
+              kCommonGroup);
+  add_setting(command, "--order", common_.order,
+              "order of the images in folders: natural, name (as bytes), time (names are numbers), "
+              "auto (natural, but decimal numbers by value), or rows (auto, but UTM names as "
+              "bytes) (default: auto; rows for vpr-eval matrix)",
+              kCommonGroup);
+  add_setting(command, "--max-megapixels", common_.max_megapixels,
+              fmt::format("largest size of images and video frames, in megapixels (default: {})",
+                          kDefaultMegapixels),
+              kCommonGroup);
+  command.add_flag("--quiet", common_.quiet, "omit progress, warnings and tables", kCommonGroup);
+  command.add_flag("-v,--verbose", common_.verbose, "print details", kCommonGroup);
+  command.add_flag("--force", common_.force, "replace existing outputs", kCommonGroup);
+  command.add_flag("--json", common_.json, "print the result as JSON on standard output",
+                   kCommonGroup);
 }
 
 void Program::add_config(const Command& command) {
@@ -334,9 +333,7 @@ void Program::add_config_option(const Command& command,
               for (const auto& item : json.items()) common_.config_keys.push_back(item.key());
             apply(json, path);
           },
-          "settings from a JSON file or a result; flags override them")
-      .type_name("FILE")
-      .group(kCommonGroup)
+          "settings from a JSON file or a result; flags override them", kCommonGroup, "FILE")
       .read_first();
 }
 
@@ -354,8 +351,8 @@ void Program::run_session(int argc, char** argv) {
   };
   monitor.stop = &stop_wanted;
   if (common_.threads > kMostThreads)
-    throw Error(ErrorKind::usage, fmt::format("--threads must be at most {}, found {}",
-                                              kMostThreads, common_.threads));
+    throw Error(ErrorKind::usage, "--threads must be at most {}, found {}", kMostThreads,
+                common_.threads);
   const ThreadLimit limit(common_.threads);
   const MegapixelLimit pixels(common_.max_megapixels);
   const FrameOrderScope order(common_.order);
@@ -396,9 +393,8 @@ int Program::main(int argc, char** argv) {
     if (!parser_.parse(argc, argv)) return 0;
     if (parser_.root().is_given("--completion"))
       throw Error(ErrorKind::usage,
-                  fmt::format("--completion cannot be combined with other arguments; use {} "
-                              "--completion bash",
-                              name_));
+                  "--completion cannot be combined with other arguments; use {} --completion bash",
+                  name_);
     run_session(argc, argv);
     return 0;
   } catch (const Error& error) {

@@ -43,17 +43,16 @@ std::string value_name() {
 
 /// A flag that sets one field of a settings struct, with the same checks as a configuration file.
 template <class T>
-Flag add_setting(const Command& command, const std::string& flag, T& field,
-                 const std::string& help) {
-  return command
-      .add_option(
-          flag,
-          [&field, flag](const std::string& text) {
-            const bool is_text = std::is_same_v<T, std::string> || kIsEnumField<T>;
-            value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
-          },
-          help)
-      .type_name(value_name<T>());
+Flag add_setting(const Command& command, const std::string& flag, T& field, const std::string& help,
+                 const std::string& group = kEssentialGroup,
+                 const std::string& word = value_name<T>()) {
+  return command.add_option(
+      flag,
+      [&field, flag](const std::string& text) {
+        const bool is_text = std::is_same_v<T, std::string> || kIsEnumField<T>;
+        value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
+      },
+      help, group, word);
 }
 
 /// The flag of a row. Its help has the default in place of {}.
@@ -62,17 +61,18 @@ void add_row(const Command& command, const SettingRow& row, T& field) {
   Json initial = value_to_json(field);
   const std::string standard = initial.is_string() ? initial.get<std::string>() : initial.dump();
   const std::string help = fmt::format(fmt::runtime(row.help), standard);
+  const std::string group = row.group == nullptr ? kEssentialGroup : row.group;
+  const std::string word(row.value);
   const auto added = [&] {
     if constexpr (std::is_same_v<T, bool>)
-      return command.add_flag(flag_of(row.key), field, help);
+      return command.add_flag(flag_of(row.key), field, help, group);
     else if constexpr (std::is_same_v<T, std::vector<std::string>>)
-      return command.add_list(flag_of(row.key), field, help);
+      return command.add_list(flag_of(row.key), field, help, group, word.empty() ? "TEXT" : word);
     else
-      return add_setting(command, flag_of(row.key), field, help);
+      return add_setting(command, flag_of(row.key), field, help, group,
+                         word.empty() ? value_name<T>() : word);
   };
   Flag flag = added();
-  if (row.group != nullptr) flag.group(row.group);
-  if (!row.value.empty()) flag.type_name(std::string(row.value));
   if (row.is_comma_separated) flag.comma_separated();
   if (row.choices != nullptr) flag.choices(std::string(row.value), row.choices());
 }

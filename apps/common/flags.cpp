@@ -9,7 +9,6 @@
 #include "base/named_table.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
-#include "settings/query_settings.h"
 #include "truth/formats.h"
 #include "truth/times.h"
 
@@ -56,8 +55,7 @@ size_t parse_bytes(const std::string& text) {
   const size_t shift = has_unit ? 10 * (unit + 1) : 0;
   if (used == 0 || text[0] == '-' || (has_unit && unit == std::string::npos) ||
       value >> (52 - shift) != 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("--max-memory takes bytes, as in 512M or 2G, found {}", text));
+    throw Error(ErrorKind::usage, "--max-memory takes bytes, as in 512M or 2G, found {}", text);
   return value << shift;
 }
 
@@ -65,16 +63,14 @@ size_t parse_bytes(const std::string& text) {
 
 void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
                     const std::string& note, const std::string& group) {
-  command
-      .add_option("--fps", flags.fps,
-                  fmt::format("select frames of {} at this rate, in frames per second; a ground "
-                              "truth still refers to all frames{}",
-                              sequences, note))
-      .group(group);
-  command
-      .add_option("--recorded-fps", flags.recorded_fps,
-                  "frame rate of the recording, unless times, a video or a data set state it")
-      .group(group);
+  command.add_option("--fps", flags.fps,
+                     fmt::format("select frames of {} at this rate, in frames per second; a ground "
+                                 "truth still refers to all frames{}",
+                                 sequences, note),
+                     group);
+  command.add_option("--recorded-fps", flags.recorded_fps,
+                     "frame rate of the recording, unless times, a video or a data set state it",
+                     group);
 }
 
 Flag add_speed_flag(const Command& command, std::string& speed, const std::string& help) {
@@ -104,8 +100,8 @@ SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags
 
 void require_descriptors(const SequenceArgument& argument) {
   if (open_sequence(argument).kind != SequenceKind::descriptors)
-    throw Error(ErrorKind::usage, fmt::format("{}: is not a .npy file or a folder of .npy files",
-                                              argument.path.string()));
+    throw Error(ErrorKind::usage, "{}: is not a .npy file or a folder of .npy files",
+                argument.path.string());
 }
 
 NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
@@ -116,8 +112,7 @@ NamedArgument parse_named_range(const std::string& text, const std::filesystem::
         parse_sequence_argument(fmt::format("{}@{}", path.string(), text.substr(equals + 1)));
     if (argument.path == path) return {text.substr(0, equals), argument};
   }
-  throw Error(ErrorKind::usage,
-              fmt::format("{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text));
+  throw Error(ErrorKind::usage, "{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text);
 }
 
 std::string ground_truth_help() {
@@ -130,21 +125,19 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   GroundTruthOptions& options = flags.options;
   const auto add_number = [&](const std::string& flag, std::optional<double>& value,
                               const std::string& help) {
-    command.add_option(flag, value, help).group(kGroundTruthGroup);
+    command.add_option(flag, value, help, kGroundTruthGroup);
   };
   const auto add_path = [&](const std::string& flag, std::filesystem::path& path,
                             const std::string& help) {
-    command
-        .add_option(
-            flag, [&path](const std::string& text) { path = text; }, help)
-        .type_name("FILE")
-        .group(kGroundTruthGroup);
+    command.add_option(
+        flag, [&path](const std::string& text) { path = text; }, help, kGroundTruthGroup, "FILE");
   };
   add_setting(command, "--tolerance", flags.tolerance_frames,
               "frames by which the same place may be off (default: the data set's, or 0)");
-  command.add_option(format_flag, flags.format, "format of the ground truth (default: detected)")
-      .choices("FORMAT", format_names())
-      .group(kGroundTruthGroup);
+  command
+      .add_option(format_flag, flags.format, "format of the ground truth (default: detected)",
+                  kGroundTruthGroup)
+      .choices("FORMAT", format_names());
   command.add_footer("Ground truth formats:\n" + format_summaries());
   add_path("--ground-truth-train", options.reference,
            "poses of the training sequence, for poses, tum, kitti, euroc, gps and utm, and for "
@@ -180,8 +173,8 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   add_number("--train-offset", options.train_offset_s,
              "seconds added to --train-times (default: 0)");
   add_setting(command, "--matrix-rows", options.matrix_rows,
-              "frames that are rows of a matrix (default: auto, as usual for the format)")
-      .group(kGroundTruthGroup);
+              "frames that are rows of a matrix (default: auto, as usual for the format)",
+              kGroundTruthGroup);
 }
 
 std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
@@ -209,16 +202,13 @@ void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& fl
 
 void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& group) {
   const Flag distance =
-      command.add_flag("--distance", flags.is_distance, "small scores are better").group(group);
-  command.add_flag("--similarity", flags.is_similarity, "large scores are better")
-      .group(group)
+      command.add_flag("--distance", flags.is_distance, "small scores are better", group);
+  command.add_flag("--similarity", flags.is_similarity, "large scores are better", group)
       .excludes(distance);
-  command
-      .add_flag("--train-first", flags.train_first,
-                "rows of the matrix are training frames, columns are queries")
-      .group(group);
-  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN")
-      .group(group);
+  command.add_flag("--train-first", flags.train_first,
+                   "rows of the matrix are training frames, columns are queries", group);
+  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN",
+              group);
 }
 
 void require_order(const ScoreFlags& flags) {
@@ -229,14 +219,13 @@ void require_order(const ScoreFlags& flags) {
 }
 
 void refuse(bool is_given, const std::string& flag, const std::string& why) {
-  if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
+  if (is_given) throw Error(ErrorKind::usage, "{} {}", flag, why);
 }
 
 void add_fuse_flag(const Command& command, std::string& fabmap) {
-  command
-      .add_option("--fuse", fabmap,
-                  "FAB-MAP database of the same training sequences, to fuse with z-scores")
-      .group(kWindowGroup);
+  command.add_option("--fuse", fabmap,
+                     "FAB-MAP database of the same training sequences, to fuse with z-scores",
+                     kWindowGroup);
 }
 
 Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
@@ -246,13 +235,11 @@ Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
 }
 
 void add_memory_flag(const Command& command, size_t& bytes) {
-  command
-      .add_option(
-          "--max-memory", [&bytes](const std::string& text) { bytes = parse_bytes(text); },
-          fmt::format("memory for rings and recognitions in bytes, as in 512M (default: {}G)",
-                      bytes >> 30))
-      .type_name("BYTES")
-      .group(kWindowGroup);
+  command.add_option(
+      "--max-memory", [&bytes](const std::string& text) { bytes = parse_bytes(text); },
+      fmt::format("memory for rings and recognitions in bytes, as in 512M (default: {}G)",
+                  bytes >> 30),
+      kWindowGroup, "BYTES");
 }
 
 Flag add_format_flag(const Command& command, TableFormat& format, const std::string& help) {

@@ -10,7 +10,6 @@
 #include "evaluate/score_matrix.h"
 #include "present/table.h"
 #include "run/train_sequences.h"
-#include "settings/query_settings.h"
 #include "store/archive.h"
 #include "truth/dataset.h"
 

@@ -324,8 +324,7 @@ std::string completion_text(const CommandEntry& program, const std::string& kind
   if (kind == "zsh") return zsh_completion(program);
   if (kind == "fish") return fish_completion(program);
   if (kind == "man") return manual_page(program, version);
-  throw Error(ErrorKind::usage,
-              fmt::format("--completion takes bash, zsh, fish or man, found {}", kind));
+  throw Error(ErrorKind::usage, "--completion takes bash, zsh, fish or man, found {}", kind);
 }
 
 }  // namespace vpr

@@ -129,13 +129,9 @@ Flag Flag::group(const std::string& heading) {
   return *this;
 }
 
-Flag Flag::type_name(const std::string& word) {
-  option_->type_name(word);
-  return *this;
-}
-
 Flag Flag::choices(const std::string& word, const std::vector<std::string>& names) {
-  return type_name(fmt::format("{}:{}", word, fmt::join(names, "|")));
+  option_->type_name(fmt::format("{}:{}", word, fmt::join(names, "|")));
+  return *this;
 }
 
 Flag Flag::read_first() {
@@ -159,39 +155,46 @@ Flag Flag::comma_separated() {
 }
 
 template <class T>
-Flag Command::add_option(const std::string& flag, T& value, const std::string& help) const {
-  CLI::Option& option = *app_->add_option(flag, value, help);
-  if constexpr (std::is_same_v<T, std::optional<uint64_t>> ||
-                std::is_same_v<T, std::optional<double>>)
-    option.type_name("NUMBER");
+Flag Command::add_option(const std::string& flag, T& value, const std::string& help,
+                         const std::string& group, const std::string& word) const {
+  CLI::Option& option = *app_->add_option(flag, value, help)->group(group);
+  const bool is_number =
+      std::is_same_v<T, std::optional<uint64_t>> || std::is_same_v<T, std::optional<double>>;
+  if (is_number || !word.empty()) option.type_name(word.empty() ? "NUMBER" : word);
   return Flag(option);
 }
 
-using Text = std::string;
-template Flag Command::add_option(const Text&, std::string&, const Text&) const;
-template Flag Command::add_option(const Text&, std::optional<std::string>&, const Text&) const;
-template Flag Command::add_option(const Text&, std::optional<uint64_t>&, const Text&) const;
-template Flag Command::add_option(const Text&, std::optional<double>&, const Text&) const;
-template Flag Command::add_option(const Text&, std::vector<std::string>&, const Text&) const;
-template Flag Command::add_option(const Text&, std::vector<uint64_t>&, const Text&) const;
+using Text = const std::string;
+template Flag Command::add_option(Text&, std::string&, Text&, Text&, Text&) const;
+template Flag Command::add_option(Text&, std::optional<std::string>&, Text&, Text&, Text&) const;
+template Flag Command::add_option(Text&, std::optional<uint64_t>&, Text&, Text&, Text&) const;
+template Flag Command::add_option(Text&, std::optional<double>&, Text&, Text&, Text&) const;
+template Flag Command::add_option(Text&, std::vector<std::string>&, Text&, Text&, Text&) const;
+template Flag Command::add_option(Text&, std::vector<uint64_t>&, Text&, Text&, Text&) const;
 
 Flag Command::add_option(const std::string& flag,
                          const std::function<void(const std::string&)>& read,
-                         const std::string& help) const {
-  return Flag(*app_->add_option_function<std::string>(flag, read, help));
+                         const std::string& help, const std::string& group,
+                         const std::string& word) const {
+  CLI::Option& option = *app_->add_option_function<std::string>(flag, read, help)->group(group);
+  if (!word.empty()) option.type_name(word);
+  return Flag(option);
 }
 
-Flag Command::add_flag(const std::string& flag, bool& value, const std::string& help) const {
-  return Flag(*app_->add_flag(flag, value, help));
+Flag Command::add_flag(const std::string& flag, bool& value, const std::string& help,
+                       const std::string& group) const {
+  return Flag(*app_->add_flag(flag, value, help)->group(group));
 }
 
 Flag Command::add_list(const std::string& flag, std::vector<std::string>& values,
-                       const std::string& help) const {
+                       const std::string& help, const std::string& group,
+                       const std::string& word) const {
   return Flag(*app_->add_option(flag, values, help)
+                   ->group(group)
                    ->expected(1)
                    ->take_all()
                    ->allow_extra_args(false)
-                   ->type_name("TEXT"));
+                   ->type_name(word));
 }
 
 void Command::remove_flag(const std::string& flag) const {
@@ -251,11 +254,11 @@ bool Parser::parse(int argc, char** argv) {
     const std::vector<std::string> extra = app_->remaining(true);
     for (const char* flag : {"--query", "--train"})
       if (!extra.empty() && !extra.front().starts_with('-') && takes(flag))
-        throw Error(ErrorKind::usage, fmt::format("unexpected argument {}; did you mean {} {}?",
-                                                  extra.front(), flag, extra.front()));
+        throw Error(ErrorKind::usage, "unexpected argument {}; did you mean {} {}?", extra.front(),
+                    flag, extra.front());
     std::string path = app_->get_name();
     for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
-    throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), path));
+    throw Error(ErrorKind::usage, "{}; see {} --help", error.what(), path);
   }
 }
 
@@ -300,12 +303,12 @@ Json read_config(const std::string& path) {
   }
   if (schema == schema_name("sweep"))
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is a sweep over many settings. Save the recommended settings with "
-                            "vpr-tune --save-config FILE and use that file.",
-                            path));
+                "{}: is a sweep over many settings. Save the recommended settings with vpr-tune "
+                "--save-config FILE and use that file.",
+                path);
   if (schema == schema_name("tuning") || schema == schema_name("calibration")) {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
-    throw Error(ErrorKind::usage, fmt::format("{}: chooses no setting.", path));
+    throw Error(ErrorKind::usage, "{}: chooses no setting.", path);
   }
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");

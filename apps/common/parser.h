@@ -2,7 +2,6 @@
 // parser.cpp includes it.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -33,8 +32,6 @@ class Flag {
   Flag required();
   /// The heading of the flag in the help.
   Flag group(const std::string& heading);
-  /// The name of its value in the help: FILE, NUMBER, text|csv.
-  Flag type_name(const std::string& word);
   /// Values for completions; the help shows only `word`.
   Flag choices(const std::string& word, const std::vector<std::string>& names);
   /// Reads the value before the values of all later flags, which override it.
@@ -57,16 +54,20 @@ class Command {
   explicit Command(CLI::App& app) : app_(&app) {}
 
   /// `flag`: "--name", "-n,--name", or "NAME" for an argument without a flag. T is string,
-  /// optional<string, uint64_t or double>, or vector<string or uint64_t>.
+  /// optional<string, uint64_t or double>, or vector<string or uint64_t>. `group`: the heading in
+  /// the help. `word`: the name of the value there, as in FILE or text|csv; empty: by T.
   template <class T>
-  Flag add_option(const std::string& flag, T& value, const std::string& help) const;
+  Flag add_option(const std::string& flag, T& value, const std::string& help,
+                  const std::string& group = kEssentialGroup, const std::string& word = "") const;
   /// Passes the text of the value to `read`, which may throw.
   Flag add_option(const std::string& flag, const std::function<void(const std::string&)>& read,
-                  const std::string& help) const;
-  Flag add_flag(const std::string& flag, bool& value, const std::string& help) const;
+                  const std::string& help, const std::string& group = kEssentialGroup,
+                  const std::string& word = "") const;
+  Flag add_flag(const std::string& flag, bool& value, const std::string& help,
+                const std::string& group = kEssentialGroup) const;
   /// A repeatable flag. Values are not split.
-  Flag add_list(const std::string& flag, std::vector<std::string>& values,
-                const std::string& help) const;
+  Flag add_list(const std::string& flag, std::vector<std::string>& values, const std::string& help,
+                const std::string& group = kEssentialGroup, const std::string& word = "TEXT") const;
   /// Removes a flag, such as --output of a command without output files.
   void remove_flag(const std::string& flag) const;
   /// Inserts a section, a heading with a colon and lines, before the sections at the end of the

@@ -29,12 +29,13 @@ constexpr const char* kMetricGroup = "Metrics";
 
 void check_range(const char* flag, uint64_t value, uint64_t most) {
   if (value == 0 || value > most)
-    throw Error(ErrorKind::usage, fmt::format("{} must be 1 to {}, found {}", flag, most, value));
+    throw Error(ErrorKind::usage, "{} must be 1 to {}, found {}", flag, most, value);
 }
 
 std::string metrics_help() {
   std::string text = "Metrics (of best matches, all pairs of a matrix, and the path):\n";
   for (const Metric& metric : metrics()) {
+    if (metric.symbol.empty()) continue;
     const char* parameter = metric.of_query != nullptr       ? "K"
                             : metric.of_stretches != nullptr ? "r"
                                                              : "";
@@ -45,79 +46,59 @@ std::string metrics_help() {
 }
 
 void add_file_flags(const Command& command, EvalInputs& inputs) {
-  command
-      .add_option("--expect", inputs.expected,
-                  "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" and "
-                  "\"max\") or an earlier report; exit code 5 if they differ")
-      .type_name("FILE")
-      .group(kFileGroup);
-  command
-      .add_flag("--update", inputs.update,
-                "replace the values in the file of --expect; tolerances and bounds that are met "
-                "stay. Without the file, write the report there")
-      .group(kFileGroup);
-  command
-      .add_option("--junit", inputs.junit,
-                  "JUnit XML file with the comparison of --expect, one test case per value")
-      .type_name("FILE")
-      .group(kFileGroup);
-  command
-      .add_option("--outcomes-csv", inputs.outcomes_csv,
-                  "CSV file with one row per query: its best match and the verdict")
-      .type_name("FILE")
-      .group(kFileGroup);
-  command
-      .add_option("--pairs", inputs.pairs,
-                  "list of the best references of each query, one \"query reference\" per line, as "
-                  "for hloc; needs no ground truth")
-      .type_name("FILE")
-      .group(kFileGroup);
+  command.add_option("--expect", inputs.expected,
+                     "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" "
+                     "and \"max\") or an earlier report; exit code 5 if they differ",
+                     kFileGroup, "FILE");
+  command.add_flag("--update", inputs.update,
+                   "replace the values in the file of --expect; tolerances and bounds that are met "
+                   "stay. Without the file, write the report there",
+                   kFileGroup);
+  command.add_option("--junit", inputs.junit,
+                     "JUnit XML file with the comparison of --expect, one test case per value",
+                     kFileGroup, "FILE");
+  command.add_option("--outcomes-csv", inputs.outcomes_csv,
+                     "CSV file with one row per query: its best match and the verdict", kFileGroup,
+                     "FILE");
+  command.add_option("--pairs", inputs.pairs,
+                     "list of the best references of each query, one \"query reference\" per line, "
+                     "as for hloc; needs no ground truth",
+                     kFileGroup, "FILE");
   add_setting(command, "--top-k", inputs.top_k,
-              "references per query in --pairs (default: 1 for a result, 10 for scores)")
-      .type_name("K")
-      .group(kFileGroup);
-  command
-      .add_list("--name", inputs.names,
-                "name in tables and comparisons (default: the name of the file); repeat it for "
-                "several results, in their order")
-      .group(kFileGroup);
+              "references per query in --pairs (default: 1 for a result, 10 for scores)",
+              kFileGroup, "K");
+  command.add_list("--name", inputs.names,
+                   "name in tables and comparisons (default: the name of the file); repeat it for "
+                   "several results, in their order",
+                   kFileGroup);
   add_format_flag(command, inputs.format).group(kFileGroup);
 }
 
 // The flags that the evaluations of results and of scores share.
 void add_evaluation_flags(Program& program, const Command& command, EvalInputs& inputs) {
   add_truth_flags(command, inputs.truth);
-  command
-      .add_option("--html", inputs.html,
-                  "HTML page with charts and images; one file that opens without a network")
-      .type_name("FILE");
-  command
-      .add_option("--plot", inputs.plots,
-                  "folder for curves, timeline and matrix with ground truth, as SVG and PNG")
-      .type_name("FOLDER")
-      .group(kPictureGroup);
-  command
-      .add_option("--query", inputs.query,
-                  "query, for its images and names: a sequence, or its name in the data set")
-      .type_name("SEQUENCE")
-      .group(kPictureGroup);
-  command
-      .add_list("--train", inputs.train,
-                "training sequence, for its images and names; repeat it in the order of the "
-                "database")
-      .type_name("SEQUENCE")
-      .group(kPictureGroup);
-  command
-      .add_option("--poses", inputs.poses,
-                  "positions of the query's frames (CSV frame,x,y in meters), for gaps in meters "
-                  "(default: those of the data set)")
-      .type_name("FILE")
-      .group(kMetricGroup);
-  add_setting(command, "--stretch", inputs.stretch_frames,
-              fmt::format("frames per stretch of the path, for the recall achievement rate "
-                          "(default: {})",
-                          kDefaultStretch))
-      .group(kMetricGroup);
+  command.add_option("--html", inputs.html,
+                     "HTML page with charts and images; one file that opens without a network",
+                     kEssentialGroup, "FILE");
+  command.add_option("--plot", inputs.plots,
+                     "folder for curves, timeline and matrix with ground truth, as SVG and PNG",
+                     kPictureGroup, "FOLDER");
+  command.add_option("--query", inputs.query,
+                     "query, for its images and names: a sequence, or its name in the data set",
+                     kPictureGroup, "SEQUENCE");
+  command.add_list(
+      "--train", inputs.train,
+      "training sequence, for its images and names; repeat it in the order of the database",
+      kPictureGroup, "SEQUENCE");
+  command.add_option("--poses", inputs.poses,
+                     "positions of the query's frames (CSV frame,x,y in meters), for gaps in "
+                     "meters (default: those of the data set)",
+                     kMetricGroup, "FILE");
+  add_setting(
+      command, "--stretch", inputs.stretch_frames,
+      fmt::format("frames per stretch of the path, for the recall achievement rate (default: {})",
+                  kDefaultStretch),
+      kMetricGroup);
   add_file_flags(command, inputs);
   program.add_config(command, inputs);
   command.add_footer(metrics_help());
@@ -165,27 +146,22 @@ bool ScoreInputs::is_list() const { return !path.empty() && !path.ends_with(".np
 void add_truth_flags(const Command& command, TruthSource& truth) {
   command.add_option("--ground-truth", truth.path, ground_truth_help());
   add_ground_truth_flags(command, truth.flags);
-  command.add_option("--dataset", truth.dataset, "data set description that names the ground truth")
-      .type_name("FILE")
-      .group(kGroundTruthGroup);
+  command.add_option("--dataset", truth.dataset, "data set description that names the ground truth",
+                     kGroundTruthGroup, "FILE");
 }
 
 namespace {
 
 void add_question_flags(const Command& command, EvalInputs& inputs) {
-  command
-      .add_option("--ask-frames", inputs.frame_questions,
-                  "HTML page that shows the images of frames and their best matches, asks whether "
-                  "they are the same place, and saves labels for --ground-truth, by which any "
-                  "result can be judged")
-      .type_name("FILE")
-      .group(kPictureGroup);
-  command
-      .add_option("--ask-places", inputs.place_questions,
-                  "HTML page that shows images of each recognized place, asks whether it is the "
-                  "same place, and saves the answers for --places")
-      .type_name("FILE")
-      .group(kPictureGroup);
+  command.add_option(
+      "--ask-frames", inputs.frame_questions,
+      "HTML page that shows the images of frames and their best matches, asks whether they are the "
+      "same place, and saves labels for --ground-truth, by which any result can be judged",
+      kPictureGroup, "FILE");
+  command.add_option("--ask-places", inputs.place_questions,
+                     "HTML page that shows images of each recognized place, asks whether it is the "
+                     "same place, and saves the answers for --places",
+                     kPictureGroup, "FILE");
 }
 
 }  // namespace
@@ -194,54 +170,41 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
   command.add_option("RESULT", inputs.results,
                      "result of vpr-query; several make one table with one row per result");
   add_evaluation_flags(program, command, inputs);
-  command
-      .add_option(
-          "--places", inputs.places,
-          "CSV file of the page of --ask-places: judge each place, and its recognitions, by "
-          "your answer instead of a ground truth")
-      .type_name("FILE")
-      .group(kGroundTruthGroup);
-  command
-      .add_option("--protocol", inputs.protocols,
-                  "presets of a ground truth, one or several with commas, or nordland-all; one row "
-                  "per preset")
-      .group(kGroundTruthGroup);
-  command
-      .add_option("--matrix", inputs.matrix,
-                  "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all "
-                  "pairs")
-      .type_name("FILE")
-      .group(kMetricGroup);
+  command.add_option("--places", inputs.places,
+                     "CSV file of the page of --ask-places: judge each place, and its "
+                     "recognitions, by your answer instead of a ground truth",
+                     kGroundTruthGroup, "FILE");
+  command.add_option(
+      "--protocol", inputs.protocols,
+      "presets of a ground truth, one or several with commas, or nordland-all; one row per preset",
+      kGroundTruthGroup);
+  command.add_option(
+      "--matrix", inputs.matrix,
+      "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all pairs",
+      kMetricGroup, "FILE");
   add_setting(command, "--confidence", inputs.confidence,
               "value by which curves, metrics, plots and comparisons accept best matches: score, "
               "or margin, the difference from the best match outside the exclusion zone (default: "
-              "as the result was decided); the other one is reported next to it")
-      .group(kMetricGroup);
+              "as the result was decided); the other one is reported next to it",
+              kMetricGroup);
   add_question_flags(command, inputs);
-  command
-      .add_option("--map", inputs.map,
-                  "folder for a map with plan, training paths and recognitions along the query's "
-                  "path, as SVG and PNG; needs --dataset with poses")
-      .type_name("FOLDER")
-      .group(kPictureGroup);
-  command
-      .add_option("--map-with", inputs.map_with,
-                  "second result of the same query, on a map next to the first (such as FAB-MAP "
-                  "and FastABLE)")
-      .type_name("RESULT")
-      .group(kPictureGroup);
-  command
-      .add_option("--recognitions-csv", inputs.recognitions_csv,
-                  "CSV file with one row per recognized place: frames, recognitions and the "
-                  "verdict")
-      .type_name("FILE")
-      .group(kFileGroup);
-  command
-      .add_option("--save-trajectory", inputs.saved_trajectory,
-                  "TUM trajectory of the positions of recognized frames (time x y z qx qy qz qw), "
-                  "as for evo; needs poses of training frames: --dataset, or --ground-truth-train")
-      .type_name("FILE")
-      .group(kFileGroup);
+  command.add_option("--map", inputs.map,
+                     "folder for a map with plan, training paths and recognitions along the "
+                     "query's path, as SVG and PNG; needs --dataset with poses",
+                     kPictureGroup, "FOLDER");
+  command.add_option(
+      "--map-with", inputs.map_with,
+      "second result of the same query, on a map next to the first (such as FAB-MAP and FastABLE)",
+      kPictureGroup, "RESULT");
+  command.add_option(
+      "--recognitions-csv", inputs.recognitions_csv,
+      "CSV file with one row per recognized place: frames, recognitions and the verdict",
+      kFileGroup, "FILE");
+  command.add_option(
+      "--save-trajectory", inputs.saved_trajectory,
+      "TUM trajectory of the positions of recognized frames (time x y z qx qy qz qw), as for evo; "
+      "needs poses of training frames: --dataset, or --ground-truth-train",
+      kFileGroup, "FILE");
 }
 
 void add_matrix_flags(Program& program, const Command& command, EvalInputs& inputs) {
@@ -252,47 +215,40 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
                      "VPR-methods-evaluation. Frames are numbers, or names of --query and --train");
   add_score_flags(command, scores.matrix);
   const std::string descriptors = "Descriptors instead of scores";
-  command
-      .add_option("--query-npy", scores.query_npy,
-                  "descriptors of the query (n x d array, .npy); their distances to --train-npy "
-                  "are computed, for uint8 and bool as Hamming distances")
-      .group(descriptors)
-      .type_name("FILE");
-  command.add_option("--train-npy", scores.train_npy, "descriptors of the training frames")
-      .group(descriptors)
-      .type_name("FILE");
+  command.add_option("--query-npy", scores.query_npy,
+                     "descriptors of the query (n x d array, .npy); their distances to --train-npy "
+                     "are computed, for uint8 and bool as Hamming distances",
+                     descriptors, "FILE");
+  command.add_option("--train-npy", scores.train_npy, "descriptors of the training frames",
+                     descriptors, "FILE");
   add_setting(command, "--metric", scores.metric,
               "distance of descriptors: cosine (1 - cos in float64), l2 (Euclidean) or chord "
-              "(Euclidean at length 1) (default: cosine)")
-      .group(descriptors);
+              "(Euclidean at length 1) (default: cosine)",
+              descriptors);
   const std::string rows = "Rows of the scores";
   add_setting(command, kWindowFlag, scores.window_length,
               "frames per row and column, each a window that is judged at its last frame (default: "
-              "1). vpr-query matrix SCORES --c-l N computes windows")
-      .type_name("N")
-      .group(rows);
-  command
-      .add_option("--query-frames", scores.query_frames,
-                  "frames of the query before --speed: required by --speed, otherwise checked")
-      .group(rows)
-      .type_name("NUMBER");
-  command
-      .add_option("--train-frames", scores.train_frames,
-                  "training frames of a list of numbers (default: --train, or the largest number)")
-      .group(rows)
-      .type_name("NUMBER");
+              "1). vpr-query matrix SCORES --c-l N computes windows",
+              rows, "N");
+  command.add_option("--query-frames", scores.query_frames,
+                     "frames of the query before --speed: required by --speed, otherwise checked",
+                     rows, "NUMBER");
+  command.add_option(
+      "--train-frames", scores.train_frames,
+      "training frames of a list of numbers (default: --train, or the largest number)", rows,
+      "NUMBER");
   add_speed_flag(command, scores.speed,
                  "simulated speed of the query (below), with --seed and --query-frames")
       .group(rows);
   add_evaluation_flags(program, command, inputs);
-  command.add_option("--recall-at", scores.recall_at, "K of recall@K (default: 1,5,10,20)")
-      .comma_separated()
-      .type_name("K")
-      .group(kMetricGroup);
+  command
+      .add_option("--recall-at", scores.recall_at, "K of recall@K (default: 1,5,10,20)",
+                  kMetricGroup, "K")
+      .comma_separated();
   add_setting(command, "--threshold", scores.threshold,
               "score from which best matches count as recognized (default: the threshold of recall "
-              "at 100 % precision)")
-      .group(kMetricGroup);
+              "at 100 % precision)",
+              kMetricGroup);
 }
 
 void check_inputs(const EvalInputs& inputs) {
@@ -340,8 +296,8 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
                 "a result has one best match per query. For more, pass the matrix that was saved "
                 "with it, as in --matrix D.npy (vpr-query --save-matrix)");
   if (inputs.expected.empty() && inputs.has_expectation())
-    throw Error(ErrorKind::usage, fmt::format("{} needs --expect, the file of expected values",
-                                              inputs.update ? "--update" : "--junit"));
+    throw Error(ErrorKind::usage, "{} needs --expect, the file of expected values",
+                inputs.update ? "--update" : "--junit");
   for (const std::string* file :
        {&inputs.html, &inputs.frame_questions, &inputs.place_questions, &inputs.outcomes_csv,
         &inputs.recognitions_csv, &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})

@@ -1,8 +1,6 @@
 #include <cmath>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval.h"
@@ -61,9 +59,9 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
     found.list = read_loop_list(path, found.trajectory, rules);
     if (found.list.has_scores && !inputs.scores.has_order())
       throw Error(ErrorKind::usage,
-                  fmt::format("{}: the list has scores. Add --similarity (higher is better) or "
-                              "--distance (lower is better)",
-                              found.list.name));
+                  "{}: the list has scores. Add --similarity (higher is better) or --distance "
+                  "(lower is better)",
+                  found.list.name);
   }
   found.judgment = judge_loops(found.list, found.trajectory, found.rules);
   return found;
@@ -95,14 +93,12 @@ void add_nearness_flags(const Command& command, LoopInputs& inputs) {
       .add_option("--radius", inputs.radius_m,
                   "largest distance of the two frames of a correct loop, in meters")
       .required();
-  command
-      .add_option("--angle", inputs.angle_deg,
-                  "largest difference of the two headings of a correct loop, in degrees")
-      .group(kMoreGroup);
-  command
-      .add_option("--ignore-radius", inputs.ignore_radius_m,
-                  "loops farther apart than --radius, up to this distance in meters, are ignored")
-      .group(kMoreGroup);
+  command.add_option("--angle", inputs.angle_deg,
+                     "largest difference of the two headings of a correct loop, in degrees",
+                     kMoreGroup);
+  command.add_option(
+      "--ignore-radius", inputs.ignore_radius_m,
+      "loops farther apart than --radius, up to this distance in meters, are ignored", kMoreGroup);
 }
 
 }  // namespace
@@ -123,43 +119,38 @@ void add_loops(Program& program) {
       .required();
   command
       .add_option("--poses", inputs->poses,
-                  "trajectory of the frames; TUM, KITTI, EuRoC, or CSV frame,x,y in meters")
-      .type_name("FILE")
+                  "trajectory of the frames; TUM, KITTI, EuRoC, or CSV frame,x,y in meters",
+                  kEssentialGroup, "FILE")
       .required();
   add_nearness_flags(command, *inputs);
   command
       .add_option(
           "--gap", inputs->gap,
-          "minimum separation of the two frames of a loop, in seconds (30s) or frames (300)")
-      .type_name("TIME")
+          "minimum separation of the two frames of a loop, in seconds (30s) or frames (300)",
+          kEssentialGroup, "TIME")
       .required();
   const Flag distance =
       command.add_flag("--distance", inputs->scores.is_distance, "small scores are better");
   command.add_flag("--similarity", inputs->scores.is_similarity, "large scores are better")
       .excludes(distance);
-  command
-      .add_option("--html", inputs->html,
-                  "HTML page with the map and the curve; one file that opens without a network")
-      .type_name("FILE");
-  command.add_option("--plot", inputs->plots, "folder for the map and the curve as SVG and PNG")
-      .type_name("FOLDER")
-      .group(kMoreGroup);
-  command
-      .add_option("--pose-times", inputs->times,
-                  "times of --poses without times (KITTI's times.txt), one per line")
-      .type_name("FILE")
-      .group(kMoreGroup);
+  command.add_option("--html", inputs->html,
+                     "HTML page with the map and the curve; one file that opens without a network",
+                     kEssentialGroup, "FILE");
+  command.add_option("--plot", inputs->plots, "folder for the map and the curve as SVG and PNG",
+                     kMoreGroup, "FOLDER");
+  command.add_option("--pose-times", inputs->times,
+                     "times of --poses without times (KITTI's times.txt), one per line", kMoreGroup,
+                     "FILE");
   add_setting(command, "--frames-by", inputs->frames,
               "meaning of frames in LIST: auto (time stamps if any has a decimal point, or if all "
-              "are beyond the last frame), index or time (default: auto)")
-      .group(kMoreGroup);
-  command
-      .add_option(
-          "--max-difference", inputs->max_difference_s,
-          "longest time from a frame of LIST to its nearest pose in seconds (default: 0.02)")
-      .group(kMoreGroup);
-  command.add_option("--name", inputs->name, "name in the output (default: the name of the file)")
-      .group(kMoreGroup);
+              "are beyond the last frame), index or time (default: auto)",
+              kMoreGroup);
+  command.add_option(
+      "--max-difference", inputs->max_difference_s,
+      "longest time from a frame of LIST to its nearest pose in seconds (default: 0.02)",
+      kMoreGroup);
+  command.add_option("--name", inputs->name, "name in the output (default: the name of the file)",
+                     kMoreGroup);
   add_format_flag(command, inputs->format).group(kMoreGroup);
 }
 

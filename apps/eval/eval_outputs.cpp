@@ -32,10 +32,9 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
     TrainPoses train = read_train_poses(path, times, monitor);
     if (train.poses.empty()) return train.poses;
     if (is_on_earth.value_or(train.is_on_earth) != train.is_on_earth)
-      throw Error(
-          ErrorKind::data,
-          "--save-trajectory: some training sequences have latitudes and longitudes, others have "
-          "meters. Use the same for all");
+      throw Error(ErrorKind::data,
+                  "--save-trajectory: some training sequences have latitudes and longitudes, "
+                  "others have meters. Use the same for all");
     is_on_earth = train.is_on_earth;
     for (auto& pose : train.poses) {
       if (!pose || !train.is_on_earth) continue;
@@ -67,20 +66,19 @@ FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   if (options.query_times.empty()) return clock;
   clock.times_ns = read_frame_times(options.query_times, monitor);
   if (clock.times_ns.size() < evaluation.query().recorded_frames())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has {}, the query has {}", options.query_times.string(),
-                            counted(clock.times_ns.size(), "time"),
-                            counted(evaluation.query().recorded_frames(), "frame")));
+    throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query_times.string(),
+                counted(clock.times_ns.size(), "time"),
+                counted(evaluation.query().recorded_frames(), "frame"));
   return clock;
 }
 
 std::string name_of(const std::vector<std::string>& names, size_t frame) {
   if (names.empty()) return std::to_string(frame);
   if (frame >= names.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("there is no name for frame {}, only for {}. Pass the sequences that "
-                            "were evaluated",
-                            frame, counted(names.size(), "frame")));
+    throw Error(
+        ErrorKind::usage,
+        "there is no name for frame {}, only for {}. Pass the sequences that were evaluated", frame,
+        counted(names.size(), "frame"));
   return names[frame];
 }
 
@@ -140,9 +138,9 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
   std::vector<std::vector<std::string>> train = train_names(inputs);
   if (sequences > 1 && train.size() < sequences)
     throw Error(ErrorKind::usage,
-                fmt::format("--pairs: name the frames of all {} training sequences, in the order "
-                            "of the database, with --train",
-                            sequences));
+                "--pairs: name the frames of all {} training sequences, in the order of the "
+                "database, with --train",
+                sequences);
   train.resize(std::max(train.size(), sequences));
   const auto has_blank = [](const std::vector<std::string>& names) {
     return std::ranges::any_of(names, [](const std::string& name) {

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "eval.h"
 #include "files/report.h"
@@ -18,13 +16,12 @@ namespace {
 
 void require_frames(const SequenceSource& sequence, size_t expected, const std::string& what) {
   if (sequence.kind == SequenceKind::descriptors)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: the sequence has descriptors, but plots need its images",
-                            sequence.argument.path.string()));
+    throw Error(ErrorKind::usage, "{}: the sequence has descriptors, but plots need its images",
+                sequence.argument.path.string());
   if (sequence.kind == SequenceKind::video || sequence.files.size() == expected) return;
   throw Error(ErrorKind::usage,
-              fmt::format("{}: has {} frames, but {} has {}. Pass the sequence that was evaluated",
-                          sequence.argument.path.string(), sequence.files.size(), what, expected));
+              "{}: has {} frames, but {} has {}. Pass the sequence that was evaluated",
+              sequence.argument.path.string(), sequence.files.size(), what, expected);
 }
 
 std::vector<std::optional<SequenceSource>> open_references(const std::vector<NamedSequence>& train,
@@ -32,10 +29,10 @@ std::vector<std::optional<SequenceSource>> open_references(const std::vector<Nam
   std::vector<std::optional<SequenceSource>> references(scope.sequences.size());
   if (train.empty()) return references;
   if (train.size() < scope.sequences.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("there are {} training sequences for plots, but {} were evaluated. "
-                            "Pass all, in this order",
-                            train.size(), scope.sequences.size()));
+    throw Error(
+        ErrorKind::usage,
+        "there are {} training sequences for plots, but {} were evaluated. Pass all, in this order",
+        train.size(), scope.sequences.size());
   for (size_t s = 0; s < references.size(); ++s) {
     const Sequence& known = scope.sequences[s].sequence;
     const auto named = std::ranges::find_if(
@@ -85,8 +82,8 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
   const NamedSequence& query = select_query(dataset, name).sequence;
   if (query.poses.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: the query {} has no \"poses\" (CSV frame,x,y), which --map needs",
-                            where, name));
+                "{}: the query {} has no \"poses\" (CSV frame,x,y), which --map needs", where,
+                name);
   RouteMap map;
   std::vector<std::filesystem::path> paths = {query.poses};
   for (const NamedSequence& train : dataset.train)
@@ -94,18 +91,18 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
   Routes found = read_routes(paths);
   if (found.is_gps && !(dataset.plan.empty() && dataset.place_poses.empty()))
     throw Error(ErrorKind::data,
-                fmt::format("{}: the \"poses\" are latitudes and longitudes, but \"plan\" and "
-                            "\"place_poses\" are in meters",
-                            where));
+                "{}: the \"poses\" are latitudes and longitudes, but \"plan\" and \"place_poses\" "
+                "are in meters",
+                where);
   map.query = std::move(found.routes.front());
   map.train.assign(std::make_move_iterator(found.routes.begin() + 1),
                    std::make_move_iterator(found.routes.end()));
   const size_t frames = evaluation.query().recorded_frames();
   if (map.query.empty())
-    throw Error(ErrorKind::data, fmt::format("{}: there are no poses", query.poses.string()));
+    throw Error(ErrorKind::data, "{}: there are no poses", query.poses.string());
   if (map.query.size() > frames)
-    throw Error(ErrorKind::data, fmt::format("{}: has poses of {} frames, but the query has {}",
-                                             query.poses.string(), map.query.size(), frames));
+    throw Error(ErrorKind::data, "{}: has poses of {} frames, but the query has {}",
+                query.poses.string(), map.query.size(), frames);
   map.query.resize(frames);
   map.query = selected(std::move(map.query), evaluation.query().selection);
   if (!dataset.plan.empty()) map.walls = read_walls(dataset.plan);
@@ -136,8 +133,8 @@ void write_questions(Session& session, const EvalInputs& inputs, const Evaluated
     const FrameSources sources = find_frames(inputs, evaluated);
     if (!sources.query || !std::ranges::all_of(sources.references, is_found))
       throw Error(ErrorKind::usage,
-                  "the images of the run have moved or changed. "
-                  "Pass them with --query and --train, or --dataset");
+                  "the images of the run have moved or changed. Pass them with --query and "
+                  "--train, or --dataset");
     session.outputs.file(path).write(
         page_of(evaluated.evaluation, evaluated.report, sources, session.monitor));
   };
@@ -162,11 +159,10 @@ void write_map(Session& session, const EvalInputs& inputs, const Evaluated& eval
     const std::string& query = evaluated.evaluation.query().name;
     const std::string& other = second->evaluation.query().name;
     if (other != query || panels[0].meanings.size() != panels[1].meanings.size())
-      throw Error(
-          ErrorKind::usage,
-          fmt::format("{}: the query is {}, but the first result has the query {}. Pass two "
-                      "results of one query",
-                      inputs.map_with, other, query));
+      throw Error(ErrorKind::usage,
+                  "{}: the query is {}, but the first result has the query {}. Pass two results of "
+                  "one query",
+                  inputs.map_with, other, query);
   }
   draw_route_map(map, panels, session.outputs.folder(inputs.map, is_marked_folder).temporary(),
                  session.monitor);

@@ -53,8 +53,8 @@ void warn_about_queries(const Monitor& monitor, const std::vector<std::string>& 
     const bool has_same_truth =
         reports[r].provenance.ground_truth == reports[0].provenance.ground_truth;
     if (reports[r].query != reports[0].query && !is_unnamed && !has_same_truth)
-      warn(monitor, fmt::format("{} evaluates the query {}, but {} evaluates {}", paths[0],
-                                reports[0].query, paths[r], reports[r].query));
+      warn(monitor, "{} evaluates the query {}, but {} evaluates {}", paths[0], reports[0].query,
+           paths[r], reports[r].query);
   }
 }
 
@@ -70,17 +70,18 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
     case GroundTruths::same:
       return;
     case GroundTruths::of_places_and_frames:
-      warn(monitor, fmt::format("places and frames have different ground truths, and frames with "
-                                "a match in only one of them are omitted: {}",
-                                words));
+      warn(monitor,
+           "places and frames have different ground truths, and frames with a match in only one of "
+           "them are omitted: {}",
+           words);
       return;
     case GroundTruths::different:
       if (!inputs.allow_different)
         throw Error(ErrorKind::data,
-                    fmt::format("the reports have different ground truths: {}. Evaluate all "
-                                "results with one of them, or add --allow-different",
-                                words));
-      warn(monitor, fmt::format("the ground truths are different: {}", words));
+                    "the reports have different ground truths: {}. Evaluate all results with one "
+                    "of them, or add --allow-different",
+                    words);
+      warn(monitor, "the ground truths are different: {}", words);
   }
 }
 
@@ -104,18 +105,18 @@ Report find_report(Session& session, const std::string& path, const TruthSource&
   if (!is_result(schema_of(json))) return parse_report(json, path);
   if (!truth.is_given())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is a result. Add --ground-truth or --dataset to evaluate it, or "
-                            "pass its report (vpr-eval {} -o REPORT)",
-                            path, path));
+                "{}: is a result. Add --ground-truth or --dataset to evaluate it, or pass its "
+                "report (vpr-eval {} -o REPORT)",
+                path, path);
   return evaluate_by(session, path, truth).report;
 }
 
 void claim_outputs(const Session& session, const CompareInputs& inputs) {
   if (!inputs.names.empty() && inputs.names.size() != inputs.reports.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("--name is needed for each report, in their order: there are {} "
-                            "reports and {} names",
-                            inputs.reports.size(), inputs.names.size()));
+    throw Error(
+        ErrorKind::usage,
+        "--name is needed for each report, in their order: there are {} reports and {} names",
+        inputs.reports.size(), inputs.names.size());
   session.claim_output();
   if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
   if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
@@ -175,7 +176,7 @@ void run_compare(Session& session, const CompareInputs& inputs) {
 std::vector<std::string> json_files(const std::string& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
-    throw Error(ErrorKind::input, fmt::format("{}: is not a folder", folder));
+    throw Error(ErrorKind::input, "{}: is not a folder", folder);
   std::vector<std::string> files;
   for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
@@ -184,7 +185,7 @@ std::vector<std::string> json_files(const std::string& folder) {
     else if (entry->is_regular_file() && entry->path().extension() == ".json")
       files.push_back(entry->path().string());
   }
-  if (error) throw Error(ErrorKind::input, fmt::format("{}: {}", folder, error.message()));
+  if (error) throw Error(ErrorKind::input, "{}: {}", folder, error.message());
   std::ranges::sort(files, natural_less);
   return files;
 }
@@ -200,9 +201,8 @@ struct Grid {
     const auto [found, is_new] = paths.insert({{method, report.query}, path});
     if (!is_new)
       throw Error(ErrorKind::usage,
-                  fmt::format("{} and {} are both of {} on {}. Name them with vpr-eval --name, or "
-                              "remove one",
-                              found->second, path, method, report.query));
+                  "{} and {} are both of {} on {}. Name them with vpr-eval --name, or remove one",
+                  found->second, path, method, report.query);
     evaluated.insert(report.provenance.evaluated());
     reports.push_back({method, std::move(report)});
   }
@@ -234,17 +234,15 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
   }
   const size_t skipped = results.size();
   if (grid.reports.empty())
-    throw Error(ErrorKind::input,
-                fmt::format("{}: there are no reports of vpr-eval{}", inputs.folder,
-                            skipped > 0 ? fmt::format(", but {}. Add --dataset or --ground-truth "
-                                                      "to evaluate results",
-                                                      counted(skipped, "result"))
-                                        : ""));
+    throw Error(ErrorKind::input, "{}: there are no reports of vpr-eval{}", inputs.folder,
+                skipped > 0
+                    ? fmt::format(", but {}. Add --dataset or --ground-truth to evaluate results",
+                                  counted(skipped, "result"))
+                    : "");
   if (skipped > grid.reports.size())
     warn(session.monitor,
-         fmt::format("{}: {} may have no report. Add --dataset or --ground-truth to evaluate "
-                     "results",
-                     inputs.folder, counted(skipped - grid.reports.size(), "result")));
+         "{}: {} may have no report. Add --dataset or --ground-truth to evaluate results",
+         inputs.folder, counted(skipped - grid.reports.size(), "result"));
   return grid;
 }
 
@@ -344,35 +342,31 @@ void add_compare(Program& program) {
       [inputs](Session& session) { run_compare(session, *inputs); });
   command
       .add_option("REPORT", inputs->reports,
-                  "reports of vpr-eval, or results of vpr-query with a ground truth; the first "
-                  "one is the baseline of the others")
+                  "reports of vpr-eval, or results of vpr-query with a ground truth; the first one "
+                  "is the baseline of the others")
       .required()
       .expected(2, 1000);
   add_truth_flags(command, inputs->truth);
   command.add_list("--name", inputs->names,
                    "name of a report in tables; repeat it for all, in their order (default: the "
                    "name in the report, or the name of the file)");
-  command
-      .add_option("--html", inputs->html,
-                  "HTML page with the tables, and curves and paths of all reports")
-      .type_name("FILE");
-  command
-      .add_option("--plot", inputs->plots,
-                  "folder for curves and paths of all reports, as SVG and PNG")
-      .type_name("FOLDER");
+  command.add_option("--html", inputs->html,
+                     "HTML page with the tables, and curves and paths of all reports",
+                     kEssentialGroup, "FILE");
+  command.add_option("--plot", inputs->plots,
+                     "folder for curves and paths of all reports, as SVG and PNG", kEssentialGroup,
+                     "FOLDER");
   add_setting(command, "--block", inputs->block,
               "consecutive frames that are resampled together, since neighbors depend on each "
-              "other (default: the longest window, at least 10)")
-      .group(kMoreGroup);
-  command
-      .add_flag("--common", inputs->only_common,
-                "compare only frames for which every report has a best match; all numbers are then "
-                "over these frames")
-      .group(kMoreGroup);
-  command
-      .add_flag("--allow-different", inputs->allow_different,
-                "compare reports with different ground truths; the output states them")
-      .group(kMoreGroup);
+              "other (default: the longest window, at least 10)",
+              kMoreGroup);
+  command.add_flag("--common", inputs->only_common,
+                   "compare only frames for which every report has a best match; all numbers are "
+                   "then over these frames",
+                   kMoreGroup);
+  command.add_flag("--allow-different", inputs->allow_different,
+                   "compare reports with different ground truths; the output states them",
+                   kMoreGroup);
   add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
 }
 
@@ -388,10 +382,9 @@ void add_report(Program& program) {
                   "folder with reports of vpr-eval or results of vpr-query, also in subfolders")
       .required();
   add_truth_flags(command, inputs->truth);
-  command
-      .add_option("--html", inputs->html,
-                  "HTML page with tables, and for each query curves and paths of all methods")
-      .type_name("FILE");
+  command.add_option("--html", inputs->html,
+                     "HTML page with tables, and for each query curves and paths of all methods",
+                     kEssentialGroup, "FILE");
   add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
 }
 

@@ -59,18 +59,15 @@ GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& mo
 
 void add_scope_flags(const Command& command, ScopeInputs& inputs) {
   constexpr const char* kGroup = "Numbers of frames (default: those of the ground truth)";
-  command.add_option("--result", inputs.result, "result of vpr-query with these frames")
-      .group(kGroup);
-  command.add_option("--query", inputs.query, "query with these frames: folder, list or video")
-      .group(kGroup);
-  command.add_list("--train", inputs.train, "training sequence with these frames; repeatable")
-      .group(kGroup);
-  command.add_option("--query-frames", inputs.query_frames, "number of query frames")
-      .type_name("NUMBER")
-      .group(kGroup);
-  command.add_option("--train-frames", inputs.train_frames, "number of training frames")
-      .type_name("NUMBER")
-      .group(kGroup);
+  command.add_option("--result", inputs.result, "result of vpr-query with these frames", kGroup);
+  command.add_option("--query", inputs.query, "query with these frames: folder, list or video",
+                     kGroup);
+  command.add_list("--train", inputs.train, "training sequence with these frames; repeatable",
+                   kGroup);
+  command.add_option("--query-frames", inputs.query_frames, "number of query frames", kGroup,
+                     "NUMBER");
+  command.add_option("--train-frames", inputs.train_frames, "number of training frames", kGroup,
+                     "NUMBER");
 }
 
 // Videos are read to count their frames.
@@ -78,10 +75,9 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
   const bool has_sequences = !inputs.query.empty() || !inputs.train.empty();
   const bool has_numbers = inputs.query_frames || inputs.train_frames;
   if (int{!inputs.result.empty()} + int{has_sequences} + int{has_numbers} > 1)
-    throw Error(
-        ErrorKind::usage,
-        "the numbers of frames have several sources. Use one: --result, --query with --train, or "
-        "--query-frames with --train-frames");
+    throw Error(ErrorKind::usage,
+                "the numbers of frames have several sources. Use one: --result, --query with "
+                "--train, or --query-frames with --train-frames");
   if (!inputs.result.empty()) return scope_of(read_result(inputs.result, monitor).result);
   if (has_sequences) {
     if (inputs.query.empty() || inputs.train.empty())
@@ -92,8 +88,7 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
   if (!inputs.query_frames || !inputs.train_frames)
     throw Error(ErrorKind::usage, "--query-frames and --train-frames go together");
   if (*inputs.query_frames > kMaxGrownFrames || *inputs.train_frames > kMaxGrownFrames)
-    throw Error(ErrorKind::usage,
-                fmt::format("the maximum number of frames is {}", kMaxGrownFrames));
+    throw Error(ErrorKind::usage, "the maximum number of frames is {}", kMaxGrownFrames);
   return {{"", *inputs.query_frames}, {{{"", *inputs.train_frames}}}};
 }
 
@@ -119,24 +114,22 @@ void run_convert(Session& session, const TruthInputs& inputs) {
     throw Error(ErrorKind::usage, "the output file is missing. Add it, as in -o pairs.csv");
   const GroundTruthFormat& target = find_format(inputs.target);
   if (!is_written(target))
-    throw Error(ErrorKind::usage, fmt::format("{} cannot be written. Use --to with {}", target.name,
-                                              format_names(is_written)));
+    throw Error(ErrorKind::usage, "{} cannot be written. Use --to with {}", target.name,
+                format_names(is_written));
   session.claim_output();
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   require_undamaged(found, inputs.ground_truth);
   if (!found.truth.asked.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: most pairs are unknown, and no other format has such pairs",
-                            inputs.ground_truth));
+    throw Error(ErrorKind::usage, "{}: most pairs are unknown, and no other format has such pairs",
+                inputs.ground_truth);
   const GroundTruthSummary summary = summarize(found, session.monitor);
   const bool holds_ignored = target.ignores_in.empty() ||
                              std::filesystem::path(options.output).extension() == target.ignores_in;
   if (summary.ignored > 0 && !holds_ignored)
-    warn(session.monitor,
-         fmt::format("{} labeled ignore become different, since {} has no such label",
-                     counted(summary.ignored, "pair"), target.name));
+    warn(session.monitor, "{} labeled ignore become different, since {} has no such label",
+         counted(summary.ignored, "pair"), target.name);
   target.write(found, session.outputs.file(options.output), session.monitor);
   session.print_result(fmt::format("{} ({}) to {} ({}): {}, {} of the same place, {} ignored\n",
                                    inputs.ground_truth, found.format, options.output, target.name,

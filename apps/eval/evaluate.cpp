@@ -8,7 +8,6 @@
 #include "evaluate/prediction_lists.h"
 #include "present/recorded_frames.h"
 #include "sequence/sequence_source.h"
-#include "settings/query_settings.h"
 
 namespace vpr {
 namespace {
@@ -77,13 +76,13 @@ EvaluationSettings evaluation_settings(const EvalInputs& inputs,
   const bool has_flags =
       flags.tolerance_frames || !flags.format.empty() || !flags.options.reference.empty();
   if (!by.ground_truth && (inputs.needs_truth || has_flags))
-    throw Error(ErrorKind::usage,
-                inputs.truth.dataset.empty()
-                    ? "there is no ground truth. Add one, as in --ground-truth pairs.csv or "
-                      "--ground-truth aligned"
-                    : fmt::format("{}: the query has no ground truth. Add it there, or with "
-                                  "--ground-truth",
-                                  inputs.truth.dataset));
+    throw Error(
+        ErrorKind::usage,
+        inputs.truth.dataset.empty()
+            ? "there is no ground truth. Add one, as in --ground-truth pairs.csv or --ground-truth "
+              "aligned"
+            : fmt::format("{}: the query has no ground truth. Add it there, or with --ground-truth",
+                          inputs.truth.dataset));
   if (family == DatabaseFamily::sequences) add_names(by, inputs, query_name);
   return by;
 }
@@ -124,14 +123,14 @@ std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const Store
   const auto saved = stored.context.files.find("matrix");
   if (saved == stored.context.files.end())
     warn(session.monitor,
-         fmt::format("{}: no matrix was saved with this result (vpr-query --save-matrix); {} may "
-                     "belong to another one",
-                     inputs.result, path));
+         "{}: no matrix was saved with this result (vpr-query --save-matrix); {} may belong to "
+         "another one",
+         inputs.result, path);
   else if (matrix.fingerprint(session.monitor) != saved->second.checksum)
     throw Error(ErrorKind::data,
-                fmt::format("{}: is not the matrix that {} was written with. Run vpr-query again "
-                            "with --save-matrix, or use vpr-eval matrix",
-                            path, inputs.result));
+                "{}: is not the matrix that {} was written with. Run vpr-query again with "
+                "--save-matrix, or use vpr-eval matrix",
+                path, inputs.result);
   return matrix;
 }
 
@@ -164,12 +163,10 @@ void warn_of_order(const Session& session, const EvalInputs& inputs) {
   }
   for (const std::vector<std::string>& names : sides)
     if (!std::ranges::is_sorted(names))
-      return warn(
-          session.monitor,
-          fmt::format("rows belong to images in natural order ({} before {}). If the program "
-                      "that wrote them sorted names as text, add --order name",
-                      *(std::ranges::is_sorted_until(names) - 1),
-                      *std::ranges::is_sorted_until(names)));
+      return warn(session.monitor,
+                  "rows belong to images in natural order ({} before {}). If the program that "
+                  "wrote them sorted names as text, add --order name",
+                  *(std::ranges::is_sorted_until(names) - 1), *std::ranges::is_sorted_until(names));
 }
 
 // Warns if the opposite of --distance or --similarity is correct for more queries.
@@ -182,10 +179,9 @@ void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judg
   const double other =
       static_cast<double>(judgment.all_pairs->worst_correct) / static_cast<double>(queries);
   if (other < 2 * *found || other < *found + kClear) return;
-  warn(monitor,
-       fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
-                   100 * *found, inputs.matrix.is_distance ? "--distance" : "--similarity",
-                   100 * other, inputs.matrix.is_distance ? "--similarity" : "--distance"));
+  warn(monitor, "{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(), 100 * *found,
+       inputs.matrix.is_distance ? "--distance" : "--similarity", 100 * other,
+       inputs.matrix.is_distance ? "--similarity" : "--distance");
 }
 
 // Warns if the best score may be the missing value of vpr-query.
@@ -196,9 +192,9 @@ void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judg
   const double best = judgment.single_best.threshold(points.front());
   if (std::ranges::find(score_kinds(), best, &ScoreKind::missing) == score_kinds().end()) return;
   warn(monitor,
-       fmt::format("{0}: the smallest distance is {1}. If it stands for a missing score, as in a "
-                   "matrix of vpr-query, add --missing {1}",
-                   inputs.source(), best));
+       "{0}: the smallest distance is {1}. If it stands for a missing score, as in a matrix of "
+       "vpr-query, add --missing {1}",
+       inputs.source(), best);
 }
 
 }  // namespace

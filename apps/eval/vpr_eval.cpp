@@ -71,9 +71,8 @@ Json read_expected(const Session& session, const EvalInputs& inputs) {
   std::error_code error;
   const bool exists = std::filesystem::exists(inputs.expected, error);
   if (!inputs.update && !exists)
-    throw Error(
-        ErrorKind::input,
-        fmt::format("{}: no such file. Create it from this report with --update", inputs.expected));
+    throw Error(ErrorKind::input, "{}: no such file. Create it from this report with --update",
+                inputs.expected);
   if (inputs.update && exists) session.outputs.extend(inputs.expected);
   if (inputs.update) session.outputs.claim_file(inputs.expected);
   return exists ? read_json(inputs.expected, ErrorKind::usage) : Json();
@@ -143,7 +142,7 @@ void require_sequences(const EvalInputs& inputs) {
   if (inputs.query && inputs.truth.dataset.empty()) named.push_back(*inputs.query);
   for (const std::string& text : named)
     if (std::error_code error; !std::filesystem::exists(parse_sequence_argument(text).path, error))
-      throw Error(ErrorKind::input, fmt::format("{}: no such folder, list or video", text));
+      throw Error(ErrorKind::input, "{}: no such folder, list or video", text);
 }
 
 void run_one(Session& session, const EvalInputs& inputs) {
@@ -183,8 +182,8 @@ void run_one(Session& session, const EvalInputs& inputs) {
           : render_table(places_table(evaluated.report), inputs.format);
   session.print_result(output_text(session, inputs.format, brief, tables), report);
   if (!unmet.empty() && !inputs.update)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
+    throw Error(ErrorKind::expectation, "{}: not met:\n  {}", inputs.expected,
+                fmt::join(unmet, "\n  "));
 }
 
 /// Whether an output shows a single result under a single ground truth.
@@ -196,11 +195,10 @@ bool shows_one(const EvalInputs& inputs) {
 
 void run_several(Session& session, const EvalInputs& inputs) {
   if (!inputs.matrix.empty() || inputs.has_expectation() || shows_one(inputs))
-    throw Error(
-        ErrorKind::usage,
-        "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places, "
-        "--ask-frames and --ask-places take one result. For a page of several, use vpr-eval report "
-        "FOLDER --html FILE");
+    throw Error(ErrorKind::usage,
+                "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places, "
+                "--ask-frames and --ask-places take one result. For a page of several, use "
+                "vpr-eval report FOLDER --html FILE");
   check_inputs(inputs);
   session.claim_output();
   for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})
@@ -258,10 +256,10 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
 void run(Session& session, const EvalInputs& inputs) {
   const size_t results = std::max<size_t>(inputs.results.size(), 1);
   if (!inputs.names.empty() && inputs.names.size() != results)
-    throw Error(ErrorKind::usage,
-                fmt::format("--name is needed for each result, in their order: there are {} "
-                            "results and {} names",
-                            results, inputs.names.size()));
+    throw Error(
+        ErrorKind::usage,
+        "--name is needed for each result, in their order: there are {} results and {} names",
+        results, inputs.names.size());
   if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (inputs.results.size() > 1) return run_several(session, inputs);
   run_one(session, inputs_of(inputs, 0));

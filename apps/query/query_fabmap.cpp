@@ -72,9 +72,8 @@ std::map<size_t, SequenceArgument> images_by_group(const QueryOptions& options,
       ++group;
     if (group == database.groups.size())
       throw Error(ErrorKind::usage,
-                  fmt::format("--train: the database has no further group named {}; "
-                              "vpr-train info lists them",
-                              name));
+                  "--train: the database has no further group named {}; vpr-train info lists them",
+                  name);
     images[group] = argument;
   }
   return images;
@@ -163,8 +162,8 @@ void query_places(Session& session, const QueryOptions& options,
   images_by_group(options, database);  // report a wrong name before the query
   const auto explained = options.explained_frame;
   if (explained && *explained >= frames)
-    throw Error(ErrorKind::usage,
-                fmt::format("--frame {}: the query's frames are 0 to {}", *explained, frames - 1));
+    throw Error(ErrorKind::usage, "--frame {}: the query's frames are 0 to {}", *explained,
+                frames - 1);
   std::optional<PosteriorFile> posteriors;
   if (!options.posteriors.empty())
     posteriors.emplace(session.outputs.file(options.posteriors), frames,

@@ -77,8 +77,8 @@ struct Follower {
   std::optional<DescriptorSet> describe(const LiveFrame& frame) const {
     try {
       if (frame.is_unreadable)
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: frame {} cannot be decoded", frame.file.string(), frame.name));
+        throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
+                    frame.name);
       return describe_frames(frame.sequence(), database, false, silent);
     } catch (const Error& error) {
       if (unreadable == Unreadable::fail || error.kind() != ErrorKind::input) throw;

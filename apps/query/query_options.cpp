@@ -48,26 +48,23 @@ void add_query_flags(const Command& command, QueryOptions& options) {
   command.add_option("--query", options.query,
                      "query sequence: folder, list or video, PATH[@FIRST:LAST[:STEP]]; with "
                      "--dataset, the name of one of its queries");
-  command.add_option("--dataset", options.dataset, "data set description with the query")
-      .group(kQueryGroup);
+  command.add_option("--dataset", options.dataset, "data set description with the query",
+                     kQueryGroup);
 }
 
 void add_arrays_flag(const Command& command, QueryOptions& options) {
-  command
-      .add_option("--query-npy", options.query_npy,
-                  "descriptors instead of --query: n x d values, or a folder with one .npy file "
-                  "per frame, with an optional range")
-      .group(kQueryGroup);
+  command.add_option("--query-npy", options.query_npy,
+                     "descriptors instead of --query: n x d values, or a folder with one .npy file "
+                     "per frame, with an optional range",
+                     kQueryGroup);
 }
 
 void add_selection_flags(const Command& command, QueryOptions& options) {
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
-  command
-      .add_option("--query-times", options.query_times,
-                  "times of the query frames, for --fps: a list, a folder of images with times as "
-                  "names, or a video")
-      .type_name("FILE")
-      .group(kQueryGroup);
+  command.add_option("--query-times", options.query_times,
+                     "times of the query frames, for --fps: a list, a folder of images with times "
+                     "as names, or a video",
+                     kQueryGroup, "FILE");
 }
 
 // Live queries refuse OpenABLE, LSH and FAB-MAP (settings/choices.cpp).
@@ -88,12 +85,10 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
 }
 
 void add_matrix_output(const Command& command, QueryOptions& options) {
-  command
-      .add_option("--save-matrix", options.matrix,
-                  "write the score matrix: .npy (int32, never whole in memory) or .png (dark: "
-                  "close)")
-      .type_name("FILE")
-      .group(kWindowGroup);
+  command.add_option(
+      "--save-matrix", options.matrix,
+      "write the score matrix: .npy (int32, never whole in memory) or .png (dark: close)",
+      kWindowGroup, "FILE");
 }
 
 // The flags of sequence methods, and the memory that they use.
@@ -105,15 +100,15 @@ void add_sequence_flags(const Command& command, QueryOptions& options,
 
 void add_fabmap_flags(const Command& command, QueryOptions& options,
                       FabmapQuerySettings& settings) {
-  const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
   add_settings(command, settings, fabmap_setting_rows(), Feature::query);
-  group(command.add_flag("--motion-model", settings.posterior.motion_model,
-                         "raise the prior of places next to the previous place"));
-  group(command.add_option(
-      "--query-bow", options.query_bow,
-      "OpenFABMAP's BOW matrix (.npy) instead of --query, with an optional range"));
-  group(command.add_option("--save-posteriors", options.posteriors,
-                           "write frames x (1 + views) probabilities, new place first (.npy)"));
+  command.add_flag("--motion-model", settings.posterior.motion_model,
+                   "raise the prior of places next to the previous place", kFabmapGroup);
+  command.add_option("--query-bow", options.query_bow,
+                     "OpenFABMAP's BOW matrix (.npy) instead of --query, with an optional range",
+                     kFabmapGroup);
+  command.add_option("--save-posteriors", options.posteriors,
+                     "write frames x (1 + views) probabilities, new place first (.npy)",
+                     kFabmapGroup);
   std::string text = "Variants of FAB-MAP:\n";
   for (const FabmapVariant& variant : fabmap_variants())
     text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
@@ -138,8 +133,8 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_matrix_output(command, options);
   add_setting(command, "--verify", options.verify_cells,
               "number of random cells to recompute with the reference implementation (windows of "
-              "one rate, raw or zscore); exit code 5 if any differs")
-      .group(kWindowGroup);
+              "one rate, raw or zscore); exit code 5 if any differs",
+              kWindowGroup);
   add_fabmap_flags(command, options, settings.fabmap);
 }
 
@@ -148,8 +143,8 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
   command.add_option("--query", options.query,
                      "growing folder, camera (/dev/video0), video, list, or - for image paths on "
                      "standard input; with --dataset, the name of one of its queries");
-  command.add_option("--dataset", options.dataset, "data set description with the query")
-      .group(kQueryGroup);
+  command.add_option("--dataset", options.dataset, "data set description with the query",
+                     kQueryGroup);
   add_method_flag(command, settings, true,
                   "matching method (default: filter); flags of windows select fastable");
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
@@ -159,29 +154,25 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
 }
 
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
-  command.add_option("DB", options.database,
-                     "FAB-MAP database, whose places come before those of the query; omit it for "
-                     "windows");
+  command.add_option(
+      "DB", options.database,
+      "FAB-MAP database, whose places come before those of the query; omit it for windows");
   add_query_flags(command, options);
   add_arrays_flag(command, options);
-  command
-      .add_option(
-          "--gap",
-          [&](const std::string& text) { set_loop_gap(text, settings.sequence, settings.fabmap); },
-          "minimum time between a frame and its match, in frames (300) or seconds (30s); for "
-          "FAB-MAP, the frames in between (default: 10)")
-      .type_name("TIME");
-  command
-      .add_option("--save-loops", options.loop_list,
-                  "write one line query,match,score per best match, for vpr-eval loops; only "
-                  "recognitions with --t-r or --margin")
-      .type_name("FILE");
-  command
-      .add_option("--frame-times", options.loop_times,
-                  "times of the frames for a gap in seconds: a list with one per line (default: "
-                  "from names of images, or from the video)")
-      .type_name("FILE")
-      .group(kQueryGroup);
+  command.add_option(
+      "--gap",
+      [&](const std::string& text) { set_loop_gap(text, settings.sequence, settings.fabmap); },
+      "minimum time between a frame and its match, in frames (300) or seconds (30s); for FAB-MAP, "
+      "the frames in between (default: 10)",
+      kEssentialGroup, "TIME");
+  command.add_option("--save-loops", options.loop_list,
+                     "write one line query,match,score per best match, for vpr-eval loops; only "
+                     "recognitions with --t-r or --margin",
+                     kEssentialGroup, "FILE");
+  command.add_option("--frame-times", options.loop_times,
+                     "times of the frames for a gap in seconds: a list with one per line (default: "
+                     "from names of images, or from the video)",
+                     kQueryGroup, "FILE");
   add_sequence_flags(command, options, settings.sequence, Feature::loops);
   add_matrix_output(command, options);
   add_fabmap_flags(command, options, settings.fabmap);
@@ -193,15 +184,12 @@ void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings
                   "score matrix (.npy): query frames x training frames")
       .required();
   add_score_flags(command, options.scores);
-  command
-      .add_option("--name", options.matrix_name,
-                  "name of the query (default: the name of the file)")
-      .group(kQueryGroup);
-  command
-      .add_list("--train-sequence", options.train_sequences,
-                "NAME=FIRST:LAST: training frames of the matrix that form a sequence (from 0, "
-                "without LAST), which windows do not cross; repeatable (default: one sequence)")
-      .group(kQueryGroup);
+  command.add_option("--name", options.matrix_name,
+                     "name of the query (default: the name of the file)", kQueryGroup);
+  command.add_list("--train-sequence", options.train_sequences,
+                   "NAME=FIRST:LAST: training frames of the matrix that form a sequence (from 0, "
+                   "without LAST), which windows do not cross; repeatable (default: one sequence)",
+                   kQueryGroup);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::matrix);
   add_matrix_output(command, options);
@@ -253,8 +241,7 @@ void claim_outputs(const QueryOptions& options, const Session& session) {
     session.outputs.claim_file(companion_path(output, "explain.png"));
   if (!options.matrix.empty() && !options.matrix.ends_with(".npy") &&
       !options.matrix.ends_with(".png"))
-    throw Error(ErrorKind::usage,
-                fmt::format("--save-matrix writes .npy or .png, found {}", options.matrix));
+    throw Error(ErrorKind::usage, "--save-matrix writes .npy or .png, found {}", options.matrix);
   for (const std::string& file : {options.matrix, options.posteriors, options.loop_list})
     if (!file.empty()) session.outputs.claim_file(file);
 }

@@ -82,17 +82,16 @@ std::vector<int64_t> times_of_names(const std::string& query, const Monitor& mon
     const std::vector<int64_t> times = read_frame_times(query, monitor);
     if (may_be_numbers(times))
       warn(monitor,
-           fmt::format("{}: the names of its frames, {} to {}, are interpreted as seconds; if they "
-                       "count frames, use --frame-times, or a gap in frames",
-                       query, time_text(times.front()), time_text(times.back())));
+           "{}: the names of its frames, {} to {}, are interpreted as seconds; if they count "
+           "frames, use --frame-times, or a gap in frames",
+           query, time_text(times.front()), time_text(times.back()));
     return times;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::data) throw;
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}; a gap in seconds needs times. Use --frame-times FILE with one per line, "
-                    "or a gap in frames, as in --gap 300.",
-                    error.what()));
+    throw Error(ErrorKind::usage,
+                "{}; a gap in seconds needs times. Use --frame-times FILE with one per line, or a "
+                "gap in frames, as in --gap 300.",
+                error.what());
   }
 }
 
@@ -109,11 +108,9 @@ void read_loop(QueryData& data, ResultContext& context, const QueryOptions& opti
   data.query = describe_own(open_sequence(argument), settings, session.monitor);
   const size_t frames = data.query.rows().size();
   if (needs_times && data.times_ns.size() != frames)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: has {}, and {} has {}",
-                    options.loop_times.empty() ? query : options.loop_times,
-                    counted(data.times_ns.size(), "time"), query, counted(frames, "frame")));
+    throw Error(ErrorKind::data, "{}: has {}, and {} has {}",
+                options.loop_times.empty() ? query : options.loop_times,
+                counted(data.times_ns.size(), "time"), query, counted(frames, "frame"));
   data.database = own_database(data.query, data.source.name);
   set_query_path(context.run, argument);
   context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);

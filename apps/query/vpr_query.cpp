@@ -72,8 +72,8 @@ std::vector<std::string> keys_of(S settings) {
 void refuse_foreign(const Session& session, DatabaseFamily family) {
   const bool is_fabmap = family == DatabaseFamily::fabmap;
   const auto refuse_flag = [&](const std::string& flag) {
-    throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}{}", flag,
-                                              enum_name(family), counterpart_text(flag)));
+    throw Error(ErrorKind::usage, "{} has no effect with a database for {}{}", flag,
+                enum_name(family), counterpart_text(flag));
   };
   for (const std::string& flag :
        session.command.given_flags(is_fabmap ? kWindowGroup : kFabmapGroup))
@@ -85,8 +85,8 @@ void refuse_foreign(const Session& session, DatabaseFamily family) {
     if (std::ranges::count(own_keys, key) > 0) continue;
     if (session.command.is_given(flag_of(key))) refuse_flag(flag_of(key));
     if (std::ranges::count(session.options.config_keys, key) > 0)
-      throw Error(ErrorKind::usage, fmt::format("{}: {} has no effect with a database for {}",
-                                                session.options.config, key, enum_name(family)));
+      throw Error(ErrorKind::usage, "{}: {} has no effect with a database for {}",
+                  session.options.config, key, enum_name(family));
   }
 }
 
@@ -132,8 +132,8 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
   if (!options.selection.speed.empty()) check_speed(options.selection.speed);
   const bool is_loop = command == Feature::loops;
   if (settings.fabmap.loop && !is_loop)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has the settings of vpr-query loops", session.options.config));
+    throw Error(ErrorKind::usage, "{}: has the settings of vpr-query loops",
+                session.options.config);
   settings.sequence.loop = settings.fabmap.loop = is_loop;
   refuse(!options.loop_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
          "needs a gap in seconds, as in --gap 30s");
@@ -146,12 +146,11 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
   const bool needs_words = command == Feature::explain;
   if (needs_words != (family == DatabaseFamily::fabmap) &&
       (needs_words || command == Feature::live))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is a database for {}, which {} cannot use", options.database,
-                            enum_name(family), enum_name(command)));
+    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
+                enum_name(family), enum_name(command));
   if (family_of(settings.method) != family)
-    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} cannot use",
-                                             options.database, enum_name(family), settings.method));
+    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
+                enum_name(family), settings.method);
   refuse_foreign(session, family);
   settings.sequence.method = settings.fabmap.method = settings.method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;

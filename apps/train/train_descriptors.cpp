@@ -47,8 +47,7 @@ std::vector<NamedArgument> find_sequences(const ImportOptions& options) {
     sequences.push_back(parse_named_range(text, arrays.front().path, "--sequence"));
     for (size_t s = 0; s + 1 < sequences.size(); ++s)
       if (sequences[s].name == sequences.back().name)
-        throw Error(ErrorKind::usage,
-                    fmt::format("two sequences have the name {}", sequences[s].name));
+        throw Error(ErrorKind::usage, "two sequences have the name {}", sequences[s].name);
   }
   return sequences;
 }
@@ -64,9 +63,8 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
   const SequenceArgument array = parse_sequence_argument(options.arrays.front());
   const size_t rows = ArrayRows(open_sequence({array.path, {}})).count();
   if (names.size() != rows)
-    throw Error(ErrorKind::data, fmt::format("{}: names {}, and {} has {}", options.names,
-                                             counted(names.size(), "frame"), array.path.string(),
-                                             counted(rows, "row")));
+    throw Error(ErrorKind::data, "{}: names {}, and {} has {}", options.names,
+                counted(names.size(), "frame"), array.path.string(), counted(rows, "row"));
   for (size_t s = 0; s < sequences.size(); ++s) {
     const FrameRange& range = sequences[s].sequence.range;
     std::vector<std::string>& own = database.sequences[s].sequence.frame_names;
@@ -192,8 +190,8 @@ void add_export(Program& program) {
   command
       .add_option("--descriptors", options->descriptors,
                   "write one row per frame of all sequences (.npy): bits as uint8 with 8 bits per "
-                  "value, vectors as float32, images as uint8")
-      .type_name("FILE")
+                  "value, vectors as float32, images as uint8",
+                  kEssentialGroup, "FILE")
       .required();
 }
 

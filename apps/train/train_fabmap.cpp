@@ -1,5 +1,4 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of all views.
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "present/database_report.h"
@@ -56,8 +55,7 @@ FabmapDatabase import_files(const FabmapOptions& options) {
        {options.vocabulary, options.tree, options.pretrain_bow, options.train_bow})
     if (path.empty())
       throw Error(ErrorKind::usage,
-                  "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow "
-                  "and --train-bow");
+                  "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow and --train-bow");
   return import_openfabmap(
       {options.vocabulary, options.tree, parse_sequence_argument(options.pretrain_bow),
        parse_sequence_argument(options.train_bow)},
@@ -72,7 +70,7 @@ std::vector<GroupArgument> group_arguments(const TrainOptions& options,
   for (const std::string& text : options.places) {
     const size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error(ErrorKind::usage, fmt::format("--place takes NAME=SEQUENCE, found {}", text));
+      throw Error(ErrorKind::usage, "--place takes NAME=SEQUENCE, found {}", text);
     groups.push_back(
         {text.substr(0, equals), parse_sequence_argument(text.substr(equals + 1)), true});
   }
@@ -117,24 +115,26 @@ void add_fabmap(Program& program) {
   add_setting(command, "--words", settings.words, "words of the vocabulary (default: 1000)");
   command.add_flag("--skip-unreadable", settings.skip_unreadable,
                    "ignore frames that cannot be decoded; they keep their index and have no words");
-  const auto openfabmap = [](Flag flag) { flag.group("OpenFABMAP"); };
-  openfabmap(add_setting(command, "--clustering", settings.clustering,
-                         "clustering of descriptors; radius: OpenFABMAP's sequential clustering "
-                         "(default: kmeans)"));
-  openfabmap(add_setting(command, "--cluster-radius", settings.radius,
-                         "radius of radius clustering, in the unit of the features (bits for "
-                         "binary ones)"));
-  openfabmap(command.add_flag("--from-openfabmap", options->from_openfabmap,
-                              "import the .npy files of scripts/convert/openfabmap.py"));
-  openfabmap(
-      command.add_option("--vocabulary", options->vocabulary, "OpenFABMAP's vocabulary (.npy)"));
-  openfabmap(command.add_option("--tree", options->tree, "OpenFABMAP's Chow-Liu tree (.npy)"));
-  openfabmap(command.add_option(
+  constexpr const char* kOpenfabmap = "OpenFABMAP";
+  add_setting(
+      command, "--clustering", settings.clustering,
+      "clustering of descriptors; radius: OpenFABMAP's sequential clustering (default: kmeans)",
+      kOpenfabmap);
+  add_setting(command, "--cluster-radius", settings.radius,
+              "radius of radius clustering, in the unit of the features (bits for binary ones)",
+              kOpenfabmap);
+  command.add_flag("--from-openfabmap", options->from_openfabmap,
+                   "import the .npy files of scripts/convert/openfabmap.py", kOpenfabmap);
+  command.add_option("--vocabulary", options->vocabulary, "OpenFABMAP's vocabulary (.npy)",
+                     kOpenfabmap);
+  command.add_option("--tree", options->tree, "OpenFABMAP's Chow-Liu tree (.npy)", kOpenfabmap);
+  command.add_option(
       "--pretrain-bow", options->pretrain_bow,
-      "OpenFABMAP's BOW matrix of the pretraining frames (.npy), with an optional range"));
-  openfabmap(
-      command.add_option("--train-bow", options->train_bow,
-                         "OpenFABMAP's BOW matrix of the places (.npy), with an optional range"));
+      "OpenFABMAP's BOW matrix of the pretraining frames (.npy), with an optional range",
+      kOpenfabmap);
+  command.add_option("--train-bow", options->train_bow,
+                     "OpenFABMAP's BOW matrix of the places (.npy), with an optional range",
+                     kOpenfabmap);
 }
 
 }  // namespace vpr

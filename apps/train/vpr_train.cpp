@@ -90,9 +90,8 @@ void add_info(Program& program) {
 
 void extend_sequences(Session& session, const std::string& path, const TrainOptions& options) {
   if (!options.places.empty())
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: is a database for fastable, which does not support --place", path));
+    throw Error(ErrorKind::usage, "{}: is a database for fastable, which does not support --place",
+                path);
   const SequenceDatabase database = read_sequence_database(path);
   std::vector<std::string> taken;
   for (const TrainSequence& train : database.sequences) taken.push_back(train.sequence.name);
@@ -103,9 +102,9 @@ void extend_sequences(Session& session, const std::string& path, const TrainOpti
 void extend_fabmap(Session& session, const std::string& path, const TrainOptions& options) {
   if (options.selection.fps || options.selection.recorded_fps)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is a database for fabmap, which does not support --fps. Use a "
-                            "range with a step, as in PATH@::6",
-                            path));
+                "{}: is a database for fabmap, which does not support --fps. Use a range with a "
+                "step, as in PATH@::6",
+                path);
   FabmapDatabase database = read_fabmap_database(path);
   std::vector<std::string> taken;
   for (const ViewGroup& group : database.groups) taken.push_back(group.sequence.name);
@@ -178,11 +177,10 @@ void claim_database(const Session& session) {
 void store_database(const Session& session, const SequenceDatabase& database) {
   for (const char* flag : {"--c-l", "--safety-factor"})
     if (database.sequences.size() == 1 && session.command.is_given(flag))
-      warn(
-          session.monitor,
-          fmt::format("{} has no effect yet: it is for the automatic t_r, which needs two training "
-                      "sequences. vpr-train add appends another",
-                      flag));
+      warn(session.monitor,
+           "{} has no effect yet: it is for the automatic t_r, which needs two training sequences. "
+           "vpr-train add appends another",
+           flag);
   write_sequence_database(session.options.output, database, session.outputs);
   print_database(session, database, session.options.output, "");
 }

@@ -1,5 +1,4 @@
 // vpr-tune calibrate and vpr-tune threshold.
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
@@ -49,8 +48,8 @@ void calibrate(Session& session, const Calibrate& command) {
       [&](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); }, resources,
       monitor);
   if (!result.chosen)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: no margin: {}", result.query.name, calibration_failure(result)));
+    throw Error(ErrorKind::expectation, "{}: no margin: {}", result.query.name,
+                calibration_failure(result));
   session.run.simd_target = session.kernels.target;
   session.run.memory_limit = options.memory_limit;
   session.run.paths = {{"database", options.database}};

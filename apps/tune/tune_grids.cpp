@@ -32,9 +32,8 @@ double parse_number(std::string_view text, const std::string& flag) {
   const Json value = flag_value(std::string(text));
   if (!value.is_number())
     throw Error(ErrorKind::usage,
-                fmt::format("{} takes numbers, lists or ranges, as in 2,5,10 or 0.2:0.6:0.05, "
-                            "found \"{}\"",
-                            flag, text));
+                "{} takes numbers, lists or ranges, as in 2,5,10 or 0.2:0.6:0.05, found \"{}\"",
+                flag, text);
   return value.get<double>();
 }
 
@@ -48,9 +47,8 @@ std::vector<double> parse_part(std::string_view part, const std::string& flag) {
   const double count = std::floor((last - first) / step + 1e-9);
   if (range.size() > 3 || !(step > 0) || !(last >= first) || count > kMostValues)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: a range is FIRST:LAST:STEP with at most {:.0f} values, found "
-                            "\"{}\"",
-                            flag, kMostValues, part));
+                "{}: a range is FIRST:LAST:STEP with at most {:.0f} values, found \"{}\"", flag,
+                kMostValues, part);
   std::vector<double> numbers;
   for (int i = 0; i <= count; ++i) numbers.push_back(std::round((first + i * step) * 1e9) / 1e9);
   return numbers;
@@ -87,9 +85,8 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
   std::vector<uint64_t> counts;
   for (const std::optional<double> value : parse_values(text, flag, false)) {
     if (!(*value >= 1 && *value <= 1e9) || *value != std::floor(*value))
-      throw Error(
-          ErrorKind::usage,
-          fmt::format("{} takes integers from 1 to 1000000000, found {:.16g}", flag, *value));
+      throw Error(ErrorKind::usage, "{} takes integers from 1 to 1000000000, found {:.16g}", flag,
+                  *value);
     counts.push_back(static_cast<uint64_t>(*value));
   }
   return counts;
@@ -102,15 +99,14 @@ void add_sequence_grid(const Command& command, GridFlags& flags) {
                   kWindowLengths));
   command.add_option(
       "--t-r", flags.thresholds,
-      fmt::format(
-          "thresholds, as in 0.2:0.6:0.05; negative --t-r=-3:-1:0.25; for raw distances also auto "
-          "(default: {}; in bits {}; for z-scores {})",
-          kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]));
-  command.add_option("--margin", flags.margins,
-                     fmt::format("margins for --decide margin, as in 0.2:1:0.1,auto, where auto is "
-                                 "the default margin; in score per frame (default: {}; for "
-                                 "z-scores {})",
-                                 kDistanceMargins, kScoreMargins));
+      fmt::format("thresholds, as in 0.2:0.6:0.05; negative --t-r=-3:-1:0.25; for raw distances "
+                  "also auto (default: {}; in bits {}; for z-scores {})",
+                  kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]));
+  command.add_option(
+      "--margin", flags.margins,
+      fmt::format("margins for --decide margin, as in 0.2:1:0.1,auto, where auto is the default "
+                  "margin; in score per frame (default: {}; for z-scores {})",
+                  kDistanceMargins, kScoreMargins));
 }
 
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
@@ -138,11 +134,10 @@ Grid fabmap_grid(const GridFlags& flags) {
 }
 
 void add_calibrated_lengths(const Command& command, std::string& windows) {
-  command.add_option(
-      "--c-l", windows,
-      fmt::format("window lengths, as in 10,20; chosen is the shortest with nearly the highest "
-                  "recall (default: those of {} that fit)",
-                  kCalibratedLengths));
+  command.add_option("--c-l", windows,
+                     fmt::format("window lengths, as in 10,20; chosen is the shortest with nearly "
+                                 "the highest recall (default: those of {} that fit)",
+                                 kCalibratedLengths));
 }
 
 std::vector<uint64_t> calibrated_lengths(const std::string& windows,

@@ -29,8 +29,8 @@ Source find_in_dataset(const TuneOptions& options, const std::string& path, cons
       select_query(dataset, name.empty() ? std::nullopt : std::optional(name));
   const auto truth = ground_truth_of(query, family, options.ground_truth_flags);
   if (!truth)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: the query {} has no ground truth", path, query.sequence.name));
+    throw Error(ErrorKind::usage, "{}: the query {} has no ground truth", path,
+                query.sequence.name);
   return make_source(options, query.sequence, *truth, &dataset, session);
 }
 
@@ -81,10 +81,8 @@ Flag add_query_flags(const Command& command, TuneOptions& options, const std::st
                      "query sequence; with --dataset, the name of one of its queries");
   command.add_option("--ground-truth", options.ground_truth,
                      "places that the query shows; " + ground_truth_help());
-  command
-      .add_list("--dataset", options.datasets,
-                "data set description with query and ground truth; repeatable")
-      .group(kQueryGroup);
+  command.add_list("--dataset", options.datasets,
+                   "data set description with query and ground truth; repeatable", kQueryGroup);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
   add_rate_flags(command, options.selection, "queries", fps_note, kQueryGroup);
   add_ground_truth_flags(command, options.ground_truth_flags);
@@ -119,9 +117,9 @@ std::optional<Source> find_validation(const TuneOptions& options, DatabaseFamily
   for (const Source& query : queries)
     if (share_frames(query.sequence.sequence, validation.sequence.sequence))
       warn(session.monitor,
-           fmt::format("{}: the settings are chosen on frames of the validation; validate on "
-                       "frames that were not seen",
-                       validation.sequence.sequence.path.string()));
+           "{}: the settings are chosen on frames of the validation; validate on frames that were "
+           "not seen",
+           validation.sequence.sequence.path.string());
   return validation;
 }
 

@@ -80,9 +80,9 @@ void claim_outputs(const TuneOptions& options, const Session& session) {
   if (!options.plots.empty()) session.outputs.claim_folder(options.plots, is_marked_folder);
   if (!options.save_config.empty() && options.datasets.size() > 1)
     throw Error(ErrorKind::usage,
-                fmt::format("--save-config writes one recommendation, but each of {} data sets has "
-                            "its own; sweep them one by one",
-                            options.datasets.size()));
+                "--save-config writes one recommendation, but each of {} data sets has its own; "
+                "sweep them one by one",
+                options.datasets.size());
 }
 
 // Writes and prints all outputs. `base`: the settings, two of which the sweeps vary. At the end
@@ -100,9 +100,8 @@ void present(Session& session, const TuneOptions& options, DatabaseFamily family
   if (!options.plots.empty()) draw_plots(session, options, sweeps);
   session.print_result(result_text(options, session.options, sweeps), json);
   if (!options.save_config.empty() && !recommended)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: is not written, because no setting is recommended: {}",
-                            options.save_config, reason_text(sweeps.front())));
+    throw Error(ErrorKind::expectation, "{}: is not written, because no setting is recommended: {}",
+                options.save_config, reason_text(sweeps.front()));
 }
 
 void tune_fastable(Session& session, const TuneOptions& options,
@@ -166,20 +165,15 @@ void add_sweep_flags(const Command& command, TuneOptions& options) {
   add_query_flags(command, options).required();
   command.add_option("--save-config", options.save_config,
                      "recommended settings for vpr-query --config; exit code 5 if there are none");
-  command
-      .add_option("--validate", options.validate,
-                  "another query to evaluate the recommended settings on; with one --dataset, "
-                  "the name of another of its queries")
-      .group(kValidationGroup);
-  command
-      .add_option("--validate-ground-truth", options.validate_ground_truth,
-                  "ground truth of --validate, with the same options")
-      .group(kValidationGroup);
+  command.add_option("--validate", options.validate,
+                     "another query to evaluate the recommended settings on; with one --dataset, "
+                     "the name of another of its queries",
+                     kValidationGroup);
+  command.add_option("--validate-ground-truth", options.validate_ground_truth,
+                     "ground truth of --validate, with the same options", kValidationGroup);
   command.add_option("--heat-map", options.heat_map, "image of the counts over the grid (PNG)");
-  command
-      .add_option("--plot", options.plots,
-                  "folder for plots of correct against incorrect recognitions")
-      .group(kOutputGroup);
+  command.add_option("--plot", options.plots,
+                     "folder for plots of correct against incorrect recognitions", kOutputGroup);
   add_format_flag(command, options.format,
                   "tables of the grid: text (with -v), markdown, latex, or csv with one row per "
                   "cell (default: text)")

@@ -101,9 +101,8 @@ void try_all(Session& session, const Try& command) {
           : "";
   session.print_result(result_text(command, session.options, trials, advice), json);
   if (!options.save_config.empty() && !trials.chosen)
-    throw Error(
-        ErrorKind::expectation,
-        fmt::format("{}: is not written, because no setting is chosen", options.save_config));
+    throw Error(ErrorKind::expectation, "{}: is not written, because no setting is chosen",
+                options.save_config);
 }
 
 }  // namespace
@@ -117,8 +116,7 @@ void add_trials(Program& program) {
   add_query_flags(command, options);
   command.add_option(
       "--fabmap", options.fabmap,
-      "FAB-MAP database of the same sequences; to try it as well, by the same ground "
-      "truth");
+      "FAB-MAP database of the same sequences; to try it as well, by the same ground truth");
   add_setting(command, "--max-incorrect", tune->max_incorrect,
               "most incorrect frames of a choice (default: 0)");
   command.add_option("--save-config", options.save_config,

@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/npy.h"
-#include "base/text.h"
 
 namespace vpr {
 namespace {
@@ -60,17 +57,16 @@ void refuse_convertible(const fs::path& path, std::string_view start, bool array
   for (const Converter& converter : kConverters)
     if (converter.reads != nullptr && (converter.makes_arrays || !arrays_only) &&
         converter.reads(path, start))
-      throw Error(ErrorKind::usage, fmt::format("{} is {}: convert it with scripts/convert/{}",
-                                                path.string(), converter.what, converter.script));
+      throw Error(ErrorKind::usage, "{} is {}: convert it with scripts/convert/{}", path.string(),
+                  converter.what, converter.script);
 }
 
 void refuse_convertible_format(std::string_view format) {
   for (const Converter& converter : kConverters)
     if (converter.format == format)
       throw Error(ErrorKind::usage,
-                  fmt::format("Programs do not read the format {}: convert it with "
-                              "scripts/convert/{}",
-                              format, converter.script));
+                  "Programs do not read the format {}: convert it with scripts/convert/{}", format,
+                  converter.script);
 }
 
 }  // namespace vpr

@@ -2,8 +2,6 @@
 
 #include <system_error>
 
-#include <fmt/format.h>
-
 namespace vpr {
 
 int exit_code(ErrorKind kind) {
@@ -13,8 +11,7 @@ int exit_code(ErrorKind kind) {
 
 void require_range(std::string_view setting, double value, double low, double high) {
   if (!(value >= low && value <= high))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} must be from {} to {}, found {}", setting, low, high, value));
+    throw Error(ErrorKind::usage, "{} must be from {} to {}, found {}", setting, low, high, value);
 }
 
 std::string system_error_text(int error_number) {

@@ -4,6 +4,9 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace vpr {
 
@@ -22,6 +25,10 @@ enum class ErrorKind {
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  template <class First, class... Rest>
+  Error(ErrorKind kind, fmt::format_string<First, Rest...> message, First&& first, Rest&&... rest)
+      : Error(kind, fmt::format(message, std::forward<First>(first), std::forward<Rest>(rest)...)) {
+  }
   ErrorKind kind() const { return kind_; }
 
  private:

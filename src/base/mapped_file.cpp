@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,8 +18,8 @@ namespace vpr {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, int error_number) {
-  throw Error(ErrorKind::input,
-              fmt::format("{}: can't be read: {}", path.string(), system_error_text(error_number)));
+  throw Error(ErrorKind::input, "{}: can't be read: {}", path.string(),
+              system_error_text(error_number));
 }
 
 // A regular file, open for reading.
@@ -36,8 +35,8 @@ struct InputFile {
     if (error_number == 0 && !is_other) return;
     ::close(descriptor);
     if (error_number != 0) fail(path, error_number);
-    throw Error(ErrorKind::input,
-                fmt::format("{}: is not a regular file. Save its content to one", path.string()));
+    throw Error(ErrorKind::input, "{}: is not a regular file. Save its content to one",
+                path.string());
   }
   ~InputFile() { ::close(descriptor); }
   InputFile(const InputFile&) = delete;

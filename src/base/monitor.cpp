@@ -1,5 +1,7 @@
 #include "base/monitor.h"
 
+#include <memory>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +17,15 @@ void check_stop(const Monitor& monitor) {
 
 void warn(const Monitor& monitor, const std::string& sentence) {
   if (monitor.warn) monitor.warn(sentence);
+}
+
+Monitor with_each_warning_once(const Monitor& monitor) {
+  Monitor once = monitor;
+  once.warn = [&monitor,
+               reported = std::make_shared<std::set<std::string>>()](const std::string& sentence) {
+    if (reported->insert(sentence).second) warn(monitor, sentence);
+  };
+  return once;
 }
 
 StepCounter::StepCounter(const Monitor& monitor, std::string step, size_t total)

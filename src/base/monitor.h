@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace vpr {
 
@@ -23,6 +26,14 @@ void check_stop(const Monitor& monitor);
 
 /// Forwards a warning, one sentence; without a callback it is dropped.
 void warn(const Monitor& monitor, const std::string& sentence);
+template <class First, class... Rest>
+void warn(const Monitor& monitor, fmt::format_string<First, Rest...> sentence, First&& first,
+          Rest&&... rest) {
+  warn(monitor, fmt::format(sentence, std::forward<First>(first), std::forward<Rest>(rest)...));
+}
+
+/// The monitor, but it forwards each warning once. `monitor` must outlive it.
+Monitor with_each_warning_once(const Monitor& monitor);
 
 /// Counts the finished units of one step, from any thread and in any order.
 class StepCounter {

@@ -25,9 +25,8 @@ std::vector<std::string> names_of(const Table& table) {
 /// `names`, of which there is at least one, and the nearest one.
 [[noreturn]] inline void refuse_name(std::string_view what, std::string_view word,
                                      const std::vector<std::string>& names) {
-  throw Error(ErrorKind::usage,
-              fmt::format("unknown {} \"{}\"; did you mean {}? There are {}", what, word,
-                          nearest(word, names), fmt::join(names, ", ")));
+  throw Error(ErrorKind::usage, "unknown {} \"{}\"; did you mean {}? There are {}", what, word,
+              nearest(word, names), fmt::join(names, ", "));
 }
 
 /// The first row with this name. Throws as refuse_name does.

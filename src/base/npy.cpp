@@ -71,9 +71,9 @@ template <class T>
 double number(T value) {
   if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
     if (!std::cmp_less_equal(value, kMaxExact) || !std::cmp_greater_equal(value, -kMaxExact))
-      throw Error(ErrorKind::data,
-                  "there are integers beyond 2^53, which float64 cannot represent; scale them down "
-                  "first");
+      throw Error(
+          ErrorKind::data,
+          "there are integers beyond 2^53, which float64 cannot represent; scale them down first");
   }
   return static_cast<double>(value);
 }
@@ -140,8 +140,7 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
   const NumberType* const type = header ? find_number_type(header->type) : nullptr;
   if (!header) refuse_convertible(path, file_.text().substr(0, kMaxNpyHeader), true);
   if (type == nullptr)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is not a little-endian .npy array of numbers", name_));
+    throw Error(ErrorKind::data, "{}: is not a little-endian .npy array of numbers", name_);
   size_t bytes = type->bytes;
   bool overflow = false;
   for (const size_t extent : header->shape)
@@ -149,11 +148,11 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
   const size_t found = file_.bytes().size() - header->offset;
   if (overflow || bytes != found)
     throw Error(ErrorKind::data,
-                fmt::format("{}: its shape ({}) does not fit the {} bytes that follow; the file is "
-                            "truncated or damaged",
-                            name_, fmt::join(header->shape, ", "), found));
+                "{}: its shape ({}) does not fit the {} bytes that follow; the file is truncated "
+                "or damaged",
+                name_, fmt::join(header->shape, ", "), found);
   if (header->offset % type->bytes != 0)
-    throw Error(ErrorKind::data, fmt::format("{}: its values are not aligned", name_));
+    throw Error(ErrorKind::data, "{}: its values are not aligned", name_);
   header_ = *header;
   values_ = file_.bytes().subspan(header_.offset);
   count_ = bytes / type->bytes;
@@ -163,9 +162,9 @@ NpyArray::NpyArray(const std::string& name, NpyHeader header, std::span<const st
     : name_(name), header_(std::move(header)), values_(values) {
   const NumberType* const type = find_number_type(header_.type);
   if (type == nullptr)
-    throw Error(ErrorKind::data, fmt::format("{}: values of type {} are not supported; convert "
-                                             "them with numpy.ndarray.astype",
-                                             name_, header_.type));
+    throw Error(ErrorKind::data,
+                "{}: values of type {} are not supported; convert them with numpy.ndarray.astype",
+                name_, header_.type);
   count_ = values.size() / type->bytes;
 }
 
@@ -176,13 +175,12 @@ std::string NpyArray::header_bytes() const {
 
 void NpyArray::require(std::string_view type, size_t dimensions) const {
   if (header_.type != type || shape().size() != dimensions)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: expected {} dimensions of type {}, found {} of type {}", name_,
-                            dimensions, type, shape().size(), header_.type));
+    throw Error(ErrorKind::data, "{}: expected {} dimensions of type {}, found {} of type {}",
+                name_, dimensions, type, shape().size(), header_.type);
   if (is_column_major())
-    throw Error(ErrorKind::data, fmt::format("{}: is in Fortran order; save it in C order, as with "
-                                             "numpy.ascontiguousarray",
-                                             name_));
+    throw Error(ErrorKind::data,
+                "{}: is in Fortran order; save it in C order, as with numpy.ascontiguousarray",
+                name_);
 }
 
 const NumberType* find_number_type(std::string_view name) {

@@ -30,15 +30,15 @@ constexpr const char* kAside = ".vpr-old";
 constexpr size_t kMaxFlushed = 256;
 
 [[noreturn]] void fail_to_write(const fs::path& target, int error_number) {
-  throw Error(ErrorKind::output, fmt::format("{}: can't be written: {}", target.string(),
-                                             system_error_text(error_number)));
+  throw Error(ErrorKind::output, "{}: can't be written: {}", target.string(),
+              system_error_text(error_number));
 }
 
 constexpr std::string_view kExists =
     "exists already; use --force to replace it, or choose another name";
 
 [[noreturn]] void refuse(const fs::path& path, std::string_view why) {
-  throw Error(ErrorKind::usage, fmt::format("{}: {}", path.string(), why));
+  throw Error(ErrorKind::usage, "{}: {}", path.string(), why);
 }
 
 // Repeats a call that a signal interrupted.
@@ -162,9 +162,8 @@ void replace_folder(const fs::path& temporary, const fs::path& target) {
   if (::rename(temporary.c_str(), target.c_str()) != 0) {
     const int error_number = errno;
     if (::rename(old.c_str(), target.c_str()) == 0) fail_to_write(target, error_number);
-    throw Error(ErrorKind::output,
-                fmt::format("{}: can't be written: {}; the old folder is {}", target.string(),
-                            system_error_text(error_number), old.string()));
+    throw Error(ErrorKind::output, "{}: can't be written: {}; the old folder is {}",
+                target.string(), system_error_text(error_number), old.string());
   }
   std::error_code ignored;
   fs::remove_all(old, ignored);
@@ -210,8 +209,8 @@ std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     entries.push_back(*it);
   if (error)
-    throw Error(ErrorKind::output, fmt::format("{}: can't be read: {}", folder.string(),
-                                               system_error_text(error.value())));
+    throw Error(ErrorKind::output, "{}: can't be read: {}", folder.string(),
+                system_error_text(error.value()));
   return entries;
 }
 
@@ -303,8 +302,8 @@ Output::~Output() {
 void Output::check() const {
   std::error_code error;
   if (!fs::is_directory(folder_of(target_), error))
-    throw Error(ErrorKind::output, fmt::format("{}: can't be written: its folder {} does not exist",
-                                               target_.string(), folder_of(target_).string()));
+    throw Error(ErrorKind::output, "{}: can't be written: its folder {} does not exist",
+                target_.string(), folder_of(target_).string());
   const fs::file_status status = fs::symlink_status(target_, error);
   if (status.type() == fs::file_type::none) fail_to_write(target_, error.value());
   if (!is_folder() && fs::is_directory(fs::status(target_, error)))

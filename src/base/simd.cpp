@@ -39,8 +39,8 @@ void use_simd_target(std::string_view name) {
     return;
   }
   throw Error(ErrorKind::usage,
-              fmt::format("VPR_SIMD={}: is not a SIMD target of this machine; choose one of {}",
-                          name, fmt::join(simd_targets(), ", ")));
+              "VPR_SIMD={}: is not a SIMD target of this machine; choose one of {}", name,
+              fmt::join(simd_targets(), ", "));
 }
 
 }  // namespace vpr

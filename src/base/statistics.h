@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/random.h"
@@ -15,6 +16,13 @@ double quantile(std::vector<double> values, double p);
 
 /// The middle value, or the mean of the two middle values. values must not be empty.
 double median(std::vector<double> values);
+
+/// part / whole as a double; unset if the whole is 0.
+template <class Part, class Whole>
+std::optional<double> share_of(Part part, Whole whole) {
+  if (whole == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
 
 /// A confidence interval, both ends included.
 struct Interval {

@@ -128,7 +128,7 @@ class CsvParser {
   }
 
   [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::data, fmt::format("{}, line {}: {}", where_, line_, what));
+    throw Error(ErrorKind::data, "{}, line {}: {}", where_, line_, what);
   }
 
   std::string_view text_;

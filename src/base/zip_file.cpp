@@ -2,7 +2,6 @@
 
 #include <cstring>
 
-#include <fmt/format.h>
 #include <zip.h>
 
 #include "base/error.h"
@@ -17,7 +16,7 @@ std::string error_text(zip_error_t& error) {
 }
 
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
-  throw Error(ErrorKind::data, fmt::format("{}: is a damaged zip archive ({})", where, what));
+  throw Error(ErrorKind::data, "{}: is a damaged zip archive ({})", where, what);
 }
 
 // The callback by which libzip reads a ZipContent.
@@ -47,8 +46,7 @@ zip_int64_t supply(void* state, void* data, zip_uint64_t size, zip_source_cmd_t 
 }
 
 void require(bool good, const char* what) {
-  if (!good)
-    throw Error(ErrorKind::internal, fmt::format("writing a zip archive failed: {}", what));
+  if (!good) throw Error(ErrorKind::internal, "writing a zip archive failed: {}", what);
 }
 
 // All bytes that libzip has written to `source`.

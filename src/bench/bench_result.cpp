@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 
-#include <fmt/format.h>
 #include <sched.h>
 
 #include "base/error.h"
@@ -72,17 +71,15 @@ TimeSummary summarize(std::vector<double> times_ms) {
 
 void check_seconds(double seconds) {
   if (!(seconds > 0 && seconds <= 3600))
-    throw Error(ErrorKind::usage,
-                fmt::format("seconds must be above 0 and at most 3600, found {}", seconds));
+    throw Error(ErrorKind::usage, "seconds must be above 0 and at most 3600, found {}", seconds);
 }
 
 void check_values(std::string_view name, const std::vector<uint64_t>& values, uint64_t low,
                   uint64_t high) {
-  if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
+  if (values.empty()) throw Error(ErrorKind::usage, "{} is empty", name);
   for (const uint64_t value : values)
     if (value < low || value > high)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{} must be from {} to {}, found {}", name, low, high, value));
+      throw Error(ErrorKind::usage, "{} must be from {} to {}, found {}", name, low, high, value);
 }
 
 TimeSummary time_repeatedly(const Effort& effort, const std::function<void()>& work,

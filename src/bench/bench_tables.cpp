@@ -180,8 +180,8 @@ std::vector<Table> readable_tables(const BenchResult& result) {
 
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer) {
   if (older.bench != newer.bench)
-    throw Error(ErrorKind::data,
-                fmt::format("one is a benchmark of {}, the other of {}", older.bench, newer.bench));
+    throw Error(ErrorKind::data, "one is a benchmark of {}, the other of {}", older.bench,
+                newer.bench);
   BenchComparison comparison;
   for (const BenchRow& row : older.rows) {
     const BenchRow* other = find_row(newer, row.work, row.parameters);
@@ -203,8 +203,7 @@ BenchComparison compare_benches(const BenchResult& older, const BenchResult& new
                                        ": only in the new run");
   if (comparison.ratios.empty())
     throw Error(ErrorKind::data,
-                "the two runs have no row in common; compare runs with the same "
-                "settings");
+                "the two runs have no row in common; compare runs with the same settings");
   return comparison;
 }
 

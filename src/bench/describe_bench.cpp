@@ -1,7 +1,6 @@
 #include <fstream>
 #include <iterator>
 
-#include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -29,8 +28,8 @@ std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
 Frames load_frames(const std::optional<SequenceSource>& images, uint64_t count, uint64_t seed) {
   Frames frames;
   if (images && images->files.empty())
-    throw Error(ErrorKind::usage, fmt::format("{}: is a video; use a folder or list of images",
-                                              images->argument.path.string()));
+    throw Error(ErrorKind::usage, "{}: is a video; use a folder or list of images",
+                images->argument.path.string());
   for (uint64_t i = 0; i < count; ++i) {
     if (images) {
       if (i == images->files.size()) break;
@@ -67,8 +66,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
                            const std::optional<SequenceSource>& images, uint64_t seed,
                            const Monitor& monitor) {
   if (settings.frames < 1 || settings.frames > 10'000)
-    throw Error(ErrorKind::usage,
-                fmt::format("frames must be from 1 to 10000, found {}", settings.frames));
+    throw Error(ErrorKind::usage, "frames must be from 1 to 10000, found {}", settings.frames);
   check_seconds(settings.seconds);
   check_feature_settings(settings.feature_settings);
   std::vector<FeatureKind> kinds;

@@ -29,8 +29,8 @@ void check_settings(const FabmapBenchSettings& settings) {
   check_values("pretrain_frames", {settings.pretrain_frames}, 1, 1'000'000);
   check_seconds(settings.seconds);
   if (!(settings.frame_ms >= 0 && settings.frame_ms <= 3'600'000))
-    throw Error(ErrorKind::usage,
-                fmt::format("frame_ms must be from 0 to 3600000, found {}", settings.frame_ms));
+    throw Error(ErrorKind::usage, "frame_ms must be from 0 to 3600000, found {}",
+                settings.frame_ms);
   for (const std::string& variant : settings.variants) find_fabmap_variant(variant);
 }
 
@@ -97,12 +97,10 @@ void check_variants(const FabmapModel& model, const FabmapBenchSettings& setting
         // For dropped views, fast bail-out only states that they cannot win.
         if (variant == "fbo" && expected[v] < best - 5) continue;
         if (std::abs(found[v] - expected[v]) > stated_error(variant, model.words(), per_frame))
-          throw Error(
-              ErrorKind::expectation,
-              fmt::format(
-                  "{}: a log-likelihood differs from the reference implementation by more than "
-                  "documented; nothing was timed",
-                  variant));
+          throw Error(ErrorKind::expectation,
+                      "{}: a log-likelihood differs from the reference implementation by more than "
+                      "documented; nothing was timed",
+                      variant);
       }
     }
   }

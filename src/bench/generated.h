@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "describe/descriptor_rows.h"
-#include "words/vocabulary.h"
 
 namespace cv {
 class Mat;

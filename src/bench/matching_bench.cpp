@@ -186,15 +186,14 @@ void check_settings(const MatchingBenchSettings& settings) {
   check_values("query_frames", settings.query_frames, 1, kMaxFrames);
   check_seconds(settings.seconds);
   if (settings.changed_bits > kLdbBits)
-    throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
-                                              settings.changed_bits));
+    throw Error(ErrorKind::usage, "changed_bits must be at most {}, found {}", kLdbBits,
+                settings.changed_bits);
   for (const std::string& method : settings.methods) find_matching_timer(method);
   if (settings.descriptor_length > kMaxIntegers)
-    throw Error(ErrorKind::usage, fmt::format("descriptor_length must be at most {}, found {}",
-                                              kMaxIntegers, settings.descriptor_length));
+    throw Error(ErrorKind::usage, "descriptor_length must be at most {}, found {}", kMaxIntegers,
+                settings.descriptor_length);
   if (settings.precision != 8 && settings.precision != 16)
-    throw Error(ErrorKind::usage,
-                fmt::format("--value-bits must be 16 or 8, found {}", settings.precision));
+    throw Error(ErrorKind::usage, "--value-bits must be 16 or 8, found {}", settings.precision);
 }
 
 // The methods that accept the descriptors.
@@ -379,10 +378,9 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
     settings.method = &find_sequence_method(method);
     match(some, settings, {{std::ref(scan)}}, monitor);
     if (!wrong_cells(scan.result(), some.train, some.query.rows, length, monitor).empty())
-      throw Error(
-          ErrorKind::expectation,
-          fmt::format("{}: a distance differs from the reference implementation; nothing was timed",
-                      method));
+      throw Error(ErrorKind::expectation,
+                  "{}: a distance differs from the reference implementation; nothing was timed",
+                  method);
   };
   check("fastable-online", 200);
   check("fastable", 200);

@@ -34,12 +34,12 @@ BenchResult bench_realtime(const std::string& database_path, const SequenceSourc
                            const RealtimeBenchSettings& settings, const QueryResources& resources,
                            const Monitor& monitor) {
   if (!(settings.rate_hz > 0 && settings.rate_hz <= 10'000))
-    throw Error(ErrorKind::usage,
-                fmt::format("rate must be above 0 and at most 10000, found {}", settings.rate_hz));
+    throw Error(ErrorKind::usage, "rate must be above 0 and at most 10000, found {}",
+                settings.rate_hz);
   if (settings.frames < 1) throw Error(ErrorKind::usage, "frames must be 1 or more, found 0");
   if (query.kind != SequenceKind::images)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: is not a folder or list of images", query.argument.path.string()));
+    throw Error(ErrorKind::usage, "{}: is not a folder or list of images",
+                query.argument.path.string());
   const ResolvedSettings resolved = live_settings(settings);
   const SequenceDatabase database = open_database(database_path, resolved, "", monitor);
   LiveQuery live(database, "query", resolved, resources, monitor);

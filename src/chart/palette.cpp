@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/matx.hpp>
 
-#include "evaluate/judgment.h"
+#include "evaluate/metrics.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

@@ -2,7 +2,6 @@
 #include <memory>
 #include <vector>
 
-#include <fmt/format.h>
 #include <librsvg/rsvg.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -28,7 +27,7 @@ using Painter = std::unique_ptr<cairo_t, Free<cairo_destroy>>;
 [[noreturn]] void fail(GError* error) {
   const std::string message = error == nullptr ? "it is too large" : error->message;
   g_clear_error(&error);
-  throw Error(ErrorKind::internal, fmt::format("cannot draw an image: {}", message));
+  throw Error(ErrorKind::internal, "cannot draw an image: {}", message);
 }
 
 Handle read_svg(const std::string& svg) {

@@ -5,7 +5,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include <fmt/format.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_sort.h>
 
@@ -102,10 +101,10 @@ void RecognitionScan::operator()(const ScoreRow& row) {
     local.recognitions.push_back(cell_at(row, x));
   const size_t added = local.recognitions.size() - before;
   if (threads_->recognition_count.fetch_add(added) + added > settings_.max_recognitions)
-    throw Error(ErrorKind::usage,
-                fmt::format("more than {} recognitions do not fit --max-memory. Use a stricter "
-                            "--t-r, or more memory.",
-                            settings_.max_recognitions));
+    throw Error(
+        ErrorKind::usage,
+        "more than {} recognitions do not fit --max-memory. Use a stricter --t-r, or more memory.",
+        settings_.max_recognitions);
 }
 
 RecognitionScanResult RecognitionScan::result() {

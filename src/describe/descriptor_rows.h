@@ -30,19 +30,9 @@ using WordSet = std::vector<uint32_t>;
 
 /// The element type of a descriptor, which determines the distance: bits; signed integers of 8 or
 /// 16 bits (vectors, compared by direction only); points with 16-bit coordinates (one unit for a
-/// whole database); gray levels of 8 bits (images); a code of LDB followed by a HOG vector,
-/// compared by both or by the code alone; or only the number of the frame, for precomputed
-/// distances.
-enum class ElementType {
-  bits,
-  int8,
-  int16,
-  points16,
-  gray_levels,
-  ldb_hog,
-  ldb_of_ldb_hog,
-  frame_numbers
-};
+/// whole database); gray levels of 8 bits (images); a code of LDB followed by a HOG vector; or only
+/// the number of the frame, for precomputed distances.
+enum class ElementType { bits, int8, int16, points16, gray_levels, ldb_hog, frame_numbers };
 
 /// The longest descriptors that can be compared: distances of bits must fit 16 bits, scalar
 /// products of integers 32 bits.
@@ -85,33 +75,41 @@ inline constexpr DescriptorShape kLdbHogShape = {ElementType::ldb_hog,
 /// The descriptor of one frame: row_bytes() bytes.
 using DescriptorRow = std::span<const uint8_t>;
 
-/// The descriptors of consecutive frames, one after the other; a view of bytes owned elsewhere.
+/// The descriptors of consecutive frames; a view of bytes owned elsewhere.
 struct DescriptorRows {
   DescriptorShape shape = kLdbShape;
-  std::span<const uint8_t> bytes;  ///< size() * shape.row_bytes()
+  std::span<const uint8_t> bytes;         ///< from the first row to the end of the last one
+  size_t stride = kLdbShape.row_bytes();  ///< bytes from a row to the next one
 
   DescriptorRows() = default;
-  DescriptorRows(const DescriptorShape& of, std::span<const uint8_t> all) : shape(of), bytes(all) {}
+  DescriptorRows(const DescriptorShape& of, std::span<const uint8_t> all)
+      : DescriptorRows(of, all, of.row_bytes()) {}
+  DescriptorRows(const DescriptorShape& of, std::span<const uint8_t> all, size_t bytes_per_row)
+      : shape(of), bytes(all), stride(bytes_per_row) {}
   /// LDB codes are rows of bits.
   DescriptorRows(std::span<const LdbCode> codes)
       : bytes(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()) {}
   DescriptorRows(const std::vector<LdbCode>& codes) : DescriptorRows(std::span(codes)) {}
 
-  size_t size() const { return bytes.empty() ? 0 : bytes.size() / shape.row_bytes(); }
+  size_t size() const {
+    return bytes.empty() ? 0 : (bytes.size() - shape.row_bytes()) / stride + 1;
+  }
   bool empty() const { return bytes.empty(); }
   DescriptorRow operator[](size_t frame) const {
-    return bytes.subspan(frame * shape.row_bytes(), shape.row_bytes());
+    return bytes.subspan(frame * stride, shape.row_bytes());
   }
   DescriptorRows subspan(size_t first, size_t count) const {
-    return {shape, bytes.subspan(first * shape.row_bytes(), count * shape.row_bytes())};
+    if (count == 0) return {shape, {}, stride};
+    return {shape, bytes.subspan(first * stride, (count - 1) * stride + shape.row_bytes()), stride};
   }
   DescriptorRows first(size_t count) const { return subspan(0, count); }
 };
 
-/// The rows by their LDB code alone, if they also have a HOG vector; otherwise unchanged.
-inline DescriptorRows codes_of(DescriptorRows rows) {
-  if (rows.shape.element == ElementType::ldb_hog) rows.shape.element = ElementType::ldb_of_ldb_hog;
-  return rows;
+/// The LDB codes of rows that also have a HOG vector; other rows are unchanged.
+inline DescriptorRows codes_of(const DescriptorRows& rows) {
+  return rows.shape.element == ElementType::ldb_hog
+             ? DescriptorRows(kLdbShape, rows.bytes, rows.stride)
+             : rows;
 }
 
 class PrecomputedDistances;

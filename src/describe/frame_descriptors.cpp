@@ -104,8 +104,8 @@ const DescriptorKind& descriptor_kind(std::string_view name) {
   std::vector<std::string_view> names;
   for (const DescriptorKind& kind : kKinds)
     if (!kind.is_imported) names.push_back(kind.name);
-  throw Error(ErrorKind::usage, fmt::format("unknown descriptor \"{}\"; choose one of {}", name,
-                                            fmt::join(names, ", ")));
+  throw Error(ErrorKind::usage, "unknown descriptor \"{}\"; choose one of {}", name,
+              fmt::join(names, ", "));
 }
 
 const DescriptorKind& precomputed_kind() {

@@ -24,16 +24,17 @@ constexpr std::array<std::string_view, 5> kTypes = {"<f2", "<f4", "<f8", "|u1", 
 
 const NumberType& number_type(const std::string& type, const std::string& path) {
   if (std::find(kTypes.begin(), kTypes.end(), type) == kTypes.end())
-    throw Error(ErrorKind::data, fmt::format("{}: holds numbers of type {}; descriptors are "
-                                             "float16, float32 or float64, or uint8 or bool (bits)",
-                                             path, type));
+    throw Error(ErrorKind::data,
+                "{}: holds numbers of type {}; descriptors are float16, float32 or float64, or "
+                "uint8 or bool (bits)",
+                path, type);
   return *find_number_type(type);
 }
 
 [[noreturn]] void refuse_shape(const std::string& path, const std::vector<size_t>& shape,
                                const char* expected) {
-  throw Error(ErrorKind::data, fmt::format("{}: expected {}, found the shape ({})", path, expected,
-                                           fmt::join(shape, ", ")));
+  throw Error(ErrorKind::data, "{}: expected {}, found the shape ({})", path, expected,
+              fmt::join(shape, ", "));
 }
 
 // The length of the only descriptor in a file.
@@ -103,9 +104,9 @@ void check_point(std::span<const double> row, double unit, const std::string& wh
   constexpr double kRounding = 1e-9;
   if (length_of(row) > unit * longest_point(row.size()) * (1 + kRounding))
     throw Error(ErrorKind::data,
-                fmt::format("{}: is more than twice as long as the longest vector that the "
-                            "database was trained with; use the same descriptor",
-                            where));
+                "{}: is more than twice as long as the longest vector that the database was "
+                "trained with; use the same descriptor",
+                where);
 }
 
 /// The conversion of numbers to rows of one kind.
@@ -119,16 +120,15 @@ struct RowImport {
 RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
   const bool is_bits = kind == kBitKind;
   if (rows.type().starts_with("<f") == is_bits)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: its values are of type {}; {}", rows.where(0), rows.type(),
-                            is_bits ? "bits are uint8 (8 bits per value) or bool"
-                                    : "vectors are float16, float32 or float64, and uint8 or bool "
-                                      "are bits: train with --bits"));
+    throw Error(ErrorKind::data, "{}: its values are of type {}; {}", rows.where(0), rows.type(),
+                is_bits ? "bits are uint8 (8 bits per value) or bool"
+                        : "vectors are float16, float32 or float64, and uint8 or bool are bits: "
+                          "train with --bits");
   const size_t bits = rows.type() == "|u1" ? 8 : 1;  // per value
   const size_t most = is_bits ? kMaxBits / bits : kMaxIntegers;
   if (rows.length() > most)
-    throw Error(ErrorKind::data, fmt::format("{}: has {} values; the maximum is {}", rows.where(0),
-                                             rows.length(), most));
+    throw Error(ErrorKind::data, "{}: has {} values; the maximum is {}", rows.where(0),
+                rows.length(), most);
   if (is_bits) return {bits, [bits](auto row, auto out) { store_bits(row, bits, out); }};
   if (kind == kPointKind)
     return {1, [unit](auto row, auto out) { store_point(row, unit, out); },
@@ -150,9 +150,8 @@ void import_rows(const ArrayRows& rows, const RowImport& import, Unreadable unre
   const auto import_row = [&](size_t i, std::span<const double> row) {
     is_missing[i] = import.check && is_missing_vector(row) ? 1 : 0;
     if (is_missing[i] != 0 && unreadable == Unreadable::fail)
-      throw Error(ErrorKind::data,
-                  fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore it",
-                              rows.where(i)));
+      throw Error(ErrorKind::data, "{} is missing (all NaN); use --skip-unreadable to ignore it",
+                  rows.where(i));
     if (is_missing[i] != 0) return;
     if (import.check) import.check(row, rows.where(i));
     import.store(row, out.subspan(i * row_bytes, row_bytes));
@@ -178,15 +177,14 @@ void import_rows(const ArrayRows& rows, const RowImport& import, Unreadable unre
 
 std::string_view imported_kind(bool are_bits, DescriptorMetric metric, uint64_t value_bits) {
   if (value_bits != 8 && value_bits != 16)
-    throw Error(ErrorKind::usage,
-                fmt::format("--value-bits must be 16 or 8 bits per value, found {}", value_bits));
+    throw Error(ErrorKind::usage, "--value-bits must be 16 or 8 bits per value, found {}",
+                value_bits);
   const bool is_cosine = metric == DescriptorMetric::cosine;
   if (are_bits && (value_bits != 16 || !is_cosine))
     throw Error(ErrorKind::usage, "--value-bits and --metric have no effect on --bits; omit them");
   if (!is_cosine && value_bits != 16)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("--metric {} needs 16 bits per value; omit --value-bits", enum_name(metric)));
+    throw Error(ErrorKind::usage, "--metric {} needs 16 bits per value; omit --value-bits",
+                enum_name(metric));
   if (are_bits) return kBitKind;
   if (!is_cosine) return metric == DescriptorMetric::l2 ? kPointKind : kDirectionKind;
   return value_bits == 16 ? kVectorKind : kNarrowVectorKind;
@@ -195,9 +193,8 @@ std::string_view imported_kind(bool are_bits, DescriptorMetric metric, uint64_t 
 size_t rows_in_range(const SequenceArgument& argument, size_t all) {
   const uint64_t last = argument.range.last.value_or(all);
   if (argument.range.first >= all || last > all)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
-                            counted(all, "row"), range_text(argument.range)));
+    throw Error(ErrorKind::usage, "{}: has {}, which the range {} exceeds", argument.path.string(),
+                counted(all, "row"), range_text(argument.range));
   return frame_count({argument.range.first, last, argument.range.step}).value();
 }
 
@@ -247,9 +244,8 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
       const std::string path = where(first + row);
       const NpyArray file(sequence_.files[first + row]);
       if (file.type() != type() || length_of_one(file, path) != length_)
-        throw Error(ErrorKind::data,
-                    fmt::format("{}: holds {} values of type {}, but the first file {} of {}", path,
-                                file.shape().back(), file.type(), length_, type()));
+        throw Error(ErrorKind::data, "{}: holds {} values of type {}, but the first file {} of {}",
+                    path, file.shape().back(), file.type(), length_, type());
       type_->read(file.value_bytes().data(), type_->bytes, length_, out.data() + row * length_, 1);
     }
     return;
@@ -280,15 +276,13 @@ void check_numbers(std::span<const double> vector, const std::string& where) {
   const auto bad = std::find_if(vector.begin(), vector.end(),
                                 [](double number) { return !std::isfinite(number); });
   if (bad != vector.end())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: value {} is {}", where, bad - vector.begin(), *bad));
+    throw Error(ErrorKind::data, "{}: value {} is {}", where, bad - vector.begin(), *bad);
 }
 
 void check_vector(std::span<const double> vector, const std::string& where) {
   check_numbers(vector, where);
   if (std::all_of(vector.begin(), vector.end(), [](double number) { return number == 0; }))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is a vector of zeros, which has no direction", where));
+    throw Error(ErrorKind::data, "{}: is a vector of zeros, which has no direction", where);
 }
 
 void quantize_numbers(std::span<const double> vector, std::span<int8_t> out) {
@@ -324,8 +318,7 @@ double coordinate_unit(std::string_view kind, std::span<const SequenceSource> se
     });
     for (size_t i = 0; i < lengths.size(); ++i)
       if (!std::isfinite(2 * lengths[i]))
-        throw Error(ErrorKind::data,
-                    fmt::format("{}: is too long for Euclidean distances", rows.where(i)));
+        throw Error(ErrorKind::data, "{}: is too long for Euclidean distances", rows.where(i));
     const double longest = *std::max_element(lengths.begin(), lengths.end());
     unit = std::max(unit, 2 * longest / longest_point(rows.length()));
   }
@@ -357,9 +350,8 @@ DescriptorSet import_descriptors(const SequenceSource& source, std::string_view 
   for (size_t row = 0; row < rows.count(); ++row)
     set.sequence.frame_names.push_back(rows.name(row));
   if (set.sequence.unreadable.size() == rows.count())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: none of its {} can be read", source.argument.path.string(),
-                            counted(rows.count(), "row")));
+    throw Error(ErrorKind::data, "{}: none of its {} can be read", source.argument.path.string(),
+                counted(rows.count(), "row"));
   if (!source.is_one_array()) return set;
   const Selection selection = std::exchange(set.sequence.selection, {});  // of rows, all read above
   return selected(std::move(set), selection);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cassert>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/random.h"
 
@@ -41,9 +39,8 @@ bool is_compared(const std::vector<const NamedOutcomes*>& paired, size_t frame,
   if (other == paired.end()) return true;
   if (!settings.omit_disputed)
     throw Error(ErrorKind::data,
-                fmt::format("{} and {} have different ground truths: only one has a match for "
-                            "query frame {}",
-                            paired.front()->name, (*other)->name, frame));
+                "{} and {} have different ground truths: only one has a match for query frame {}",
+                paired.front()->name, (*other)->name, frame);
   ++comparison.disputed;
   return false;
 }
@@ -59,9 +56,8 @@ std::vector<MethodQueries> find_compared(std::span<const NamedOutcomes> methods,
   const size_t frames = paired.front()->outcomes.queries.size();
   for (const NamedOutcomes* method : paired)
     if (method->outcomes.queries.size() != frames)
-      throw Error(ErrorKind::data,
-                  fmt::format("{} has {} query frames, and {} has {}", paired.front()->name, frames,
-                              method->name, method->outcomes.queries.size()));
+      throw Error(ErrorKind::data, "{} has {} query frames, and {} has {}", paired.front()->name,
+                  frames, method->name, method->outcomes.queries.size());
   for (size_t frame = 0; frame < frames; ++frame)
     if (is_compared(paired, frame, settings, comparison)) comparison.frames.push_back(frame);
   std::vector<MethodQueries> all;
@@ -90,8 +86,7 @@ std::optional<double> weighted_mean(const MethodQueries& method, std::span<const
     queries += weights[q];
     sum += weights[q] * metric.metric->of_query(query, metric.k);
   }
-  if (queries == 0) return std::nullopt;
-  return sum / static_cast<double>(queries);
+  return share_of(sum, queries);
 }
 
 Curve weighted_curve(const MethodQueries& method, std::span<const uint32_t> weights) {

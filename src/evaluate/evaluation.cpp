@@ -151,10 +151,10 @@ Sequence query_of(const ScoreSettings& settings, size_t frames) {
   const Selection& selection = query.selection;
   if (!selection.is_all() && selection.frames() != frames)
     throw Error(ErrorKind::data,
-                fmt::format("the scores have {}, but of {} the speed {} selects {}. Use the speed, "
-                            "its seed and the number of frames of the query of the scores.",
-                            counted(frames, "frame"), counted(selection.recorded_frames, "frame"),
-                            selection.speed, selection.frames()));
+                "the scores have {}, but of {} the speed {} selects {}. Use the speed, its seed "
+                "and the number of frames of the query of the scores.",
+                counted(frames, "frame"), counted(selection.recorded_frames, "frame"),
+                selection.speed, selection.frames());
   return query;
 }
 
@@ -172,11 +172,11 @@ GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
                            const Monitor& monitor) {
   GroundTruth truth = truth_of(by, std::move(scope), monitor);
   if (!truth.asked.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: labels of single pairs judge results, but cannot choose settings, "
-                            "because most mistakes of other settings are not labeled. Use anchors "
-                            "or another ground truth",
-                            by.ground_truth->path.string()));
+    throw Error(
+        ErrorKind::usage,
+        "{}: labels of single pairs judge results, but cannot choose settings, because most "
+        "mistakes of other settings are not labeled. Use anchors or another ground truth",
+        by.ground_truth->path.string());
   return truth;
 }
 

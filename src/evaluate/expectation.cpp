@@ -29,7 +29,7 @@ struct Check {
   std::vector<CheckedValue> values = {};
 
   [[noreturn]] void fail(const std::string& key, std::string_view what) const {
-    throw Error(ErrorKind::usage, fmt::format("{}: \"{}\" {}", where, key, what));
+    throw Error(ErrorKind::usage, "{}: \"{}\" {}", where, key, what);
   }
 
   void compare_numbers(const Json& found, const Json& expected, const std::string& key) {
@@ -153,8 +153,7 @@ std::vector<CheckedValue> check_expectations(const Json& report, const Json& exp
       check.compare_numbers(member(report, item.key()), item.value(), item.key());
   }
   if (check.values.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: expects nothing. Add at least one number", where));
+    throw Error(ErrorKind::usage, "{}: expects nothing. Add at least one number", where);
   const Json conditions = is_whole ? conditions_of(expected) : expected;
   for (const std::string_view name : kConditions) {
     const std::string part(name);

@@ -1,10 +1,8 @@
 // The judgment of a result or a score matrix, from which reports and plots are made.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "evaluate/matrix_scan.h"
@@ -25,16 +23,6 @@ struct RecognizedCell {
   size_t query_window = 0;
   size_t column = 0;
 };
-
-/// The source of verdicts.
-enum class JudgedBy {
-  ground_truth,  ///< of pairs
-  places,        ///< answers to the places of a result
-  nothing
-};
-template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<JudgedBy> = {"ground_truth", "places",
-                                                                         "nothing"};
 
 struct Judgment {
   JudgedBy by = JudgedBy::ground_truth;

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 
 #include <fmt/format.h>
+
+#include "base/statistics.h"
 
 namespace vpr {
 namespace {
@@ -34,15 +37,17 @@ constexpr Metric of_curve(std::string_view key, std::string_view symbol, std::st
           .of_curve = compute};
 }
 
-constexpr Metric of_path(std::string_view key, std::string_view symbol, std::string_view meaning,
-                         bool is_low_good, int digits,
-                         std::optional<double> (*compute)(const Localization&)) {
+// Without a symbol in JSON only.
+constexpr Metric of_path(std::string_view key, JudgedBy needs, PathValue value,
+                         std::string_view symbol = {}, std::string_view meaning = {},
+                         bool is_low_good = true, int digits = 0) {
   return {.key = key,
           .symbol = symbol,
           .meaning = meaning,
           .is_low_good = is_low_good,
           .digits = digits,
-          .of_path = compute};
+          .needs = needs,
+          .of_path = value};
 }
 
 constexpr Metric kMetrics[] = {
@@ -62,6 +67,7 @@ constexpr Metric kMetrics[] = {
      .symbol = "R@",
      .meaning = "share of queries with a correct reference among the K best",
      .title = "Recall@K",
+     .is_share = true,
      .of_query = recall_of},
     // Manning, Raghavan and Schuetze 2008, chapter 8.
     {.key = "precision_at",
@@ -81,32 +87,34 @@ constexpr Metric kMetrics[] = {
      .symbol = "RAR ",
      .meaning = "share of stretches of the path with R@1 of r or more",
      .of_stretches = recall_achievement},
-    of_path("correct", "correct", "frames of the path with a correct recognition", false, 0,
-            [](const Localization& path) { return std::optional<double>(path.correct); }),
-    of_path("incorrect", "incorrect", "frames of the path with an incorrect recognition", true, 0,
-            [](const Localization& path) { return std::optional<double>(path.incorrect); }),
-    of_path("share", "share", "share of the frames with a match that are recognized correctly",
-            false, 4, [](const Localization& path) { return path.share(); }),
-    of_path(
-        "longest_gap_frames", "longest gap",
-        "most consecutive frames without a correct recognition", true, 0,
-        [](const Localization& path) { return std::optional<double>(path.longest_gap_frames); }),
-    of_path("first_recognition_frames", "first recognition",
-            "frames before the first correct recognition", true, 0,
-            [](const Localization& path) {
-              return std::optional<double>(path.first_recognition_frames);
-            }),
-    of_path("longest_gap_m", "longest gap m",
-            "longest distance without a correct recognition, in meters", true, 2,
-            [](const Localization& path) { return path.longest_gap_m; }),
-    of_path("first_recognition_m", "first recognition m",
-            "distance before the first correct recognition, in meters", true, 2,
-            [](const Localization& path) { return path.first_recognition_m; })};
+    of_path("frames", JudgedBy::nothing, &Localization::frames),
+    of_path("recognized", JudgedBy::nothing, &Localization::recognized),
+    of_path("recognized_share", JudgedBy::nothing, &Localization::recognized_share),
+    of_path("frames_with_match", JudgedBy::ground_truth, &Localization::frames_with_match),
+    of_path("correct", JudgedBy::places, &Localization::correct, "correct",
+            "frames of the path with a correct recognition", false),
+    of_path("incorrect", JudgedBy::places, &Localization::incorrect, "incorrect",
+            "frames of the path with an incorrect recognition"),
+    of_path("off_map", JudgedBy::ground_truth, &Localization::off_map),
+    {.key = "share",
+     .symbol = "share",
+     .meaning = "share of the frames with a match that are recognized correctly",
+     .is_share = true,
+     .needs = JudgedBy::places,
+     .of_path = &Localization::share},
+    of_path("longest_gap_frames", JudgedBy::places, &Localization::longest_gap_frames,
+            "longest gap", "most consecutive frames without a correct recognition"),
+    of_path("longest_gap_m", JudgedBy::places, &Localization::longest_gap_m, "longest gap m",
+            "longest distance without a correct recognition, in meters", true, 2),
+    of_path("first_recognition_frames", JudgedBy::places, &Localization::first_recognition_frames,
+            "first recognition", "frames before the first correct recognition"),
+    of_path("first_recognition_m", JudgedBy::places, &Localization::first_recognition_m,
+            "first recognition m", "distance before the first correct recognition, in meters", true,
+            2)};
 
-// The rows with this function, which are consecutive.
-template <class Function>
-std::span<const Metric> rows_with(Function Metric::*function) {
-  const auto has = [&](const Metric& metric) { return metric.*function != nullptr; };
+// The rows for which this holds, which are consecutive.
+template <class Condition>
+std::span<const Metric> rows_with(const Condition& has) {
   const auto* first = std::ranges::find_if(kMetrics, has);
   return {first, std::find_if_not(first, std::end(kMetrics), has)};
 }
@@ -224,8 +232,7 @@ MetricValue risk_coverage_area(const Curve& curve) {
     accept(point.correct - correct + tied, tied);
     correct = point.correct;
   }
-  if (accepted == 0) return {};
-  return {sum / static_cast<double>(accepted), {}};
+  return {share_of(sum, accepted), {}};
 }
 
 std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) {
@@ -265,18 +272,13 @@ std::optional<double> recall_achievement(const std::vector<std::optional<double>
     ++known;
     achieved += *recall >= target;
   }
-  if (known == 0) return std::nullopt;
-  return static_cast<double>(achieved) / static_cast<double>(known);
+  return share_of(achieved, known);
 }
 
-std::optional<double> Localization::share() const {
-  if (frames_with_match == 0) return std::nullopt;
-  return static_cast<double>(correct) / static_cast<double>(frames_with_match);
-}
+std::optional<double> Localization::share() const { return share_of(correct, frames_with_match); }
 
 std::optional<double> Localization::recognized_share() const {
-  if (frames == 0) return std::nullopt;
-  return static_cast<double>(recognized) / static_cast<double>(frames);
+  return share_of(recognized, frames);
 }
 
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
@@ -316,11 +318,17 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
 
 std::span<const Metric> metrics() { return kMetrics; }
 
-std::span<const Metric> curve_metrics() { return rows_with(&Metric::of_curve); }
+std::span<const Metric> curve_metrics() {
+  return rows_with([](const Metric& metric) { return metric.of_curve != nullptr; });
+}
 
-std::span<const Metric> rank_metrics() { return rows_with(&Metric::of_query); }
+std::span<const Metric> rank_metrics() {
+  return rows_with([](const Metric& metric) { return metric.of_query != nullptr; });
+}
 
-std::span<const Metric> path_metrics() { return rows_with(&Metric::of_path); }
+std::span<const Metric> path_metrics() {
+  return rows_with([](const Metric& metric) { return metric.is_of_path(); });
+}
 
 const Metric& find_metric(std::string_view key) {
   const auto found = std::ranges::find(kMetrics, key, &Metric::key);
@@ -331,6 +339,13 @@ const Metric& find_metric(std::string_view key) {
 bool Metric::is_known_at(const Outcomes& outcomes, size_t k) const {
   if (k > outcomes.known_ranks) return false;
   return needs_all_ranks ? outcomes.has_ranks && k <= kMaxRank : outcomes.has_ranks || k == 1;
+}
+
+std::optional<double> path_value(const Metric& metric, const Localization& path) {
+  const auto value_in = [&](auto value) -> std::optional<double> {
+    return std::invoke(value, path);
+  };
+  return std::visit(value_in, metric.of_path);
 }
 
 MetricAt metric_at(std::string_view key, size_t k) { return {&find_metric(key), k}; }
@@ -352,8 +367,7 @@ std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcome
     ++frames;
     sum += metric.metric->of_query(query, metric.k);
   }
-  if (frames == 0) return std::nullopt;
-  return sum / static_cast<double>(frames);
+  return share_of(sum, frames);
 }
 
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {

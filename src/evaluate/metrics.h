@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "evaluate/outcomes.h"
@@ -117,6 +118,16 @@ std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_
 std::optional<double> recall_achievement(const std::vector<std::optional<double>>& recalls,
                                          double target);
 
+/// The source of verdicts, from the most to the least known.
+enum class JudgedBy {
+  ground_truth,  ///< of pairs
+  places,        ///< answers to the places of a result
+  nothing
+};
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<JudgedBy> = {"ground_truth", "places",
+                                                                         "nothing"};
+
 /// How a frame of the path is localized: not at all, correctly, incorrectly, or by a recognition
 /// whose pair is labeled ignore, which counts as none.
 enum class FrameVerdict { none, correct, incorrect, unjudged };
@@ -147,22 +158,30 @@ struct Localization {
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
                       std::span<const std::optional<uint32_t>> decided = {});
 
-/// A row of the table of metrics; exactly one of the functions is set.
+/// A metric of the path: a member or a function of Localization.
+using PathValue =
+    std::variant<std::optional<double> (Localization::*)() const, size_t Localization::*,
+                 std::optional<size_t> Localization::*, std::optional<double> Localization::*>;
+
+/// A row of the table of metrics; exactly one of the functions, or of_path, is set.
 struct Metric {
   std::string_view key;         ///< in JSON; metrics of ranks append _K in comparisons
-  std::string_view symbol;      ///< in tables; K or the target follows
+  std::string_view symbol;      ///< in tables; K or the target follows; empty: in JSON only
   std::string_view meaning;     ///< in --help
   std::string_view title = {};  ///< of a table, for metrics of ranks
   bool is_low_good = false;
-  int digits = 4;                ///< in tables; 0: an integer
-  bool needs_all_ranks = false;  ///< of correct references, not only the first
+  bool is_share = false;                    ///< of the frames with a match, for K = 1
+  int digits = 4;                           ///< in tables; 0: an integer
+  JudgedBy needs = JudgedBy::ground_truth;  ///< the least known source of verdicts
+  bool needs_all_ranks = false;             ///< of correct references, not only the first
   MetricValue (*of_curve)(const Curve& curve) = nullptr;
   /// A metric of ranks is the mean of this over query frames with a match.
   double (*of_query)(const QueryOutcome& query, size_t k) = nullptr;
   std::optional<double> (*of_stretches)(const std::vector<std::optional<double>>& recalls,
                                         double target) = nullptr;
-  std::optional<double> (*of_path)(const Localization& path) = nullptr;
+  PathValue of_path = {};
 
+  bool is_of_path() const { return of_path != PathValue{}; }
   /// Whether a metric of ranks can be computed at K.
   bool is_known_at(const Outcomes& outcomes, size_t k) const;
 };
@@ -175,6 +194,9 @@ std::span<const Metric> path_metrics();
 
 /// `key` must be in the table.
 const Metric& find_metric(std::string_view key);
+
+/// The value of a metric of the path.
+std::optional<double> path_value(const Metric& metric, const Localization& path);
 
 /// A metric, with K for metrics of ranks.
 struct MetricAt {

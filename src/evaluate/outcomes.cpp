@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "base/statistics.h"
 #include "evaluate/metrics.h"
 
 namespace vpr {
@@ -100,10 +101,7 @@ bool is_found_at(const QueryOutcome& query, size_t k) {
   return query.verdict == Verdict::correct || (query.rank && *query.rank <= k);
 }
 
-std::optional<double> BestMatchCounts::rate() const {
-  if (frames == 0) return std::nullopt;
-  return static_cast<double>(correct) / static_cast<double>(frames);
-}
+std::optional<double> BestMatchCounts::rate() const { return share_of(correct, frames); }
 
 BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   BestMatchCounts counts;

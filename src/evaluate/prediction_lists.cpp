@@ -140,11 +140,9 @@ std::vector<fs::path> text_files(const fs::path& folder) {
        entry.increment(error))
     if (entry->path().extension() == ".txt") files.push_back(entry->path());
   if (error)
-    throw Error(ErrorKind::input,
-                fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
+    throw Error(ErrorKind::input, "{}: cannot be read: {}", folder.string(), error.message());
   if (files.empty())
-    throw Error(ErrorKind::input,
-                fmt::format("{}: there is no .txt file of a query", folder.string()));
+    throw Error(ErrorKind::input, "{}: there is no .txt file of a query", folder.string());
   std::ranges::sort(files, natural_less,
                     [](const fs::path& path) { return path.filename().string(); });
   return files;
@@ -265,18 +263,16 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
   } else {
     all = read_list(path);
   }
-  if (all.empty()) throw Error(ErrorKind::data, fmt::format("{}: lists no reference", name));
+  if (all.empty()) throw Error(ErrorKind::data, "{}: lists no reference", name);
   const bool has_scores = all.front().score.has_value();
   if (has_scores && !kind)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: the list has scores. Add --distance (lower is better) or "
-                            "--similarity (higher is better)",
-                            name));
+                "{}: the list has scores. Add --distance (lower is better) or --similarity (higher "
+                "is better)",
+                name);
   if (!has_scores && kind == ScoreOrder::similarity)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: the list has no scores, and ranks are distances. Omit "
-                            "--similarity",
-                            name));
+                "{}: the list has no scores, and ranks are distances. Omit --similarity", name);
   return scores_of(std::make_shared<const ScoredLists>(collect(all, queries, references, stated)),
                    kind, has_scores, files);
 }
@@ -304,10 +300,8 @@ ScoreMatrix index_scores(const fs::path& path, size_t references) {
     for (size_t k = 0; k < columns; ++k) {
       if (row[k] == -1) continue;  // faiss found no further neighbor
       if (!(row[k] >= 0 && row[k] < static_cast<double>(references)))
-        throw Error(
-            ErrorKind::data,
-            fmt::format("{}, row {}: the index {} is out of range; there are {}", path.string(),
-                        query, row[k], counted(references, "training frame")));
+        throw Error(ErrorKind::data, "{}, row {}: the index {} is out of range; there are {}",
+                    path.string(), query, row[k], counted(references, "training frame"));
       lists.queries[query].push_back({static_cast<size_t>(row[k]), static_cast<double>(k) + 1});
     }
   }

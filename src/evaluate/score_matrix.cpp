@@ -153,26 +153,23 @@ namespace {
 void require_alike(const SequenceSource& query, const ArrayRows& queries,
                    const SequenceSource& reference, const ArrayRows& references, bool has_metric) {
   if (has_bits(queries) != has_bits(references))
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: the values have type {}, but in {} they have type {}", queries.where(0),
-                    queries.type(), references.where(0), references.type()));
+    throw Error(ErrorKind::data, "{}: the values have type {}, but in {} they have type {}",
+                queries.where(0), queries.type(), references.where(0), references.type());
   if (has_metric && has_bits(queries))
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has type {}, whose bits are compared by Hamming distances, so "
-                            "--metric has no effect. Omit it or, if the values are numbers, save "
-                            "them as float32",
-                            queries.where(0), queries.type()));
+                "{}: has type {}, whose bits are compared by Hamming distances, so --metric has no "
+                "effect. Omit it or, if the values are numbers, save them as float32",
+                queries.where(0), queries.type());
   if (queries.length() != references.length()) {
     const bool is_transposed = queries.count() == references.length() ||
                                queries.length() == references.count() ||
                                queries.count() == references.count();
     throw Error(ErrorKind::data,
-                fmt::format("{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and "
-                            "descriptors must have the same length{}",
-                            query.argument.path.string(), queries.count(), queries.length(),
-                            reference.argument.path.string(), references.count(),
-                            references.length(), is_transposed ? "; is an array transposed?" : ""));
+                "{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and descriptors "
+                "must have the same length{}",
+                query.argument.path.string(), queries.count(), queries.length(),
+                reference.argument.path.string(), references.count(), references.length(),
+                is_transposed ? "; is an array transposed?" : "");
   }
 }
 
@@ -183,9 +180,8 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
   const DescriptorMetric metric = metric_of_vectors.value_or(DescriptorMetric::cosine);
   for (const SequenceSource* sequence : {&query, &reference})
     if (sequence->kind != SequenceKind::descriptors)
-      throw Error(ErrorKind::data,
-                  fmt::format("{}: is not a .npy file of descriptors or a folder of them",
-                              sequence->argument.path.string()));
+      throw Error(ErrorKind::data, "{}: is not a .npy file of descriptors or a folder of them",
+                  sequence->argument.path.string());
   const auto queries = std::make_shared<const ArrayRows>(query);
   const auto references = std::make_shared<const ArrayRows>(reference);
   require_alike(query, *queries, reference, *references, metric_of_vectors.has_value());
@@ -271,11 +267,10 @@ ScoreLayout layout_of(const Result& result) {
 
 void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout) {
   if (matrix.queries() == row_count(layout) && matrix.references() == column_count(layout)) return;
-  throw Error(
-      ErrorKind::data,
-      fmt::format("the scores are {} x {}, but the result has {} query windows and {} "
-                  "training windows. Pass the matrix that was saved with it",
-                  matrix.queries(), matrix.references(), row_count(layout), column_count(layout)));
+  throw Error(ErrorKind::data,
+              "the scores are {} x {}, but the result has {} query windows and {} training "
+              "windows. Pass the matrix that was saved with it",
+              matrix.queries(), matrix.references(), row_count(layout), column_count(layout));
 }
 
 void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,

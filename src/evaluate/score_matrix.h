@@ -12,7 +12,6 @@
 #include "decide/result.h"
 #include "describe/imported.h"
 #include "match/precomputed_distances.h"
-#include "settings/query_settings.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

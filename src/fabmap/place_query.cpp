@@ -24,7 +24,7 @@ constexpr size_t kMostFramesAtOnce = 64;
 
 void check_share(std::string_view name, double value) {
   if (!(value >= 0 && value <= 1))
-    throw Error(ErrorKind::usage, fmt::format("{} must be from 0 to 1, found {}", name, value));
+    throw Error(ErrorKind::usage, "{} must be from 0 to 1, found {}", name, value);
 }
 
 Match likeliest_view(size_t frame, std::span<const double> posterior,
@@ -69,10 +69,9 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
 std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   std::vector<uint32_t> place_of = searched.places();
   if (place_of.empty())
-    throw Error(
-        ErrorKind::usage,
-        "the database has no places. Train some, or use vpr-query loops to recognize places of the "
-        "query.");
+    throw Error(ErrorKind::usage,
+                "the database has no places. Train some, or use vpr-query loops to recognize "
+                "places of the query.");
   return place_of;
 }
 
@@ -136,11 +135,9 @@ void check_query_settings(const FabmapQuerySettings& settings) {
   if (!(settings.posterior.new_place_prior > 0 && settings.posterior.new_place_prior <= 1))
     throw Error(ErrorKind::usage, "posterior.new_place_prior must be above 0 and at most 1");
   if (settings.window < 1 || settings.window > 1'000'000)
-    throw Error(ErrorKind::usage,
-                fmt::format("c_w must be from 1 to 1000000, found {}", settings.window));
+    throw Error(ErrorKind::usage, "c_w must be from 1 to 1000000, found {}", settings.window);
   if (settings.lut_digits < 1 || settings.lut_digits > 12)
-    throw Error(ErrorKind::usage,
-                fmt::format("lut_digits must be from 1 to 12, found {}", settings.lut_digits));
+    throw Error(ErrorKind::usage, "lut_digits must be from 1 to 12, found {}", settings.lut_digits);
   find_fabmap_variant(settings.variant);
 }
 
@@ -299,8 +296,8 @@ FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
                    });
   }
   if (features.gray.empty())
-    throw Error(ErrorKind::input, fmt::format("{}: has no readable frame {}",
-                                              sequence.argument.path.string(), frame));
+    throw Error(ErrorKind::input, "{}: has no readable frame {}", sequence.argument.path.string(),
+                frame);
   const LocalFeatures found = find_features(features.gray, database.settings.features);
   features.points = found.points;
   features.words = nearest_words(make_vocabulary(database.vocabulary), found.descriptors);

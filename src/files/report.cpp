@@ -250,7 +250,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
 }
 
 std::optional<double> value_of(const Report& report, const MetricAt& metric) {
-  if (metric.metric->of_path != nullptr) return metric.metric->of_path(report.localization);
+  if (metric.metric->is_of_path()) return path_value(*metric.metric, report.localization);
   const auto index = [&](std::span<const Metric> all) {
     return static_cast<size_t>(metric.metric - all.data());
   };

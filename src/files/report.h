@@ -12,7 +12,6 @@
 
 #include "base/json_fwd.h"
 #include "evaluate/evaluation.h"
-#include "evaluate/judgment.h"
 #include "files/run_info.h"
 
 namespace vpr {

@@ -215,20 +215,15 @@ void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
 
 template <class Visitor>
 void visit_localization(Localization& path, JudgedBy judge, Visitor&& visit) {
-  const bool has_truth = judge == JudgedBy::ground_truth;
-  visit("frames", path.frames);
-  visit("recognized", path.recognized);
-  visit("recognized_share", Derived{path.recognized_share()});
-  if (has_truth) visit("frames_with_match", path.frames_with_match);
-  if (judge == JudgedBy::nothing) return;
-  visit("correct", path.correct);
-  visit("incorrect", path.incorrect);
-  if (has_truth) visit("off_map", path.off_map);
-  visit("share", Derived{path.share()});
-  visit("longest_gap_frames", path.longest_gap_frames);
-  visit("longest_gap_m", path.longest_gap_m);
-  visit("first_recognition_frames", path.first_recognition_frames);
-  visit("first_recognition_m", path.first_recognition_m);
+  for (const Metric& metric : path_metrics()) {
+    const auto visit_value = [&](auto value) {
+      if constexpr (std::is_member_object_pointer_v<decltype(value)>)
+        visit(metric.key, path.*value);
+      else
+        visit(metric.key, Derived{path_value(metric, path)});
+    };
+    if (judge <= metric.needs) std::visit(visit_value, metric.of_path);
+  }
 }
 
 template <class Visitor>
@@ -346,11 +341,10 @@ Json report_json(const Report& report, const RunInfo& run, double seconds) {
 Report parse_report(const Json& json, const std::string& where) {
   require_schema(json, "report", where, ErrorKind::data);
   if (json.contains("judged"))
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: is a report without ground truth, which has no metrics to compare. "
-                    "Evaluate its result again with --ground-truth",
-                    where));
+    throw Error(ErrorKind::usage,
+                "{}: is a report without ground truth, which has no metrics to compare. Evaluate "
+                "its result again with --ground-truth",
+                where);
   const Fields fields(json, where);
   Report report;
   value_from_json(json, report, fields.source(), "report");

@@ -2,7 +2,6 @@
 // result under several protocols (vpr.protocols/4).
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>

@@ -385,9 +385,9 @@ void read_arrays(const fs::path& path, const FileEntries& entries, const JsonSou
     const NpyArray read(file);
     if (checksum(read.file_bytes()) != entry->second.checksum)
       throw Error(ErrorKind::data,
-                  fmt::format("{}: belongs to another run than its .json file, or is damaged; run "
-                              "vpr-query again, with --force",
-                              file.string()));
+                  "{}: belongs to another run than its .json file, or is damaged; run vpr-query "
+                  "again, with --force",
+                  file.string());
     const size_t columns = columns_of(array, result).size();
     const auto values = read.values<T>(columns == 1 ? 1 : 2);
     if (columns > 1 && read.shape()[1] != columns) refuse("has other columns");

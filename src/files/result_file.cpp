@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -215,9 +214,9 @@ void check_companions(const fs::path& result, const ResultContext& context,
     std::error_code error;
     if (fs::is_regular_file(path, error) && file_checksum(path, monitor) != sum)
       throw Error(ErrorKind::data,
-                  fmt::format("{}: belongs to another run than {}; run vpr-query again, with "
-                              "--force, or remove this file",
-                              path.string(), result.string()));
+                  "{}: belongs to another run than {}; run vpr-query again, with --force, or "
+                  "remove this file",
+                  path.string(), result.string());
   }
 }
 
@@ -280,9 +279,8 @@ Json read_result_json(const fs::path& path) {
   const std::string where = path.string();
   std::error_code ignored;
   if (fs::is_directory(path, ignored))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is a {}. Pass a result of vpr-query (.json).", where,
-                            fs::exists(path / kManifestName, ignored) ? "database" : "folder"));
+    throw Error(ErrorKind::data, "{}: is a {}. Pass a result of vpr-query (.json).", where,
+                fs::exists(path / kManifestName, ignored) ? "database" : "folder");
   Json json = read_json(path, ErrorKind::data);
   require_schema(json, "result", where, ErrorKind::data);
   const Fields fields(json, where);

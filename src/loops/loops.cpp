@@ -143,10 +143,9 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
   list.name = path.string();
   list.is_by_time = is_by_time(lines, trajectory, rules.frames);
   if (list.is_by_time && trajectory.times_ns.empty())
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: names frames by time stamps, but {} has none; pass them with --pose-times",
-                    path.string(), trajectory.name));
+    throw Error(ErrorKind::usage,
+                "{}: names frames by time stamps, but {} has none; pass them with --pose-times",
+                path.string(), trajectory.name);
   std::optional<TimeUnit> unit;
   for (const LoopLine& line : lines) {
     location.at("line", line.number);
@@ -182,9 +181,9 @@ LoopGap parse_loop_gap(const std::string& text, const std::string& flag) {
   const bool is_whole = value && *value == std::floor(*value);
   if (!value || !(*value > 0 && *value <= kMaxGap) || (!is_time && !is_whole))
     throw Error(ErrorKind::usage,
-                fmt::format("{} is the minimum separation of the two frames of a loop, in seconds "
-                            "or in frames, such as {} 30s or {} 300; found \"{}\"",
-                            flag, flag, flag, text));
+                "{} is the minimum separation of the two frames of a loop, in seconds or in "
+                "frames, such as {} 30s or {} 300; found \"{}\"",
+                flag, flag, flag, text);
   if (!is_time) return {{}, static_cast<size_t>(*value)};
   return {std::llround(*value * double{kSecond}), 0};
 }
@@ -231,9 +230,8 @@ PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
                          const Nearness& nearness) {
   const auto label = label_of(*trajectory.poses[a], *trajectory.poses[b], nearness);
   if (!label)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: has no headings or orientations, which --angle needs", trajectory.name));
+    throw Error(ErrorKind::data, "{}: has no headings or orientations, which --angle needs",
+                trajectory.name);
   return *label;
 }
 
@@ -274,11 +272,10 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules) {
   check_nearness(rules.nearness);
   if (rules.gap.nanoseconds && trajectory.times_ns.empty())
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: there are no times for a gap in seconds. Add them with --pose-times, or "
-                    "set the gap in frames, as in --gap 300",
-                    trajectory.name));
+    throw Error(ErrorKind::usage,
+                "{}: there are no times for a gap in seconds. Add them with --pose-times, or set "
+                "the gap in frames, as in --gap 300",
+                trajectory.name);
   LoopJudgment judgment;
   judgment.has_loop = frames_with_loop(trajectory, rules);
   judgment.is_found.resize(judgment.has_loop.size());
@@ -326,20 +323,18 @@ std::vector<ListedLoop> loops_of(const Result& result) {
 LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory) {
   if (!std::visit([](const auto& settings) { return settings.loop; }, result.settings))
     throw Error(ErrorKind::data,
-                fmt::format("{}: the result has no loops. Create one with vpr-query loops --query "
-                            "FOLDER",
-                            name));
+                "{}: the result has no loops. Create one with vpr-query loops --query FOLDER",
+                name);
   if (result.query.frames != trajectory.poses.size())
-    throw Error(ErrorKind::data, fmt::format("{}: the query has {}, but {} has {}", name,
-                                             counted(result.query.frames, "frame"), trajectory.name,
-                                             counted(trajectory.poses.size(), "pose")));
+    throw Error(ErrorKind::data, "{}: the query has {}, but {} has {}", name,
+                counted(result.query.frames, "frame"), trajectory.name,
+                counted(trajectory.poses.size(), "pose"));
   LoopList list{name, loops_of(result), false, true};
   for (const ListedLoop& loop : list.loops)
     for (const size_t frame : {loop.query, loop.match})
       if (!trajectory.poses[frame])
-        throw Error(ErrorKind::data, fmt::format("{}: there is a loop at frame {}, but {} has no "
-                                                 "pose for it",
-                                                 name, frame, trajectory.name));
+        throw Error(ErrorKind::data, "{}: there is a loop at frame {}, but {} has no pose for it",
+                    name, frame, trajectory.name);
   return list;
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/statistics.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
 #include "files/report_json.h"
@@ -21,18 +22,13 @@
 namespace vpr {
 namespace {
 
-std::optional<double> share(uint64_t part, uint64_t whole) {
-  if (whole == 0) return std::nullopt;
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
-
 std::optional<double> precision(const LoopJudgment& judgment) {
   const uint64_t correct = judgment.count(PlaceLabel::same);
-  return share(correct, correct + judgment.count(PlaceLabel::different));
+  return share_of(correct, correct + judgment.count(PlaceLabel::different));
 }
 
 std::optional<double> recall(const LoopJudgment& judgment) {
-  return share(judgment.frames_found(), judgment.frames_with_loop());
+  return share_of(judgment.frames_found(), judgment.frames_with_loop());
 }
 
 std::string share_text(std::optional<double> share) {

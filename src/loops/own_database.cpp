@@ -17,14 +17,12 @@ void append_frames(SequenceDatabase& database, const PrecomputedDistances& matri
   const FrameRange& range = argument.sequence.range;
   const uint64_t last = range.last.value_or(matrix.references());
   if (range.first >= last || last > matrix.references())
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("the training sequence {} has the range {}, and the matrix has {}",
-                    argument.name, range_text(range), counted(matrix.references(), "reference")));
+    throw Error(ErrorKind::usage,
+                "the training sequence {} has the range {}, and the matrix has {}", argument.name,
+                range_text(range), counted(matrix.references(), "reference"));
   for (const TrainSequence& before : database.sequences)
     if (before.sequence.name == argument.name)
-      throw Error(ErrorKind::usage,
-                  fmt::format("duplicate name of training sequences: {}", argument.name));
+      throw Error(ErrorKind::usage, "duplicate name of training sequences: {}", argument.name);
   Sequence& sequence = database.sequences.emplace_back().sequence;
   sequence.name = argument.name;
   const std::vector<size_t>& empty = matrix.empty_references();

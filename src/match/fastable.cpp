@@ -7,8 +7,6 @@
 #include <numeric>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "base/aligned_vector.h"
 #include "base/error.h"
 #include "match/zscores.h"
@@ -90,14 +88,13 @@ FastableState start_fastable(const FrameDistances& distances,
   const bool has_ring = bytes <= settings.memory_limit;
   if (distances.is_in_order() || !settings.rates.empty()) {
     if (longest > kMaxScoredWindow)
-      throw Error(ErrorKind::usage, fmt::format("z-scores and rates allow a c_l of at most {}, "
-                                                "found {}",
-                                                kMaxScoredWindow, longest));
+      throw Error(ErrorKind::usage, "z-scores and rates allow a c_l of at most {}, found {}",
+                  kMaxScoredWindow, longest);
     if (!has_ring)
-      throw Error(ErrorKind::usage,
-                  fmt::format("windows over {} training frames at c_l {} need {} MiB of memory; "
-                              "raise --max-memory",
-                              frames, longest, (bytes >> 20) + 1));
+      throw Error(
+          ErrorKind::usage,
+          "windows over {} training frames at c_l {} need {} MiB of memory; raise --max-memory",
+          frames, longest, (bytes >> 20) + 1);
   }
   FastableState state{least_lag(distances),
                       has_ring,
@@ -206,11 +203,10 @@ Rate parse_rate(const std::string& text) {
   const uint32_t train = parse_side(whole.substr(0, slash));
   const uint32_t query = slash == std::string::npos ? 1 : parse_side(whole.substr(slash + 1));
   if (train == 0 || query == 0)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("a rate is the ratio of training to query frames, such as 3/2 or 2, each from "
-                    "1 to {}; found \"{}\"",
-                    kMostRateFrames, text));
+    throw Error(ErrorKind::usage,
+                "a rate is the ratio of training to query frames, such as 3/2 or 2, each from 1 to "
+                "{}; found \"{}\"",
+                kMostRateFrames, text);
   const uint32_t common = std::gcd(train, query);
   return {train / common, query / common};
 }
@@ -220,11 +216,10 @@ std::vector<Rate> parse_rates(std::span<const std::string> texts) {
   for (const std::string& text : texts) {
     const Rate rate = parse_rate(text);
     if (std::ranges::find(rates, rate) != rates.end())
-      throw Error(ErrorKind::usage, fmt::format("the rate {} is listed twice", text));
+      throw Error(ErrorKind::usage, "the rate {} is listed twice", text);
     rates.push_back(rate);
   }
-  if (rates.size() > kMostRates)
-    throw Error(ErrorKind::usage, fmt::format("use at most {} rates", kMostRates));
+  if (rates.size() > kMostRates) throw Error(ErrorKind::usage, "use at most {} rates", kMostRates);
   return rates;
 }
 

@@ -3,8 +3,6 @@
 #include <array>
 #include <cassert>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 
 namespace vpr {
@@ -14,8 +12,8 @@ constexpr size_t kChunkFrames = 2048;
 constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
 constexpr std::array<const DistanceKind*, 8> kKinds = {
-    &kHammingDistance, &kCosineDistance, &kWideCosineDistance,  &kPointDistance,
-    &kGrayDistance,    &kLdbHogDistance, &kLdbOfLdbHogDistance, &kPrecomputedDistance};
+    &kHammingDistance, &kCosineDistance, &kWideCosineDistance, &kPointDistance,
+    &kGrayDistance,    &kLdbHogDistance, &kPrecomputedDistance};
 
 FrameDistances compare(const std::vector<DescribedFrames>& train, const DescribedFrames& query,
                        const PreparedTraining& prepared) {
@@ -120,9 +118,8 @@ FrameDistances frame_distances(std::span<const DescribedFrames> train,
   const DescriptorShape& shape = query.rows.shape;
   for (const DescribedFrames& sequence : train)
     if (!sequence.rows.empty() && sequence.rows.shape != shape)
-      throw Error(ErrorKind::data,
-                  fmt::format("descriptors of {} and of {} elements can't be compared",
-                              sequence.rows.shape.length, shape.length));
+      throw Error(ErrorKind::data, "descriptors of {} and of {} elements can't be compared",
+                  sequence.rows.shape.length, shape.length);
   return compare({train.begin(), train.end()}, query,
                  distance_of(shape.element).prepare(train, shape));
 }

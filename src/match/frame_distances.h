@@ -1,7 +1,6 @@
 // Distances of query frames to training frames: integers, for descriptors of any kind.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -172,8 +171,6 @@ extern const DistanceKind kGrayDistance;
 /// The Hamming distance of the LDB codes plus the cosine distance of the HOG vectors, in units of
 /// 2/1024 and rounded to nearest, ties up. Rows of bytes 0 have a distance of 512.
 extern const DistanceKind kLdbHogDistance;
-/// The Hamming distance of the LDB codes of the same rows.
-extern const DistanceKind kLdbOfLdbHogDistance;
 
 /// Precomputed distances (precomputed_distances.h).
 extern const DistanceKind kPrecomputedDistance;

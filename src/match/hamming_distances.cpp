@@ -7,8 +7,6 @@
 #include <mutex>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "match/frame_distances.h"
 #include "match/hamming_kernels.h"
@@ -105,17 +103,11 @@ void fill_tile(const Training& training, const DescriptorRows& rows,
                         divide_up(last - first, kBlockFrames), out, stride);
 }
 
-// Bytes of the code within a row.
-size_t code_bytes(const DescriptorShape& shape) {
-  return shape.element == ElementType::ldb_of_ldb_hog ? kLdbBytes : shape.row_bytes();
-}
-
 PreparedTraining prepare(std::span<const DescribedFrames> train, const DescriptorShape& shape) {
-  const size_t words = code_bytes(shape) / kWordBytes;
+  const size_t words = shape.row_bytes() / kWordBytes;
   if (words > kMaxBits / 64)
-    throw Error(ErrorKind::data,
-                fmt::format("codes of {} bits: the maximum for Hamming distances is {}",
-                            shape.length, kMaxBits));
+    throw Error(ErrorKind::data, "codes of {} bits: the maximum for Hamming distances is {}",
+                shape.length, kMaxBits);
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
   training->words = words;
@@ -139,7 +131,7 @@ PreparedTraining prepare(std::span<const DescribedFrames> train, const Descripto
       std::call_once(training->has_counts, [&] {
         training->counts = count_bits(training->sequences, training->words * kWordBytes);
       });
-      return distance_sum(training->counts, rows[query].first(training->words * kWordBytes));
+      return distance_sum(training->counts, rows[query]);
     };
   };
 }
@@ -151,7 +143,7 @@ Projector make_projector(const DescriptorRows& to, std::span<const ComponentValu
     std::vector<ComponentValues> more_of_bit;  ///< the contribution of each bit
   };
   const auto sums = std::make_shared<Sums>();
-  sums->more_of_bit.resize(8 * code_bytes(to.shape));
+  sums->more_of_bit.resize(8 * to.shape.row_bytes());
   for (size_t i = 0; i < to.size(); ++i)
     for (size_t bit = 0; bit < sums->more_of_bit.size(); ++bit) {
       const bool is_set = (to[i][bit / 8] >> bit % 8 & 1) != 0;
@@ -162,7 +154,7 @@ Projector make_projector(const DescriptorRows& to, std::span<const ComponentValu
     }
   return [sums](DescriptorRow row) {
     ComponentValues values = sums->of_none;
-    for_each_set_bit(row.first(sums->more_of_bit.size() / 8), [&](size_t bit) {
+    for_each_set_bit(row, [&](size_t bit) {
       for (size_t k = 0; k < kMaxComponents; ++k) values[k] += sums->more_of_bit[bit][k];
     });
     return values;
@@ -183,16 +175,6 @@ const DistanceKind kHammingDistance = {
     {"bits", 1},
     [](const DescriptorShape& shape) { return uint16_t(shape.length); },
     hamming_distance,
-    make_projector,
-    prepare};
-
-const DistanceKind kLdbOfLdbHogDistance = {
-    ElementType::ldb_of_ldb_hog,
-    {"bits", 1},
-    [](const DescriptorShape&) { return uint16_t{kLdbBits}; },
-    [](DescriptorRow a, DescriptorRow b) {
-      return hamming_distance(a.first(kLdbBytes), b.first(kLdbBytes));
-    },
     make_projector,
     prepare};
 

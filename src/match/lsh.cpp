@@ -44,22 +44,22 @@ uint64_t key_bits(const LshSettings& settings, size_t windows) {
   return std::clamp<uint64_t>(std::bit_width(windows) + 2, 4, kMostKeyBits);
 }
 
-/// The LDB codes of rows with more bytes, one after the other: windows are strings of bits.
-struct PackedCodes {
-  std::vector<std::vector<LdbCode>> codes;
+/// Rows one after the other: windows are strings of bits.
+struct PackedRows {
+  std::vector<std::vector<uint8_t>> bytes;
   std::vector<DescribedFrames> frames;
 
-  explicit PackedCodes(std::span<const DescribedFrames> sequences)
+  explicit PackedRows(std::span<const DescribedFrames> sequences)
       : frames(sequences.begin(), sequences.end()) {
     for (DescribedFrames& sequence : frames) {
-      std::vector<LdbCode>& packed = codes.emplace_back(sequence.rows.size());
-      for (size_t i = 0; i < packed.size(); ++i)
-        std::ranges::copy(sequence.rows[i].first(kLdbBytes), packed[i].begin());
-      sequence.rows = packed;
+      std::vector<uint8_t>& packed = bytes.emplace_back();
+      for (size_t i = 0; i < sequence.rows.size(); ++i)
+        packed.insert(packed.end(), sequence.rows[i].begin(), sequence.rows[i].end());
+      sequence.rows = {sequence.rows.shape, packed};
     }
   }
-  PackedCodes(const PackedCodes&) = delete;
-  PackedCodes& operator=(const PackedCodes&) = delete;
+  PackedRows(const PackedRows&) = delete;
+  PackedRows& operator=(const PackedRows&) = delete;
 };
 
 }  // namespace
@@ -121,12 +121,12 @@ std::vector<LshCandidate> LshIndex::find(const uint8_t* window) const {
 void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume) {
   const DescriptorRows& query = distances.query.rows;
-  if (query.shape.element == ElementType::ldb_of_ldb_hog) {
-    const PackedCodes query_codes({&distances.query, 1});
-    const PackedCodes train_codes(distances.train);
+  if (query.stride != query.shape.row_bytes()) {
+    const PackedRows query_rows({&distances.query, 1});
+    const PackedRows train_rows(distances.train);
     FrameDistances packed = distances;
-    packed.query = query_codes.frames.front();
-    packed.train = train_codes.frames;
+    packed.query = query_rows.frames.front();
+    packed.train = train_rows.frames;
     return match_lsh(packed, settings, monitor, consume);
   }
   if (query.shape.element != ElementType::bits || distances.is_in_order())

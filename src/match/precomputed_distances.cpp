@@ -159,18 +159,17 @@ void PrecomputedDistances::scan(const Monitor& monitor) {
   }
   for (size_t i = 0; i < length; ++i)
     if (has_score[i].load(std::memory_order_relaxed) == 0) empty_across.push_back(i);
-  if (all.least > all.most)
-    throw Error(ErrorKind::data, fmt::format("{}: has no score", file_.name()));
+  if (all.least > all.most) throw Error(ErrorKind::data, "{}: has no score", file_.name());
   if (std::isinf(all.least) || std::isinf(all.most))
     throw Error(
         ErrorKind::data,
-        fmt::format(
-            "{}: has an infinite {}, better than all others; use --missing to mark missing scores",
-            file_.name(), is_similarity() ? "similarity" : "distance"));
+        "{}: has an infinite {}, better than all others; use --missing to mark missing scores",
+        file_.name(), is_similarity() ? "similarity" : "distance");
   if (std::isinf(all.most - all.least))
-    throw Error(ErrorKind::data, fmt::format("{}: has scores from {} to {}, too far apart to be "
-                                             "compared; use --missing to mark missing scores",
-                                             file_.name(), all.least, all.most));
+    throw Error(ErrorKind::data,
+                "{}: has scores from {} to {}, too far apart to be compared; use --missing to mark "
+                "missing scores",
+                file_.name(), all.least, all.most);
   units_ = units_of(all, is_similarity(), file_.is_whole());
 }
 
@@ -226,14 +225,13 @@ ScoreFile::ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& n
   if (type_ == nullptr || array_->shape().size() != 2 || array_->value_bytes().empty())
     throw Error(
         ErrorKind::data,
-        fmt::format("{}: expected a matrix of scores, queries x references; found the shape ({}) "
-                    "of type {}",
-                    name_, fmt::join(array_->shape(), ", "), array_->type()));
+        "{}: expected a matrix of scores, queries x references; found the shape ({}) of type {}",
+        name_, fmt::join(array_->shape(), ", "), array_->type());
   queries_ = array_->shape()[format.train_first ? 1 : 0];
   references_ = array_->shape()[format.train_first ? 0 : 1];
   is_query_major_ = array_->is_column_major() == format.train_first;
   if (std::max(queries_, references_) > std::numeric_limits<int32_t>::max())
-    throw Error(ErrorKind::data, fmt::format("{}: has more than 2^31 rows or columns", name_));
+    throw Error(ErrorKind::data, "{}: has more than 2^31 rows or columns", name_);
 }
 
 void ScoreFile::read(size_t index, size_t stride, size_t count, double* scores) const {

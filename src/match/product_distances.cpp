@@ -7,8 +7,6 @@
 #include <mutex>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "base/aligned_vector.h"
 #include "base/error.h"
 #include "describe/imported.h"
@@ -51,7 +49,7 @@ void append_sizes(std::vector<double>& sizes, const DescriptorRows& rows, SizeOf
   for (size_t i = 0; i < rows.size(); ++i) {
     const int64_t square = product_of<T>(rows[i], rows[i]);
     if (sizeof(T) > 1 && square > kMaxSquaredLength)
-      throw Error(ErrorKind::data, fmt::format("the vector of frame {} is longer than 46340", i));
+      throw Error(ErrorKind::data, "the vector of frame {} is longer than 46340", i);
     sizes.push_back(size(static_cast<double>(square)));
   }
 }
@@ -89,9 +87,8 @@ template <class T>
 PreparedTraining prepare(std::span<const DescribedFrames> train, const DescriptorShape& shape,
                          ProductKernel<T> kernel, SizeOf size) {
   if (shape.length > kMaxIntegers)
-    throw Error(ErrorKind::data, fmt::format("vectors of {} values: the maximum for distances is "
-                                             "{}",
-                                             shape.length, kMaxIntegers));
+    throw Error(ErrorKind::data, "vectors of {} values: the maximum for distances is {}",
+                shape.length, kMaxIntegers);
   const auto training = std::make_shared<Training<T>>();
   training->kernel = kernel;
   training->size = size;

@@ -152,8 +152,6 @@ double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b
     case ElementType::ldb_hog:
       return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
              cosine_distance(bytes_of(a.subspan(kLdbBytes)), bytes_of(b.subspan(kLdbBytes))) / 256;
-    case ElementType::ldb_of_ldb_hog:
-      return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes));
     case ElementType::frame_numbers:
       break;
   }

@@ -5,8 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "match/distance_statistics.h"
 
@@ -124,9 +122,8 @@ void score_frames(ZScoreState& state, size_t first, size_t last, uint16_t* out) 
 
 void check_zscore_settings(const ZScoreSettings& settings) {
   if (!(settings.forgetting > 0 && settings.forgetting <= 1))
-    throw Error(ErrorKind::usage, fmt::format("zscore.forgetting must be above 0, at most 1, "
-                                              "found {}",
-                                              settings.forgetting));
+    throw Error(ErrorKind::usage, "zscore.forgetting must be above 0, at most 1, found {}",
+                settings.forgetting);
   require_range("zscore.start_weight", settings.start_weight, 0, 1e6);
   require_range("zscore.offline_start_weight", settings.offline_start_weight, 0, 1e6);
   require_range("zscore.start_bias", settings.start_bias, 0, 1);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 #include "base/text.h"
 #include "files/report_json.h"
 #include "present/comparison_report.h"
-#include "present/evaluation_text.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"
 
@@ -24,38 +24,40 @@ struct GridMetric {
   size_t k = 0;
   std::string_view name;
   std::string_view title;
-  uint64_t (*count)(const Report& report) = nullptr;  ///< of frames, if it is a share of them
-  bool is_of_path = false;                            ///< by recognitions, not by best matches
-  bool has_best = true;
+
+  MetricAt measure() const { return metric_at(key, k); }
+  bool is_of_path() const { return find_metric(key).is_of_path(); }  ///< not of best matches
+  bool has_best() const { return !find_metric(key).is_low_good; }
 };
 
 constexpr std::array<GridMetric, 5> kMetrics = {
-    {{"recall_at", 1, "R@1", "R@1: frames with a correct best match",
-      [](const Report& report) { return report.counts.best_match.correct; }},
+    {{"recall_at", 1, "R@1", "R@1: frames with a correct best match"},
      {"average_precision", 0, "AP", "AP of best matches"},
      {"recall_at_100_precision", 0, "R@100P", "R@100P of best matches"},
-     {"share", 0, "recognized correctly", "Share of frames that are recognized correctly",
-      [](const Report& report) { return uint64_t{report.localization.correct}; }, true},
+     {"share", 0, "recognized correctly", "Share of frames that are recognized correctly"},
      {"incorrect", 0, "incorrectly",
-      "Frames that are recognized incorrectly, per frame with a match",
-      [](const Report& report) { return uint64_t{report.localization.incorrect}; }, true, false}}};
+      "Frames that are recognized incorrectly, per frame with a match"}}};
 
 uint64_t frames_of(const Report& report) { return report.counts.best_match.frames; }
 
+/// A number of frames as their share.
 Value value_of(const Report& report, const GridMetric& metric) {
-  if (metric.count == nullptr) return value_of(report, metric_at(metric.key, metric.k));
+  const Value value = value_of(report, metric.measure());
+  if (!value || metric.measure().metric->digits > 0) return value;
   const auto frames = static_cast<double>(frames_of(report));
-  return frames > 0 ? Value(static_cast<double>(metric.count(report)) / frames) : std::nullopt;
+  return frames > 0 ? Value(*value / frames) : std::nullopt;
 }
 
 /// "0.9950 (199 of 200)".
 std::string cell_text(const Report& report, const GridMetric& metric) {
   const Value value = value_of(report, metric);
   if (!value) return "-";
+  const Metric& row = *metric.measure().metric;
   std::string text = fmt::format("{:.4f}", *value);
-  if (metric.count != nullptr)
-    text += fmt::format(" ({} of {}{})", metric.count(report), frames_of(report),
-                        metric.is_of_path && report.is_oracle ? ", oracle" : "");
+  if (row.is_share || row.digits == 0)
+    text +=
+        fmt::format(" ({} of {}{})", std::llround(*value * static_cast<double>(frames_of(report))),
+                    frames_of(report), metric.is_of_path() && report.is_oracle ? ", oracle" : "");
   return text;
 }
 
@@ -102,7 +104,7 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
   const bool any_oracle = std::ranges::any_of(reports, oracle);
   table.title = fmt::format(
       "{} (over all frames with a match{})", metric.title,
-      metric.is_of_path && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
+      metric.is_of_path() && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
   const std::vector<std::string> queries = queries_of(reports);
   table.columns = {"method"};
   table.columns.insert(table.columns.end(), queries.begin(), queries.end());
@@ -117,7 +119,7 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
       values.push_back(report != nullptr ? value_of(*report, metric) : std::nullopt);
       cells.push_back(report != nullptr ? cell_text(*report, metric) : "-");
       // A threshold from the ground truth does not make a better method.
-      if (report != nullptr && metric.is_of_path && report->is_oracle && !all_oracle)
+      if (report != nullptr && metric.is_of_path() && report->is_oracle && !all_oracle)
         may_be_best = false;
     }
     if (queries.size() > 1) {
@@ -127,7 +129,7 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
     for (size_t c = 0; c < columns.size(); ++c)
       columns[c].push_back(may_be_best ? values[c] : std::nullopt);
   }
-  if (metric.has_best && table.rows.size() > 1)
+  if (metric.has_best() && table.rows.size() > 1)
     for (size_t c = 0; c < columns.size(); ++c) mark_best(table, c + 1, columns[c], false);
   return table;
 }
@@ -142,10 +144,10 @@ Table query_table(std::span<const GridReport> reports, const std::string& query)
     for (auto& row : table.rows) {
       const Report& report = *report_of(reports, row.front(), query);
       row.push_back(cell_text(report, metric));
-      values.push_back(metric.is_of_path && report.is_oracle ? std::nullopt
-                                                             : value_of(report, metric));
+      values.push_back(metric.is_of_path() && report.is_oracle ? std::nullopt
+                                                               : value_of(report, metric));
     }
-    if (metric.has_best && table.rows.size() > 1)
+    if (metric.has_best() && table.rows.size() > 1)
       mark_best(table, table.columns.size(), values, false);
     table.columns.emplace_back(metric.name);
   }
@@ -206,9 +208,9 @@ Table grid_rows(std::span<const GridReport> reports) {
   for (const auto& [method, report] : reports)
     for (const GridMetric& metric : kMetrics) {
       const Value value = value_of(report, metric);
-      add_row(table, method, report.query, metric_at(metric.key, metric.k).key(),
+      add_row(table, method, report.query, metric.measure().key(),
               value ? fmt::format("{}", *value) : "", frames_of(report),
-              metric.is_of_path && report.is_oracle ? "yes" : "no");
+              metric.is_of_path() && report.is_oracle ? "yes" : "no");
     }
   return table;
 }

@@ -33,10 +33,6 @@ using Value = std::optional<double>;
 
 constexpr std::array<std::string_view, 3> kPathKeys = {"share", "incorrect", "longest_gap_frames"};
 
-Value path_value(const Report& report, std::string_view key) {
-  return find_metric(key).of_path(report.localization);
-}
-
 Json number_json(const Metric& metric, Value value) {
   if (value && metric.digits == 0) return static_cast<uint64_t>(*value);
   return or_null(value);
@@ -76,8 +72,7 @@ const std::vector<MetricAt>& paper_columns() {
 }
 
 Value value_of(const ComparisonReport& comparison, size_t report, const MetricAt& metric) {
-  if (metric.metric->of_path != nullptr)
-    return metric.metric->of_path(comparison.reports[report].localization);
+  if (metric.metric->is_of_path()) return value_of(comparison.reports[report], metric);
   for (const ComparedValue& value : comparison.found.values)
     if (value.metric == metric && value.method == report) return value.value;
   return {};
@@ -137,8 +132,7 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
       values.push_back(value_of(comparison, r, column));
       table.rows[r].push_back(metric_cell(metric, values.back()));
       // An easier query, or a threshold from the ground truth, does not make a better method.
-      const bool is_of_path = metric.of_path != nullptr;
-      if (!comparison.is_paired(r) || (is_of_path && reports[r].is_oracle != all_oracle))
+      if (!comparison.is_paired(r) || (metric.is_of_path() && reports[r].is_oracle != all_oracle))
         values.back() = {};
     }
     if (std::ranges::count_if(values, &Value::has_value) > 1 &&
@@ -161,7 +155,8 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
                {"confidence", enum_name(report.outcomes.confidence)},
                {"fingerprint", report.provenance.evaluated()}};
   for (const std::string_view key : kPathKeys)
-    json["localization"][std::string(key)] = number_json(find_metric(key), path_value(report, key));
+    json["localization"][std::string(key)] =
+        number_json(find_metric(key), value_of(report, metric_at(key)));
   if (!report.selection_words().empty()) json["selection"] = report.selection_words();
   json["ground_truth_fingerprint"] = report.provenance.ground_truth;
   return json;
@@ -385,7 +380,7 @@ Table comparison_rows(const ComparisonReport& comparison) {
     for (const ComparedValue& value : comparison.found.values)
       if (value.method == r) add(value.metric, value.value, differences(value), verdict_of(value));
     for (const std::string_view key : kPathKeys)
-      add(metric_at(key), path_value(report, key), {}, "");
+      add(metric_at(key), value_of(report, metric_at(key)), {}, "");
   }
   return table;
 }

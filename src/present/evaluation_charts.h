@@ -13,7 +13,6 @@
 #include "files/report.h"
 #include "present/matrix_chart.h"
 #include "truth/positions.h"
-#include "truth/trajectory.h"
 
 namespace vpr {
 

@@ -1,7 +1,6 @@
 #include "present/evaluation_text.h"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

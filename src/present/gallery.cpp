@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "present/html_page.h"
 #include "sequence/frames.h"
 
 namespace vpr {

@@ -2,11 +2,9 @@
 #pragma once
 
 #include <atomic>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/output.h"
 #include "chart/chart.h"

@@ -227,9 +227,12 @@ Table localization_table(const Report& report) {
   table.title = fmt::format("Along the path ({})", report.protocol.definition("localization"));
   add_column(table, fmt::format("frames {}", report.frames_that_count()),
              report.localization.frames_with_match);
-  for (const Metric& metric : path_metrics())
-    if (!metric.key.ends_with("_m") || report.localization.longest_gap_m)  // positions are known
-      add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localization)));
+  const Localization& path = report.localization;
+  for (const bool in_meters : {false, true})
+    for (const Metric& metric : path_metrics())
+      if (!metric.symbol.empty() && metric.key.ends_with("_m") == in_meters &&
+          (!in_meters || path.longest_gap_m))  // positions are known
+        add_column(table, metric.symbol, metric_cell(metric, path_value(metric, path)));
   return table;
 }
 

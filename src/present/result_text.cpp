@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "base/text.h"
-#include "match/match.h"
 
 namespace vpr {
 namespace {

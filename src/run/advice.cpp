@@ -1,7 +1,6 @@
 #include "run/advice.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>

@@ -4,8 +4,6 @@
 #include <cassert>
 #include <iterator>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "match/fastable.h"
 
@@ -23,9 +21,8 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
   const auto* by_path = std::get_if<ByPath>(&plan_.decision);
   if (by_path == nullptr && !ring_fits(frames_.raw.train_frames, length, match.memory_limit))
     throw Error(ErrorKind::usage,
-                fmt::format("the distances of the last {} frames to {} training frames do not fit "
-                            "--max-memory",
-                            length, frames_.raw.train_frames));
+                "the distances of the last {} frames to {} training frames do not fit --max-memory",
+                length, frames_.raw.train_frames);
   windows_ = window_stage(frames_.scores, {&length, 1}, match);
   if (by_path != nullptr) decisions_.emplace(by_path->least_margin);
 }
@@ -85,17 +82,19 @@ void add_frame(LiveScores& live, ArrivedFrame frame) {
     std::ranges::set_union(kept, stage.needed(), std::back_inserter(both));
     kept = std::move(both);
   }
-  const DescriptorRows rows(live.raw.query.rows.shape, live.bytes);
+  const DescriptorShape& shape = live.raw.query.rows.shape;
+  const DescriptorRows rows(shape, live.bytes);
+  const DescriptorRow row = frame.descriptor.first(shape.row_bytes());
   std::vector<uint8_t> bytes;
   for (const size_t index : kept) bytes.insert(bytes.end(), rows[index].begin(), rows[index].end());
-  bytes.insert(bytes.end(), frame.descriptor.begin(), frame.descriptor.end());
+  bytes.insert(bytes.end(), row.begin(), row.end());
   live.bytes = std::move(bytes);
   live.unreadable.clear();  // unreadable frames are never kept
   if (!frame.is_readable) live.unreadable.push_back(kept.size());
   live.words.assign(kept.size(), {});
   live.words.push_back(std::move(frame.words));
-  live.scores = live.raw.of_query(
-      {DescriptorRows(rows.shape, live.bytes), live.unreadable, nullptr, live.words});
+  live.scores =
+      live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable, nullptr, live.words});
   live.scores.train_runs = live.raw.train_runs;
   for (const StartedStage& stage : live.stages)
     live.scores = stage.scores(std::move(live.scores), kept, {});

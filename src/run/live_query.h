@@ -1,7 +1,6 @@
 // A live query: its frames arrive one after the other.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 

@@ -57,10 +57,10 @@ std::pair<size_t, size_t> pair_of(const std::string& text, const std::vector<std
     const size_t b = index_of(std::string_view(text).substr(at + 1));
     if (a < names.size() && b < names.size() && a != b) return std::minmax(a, b);
   }
-  throw Error(ErrorKind::usage,
-              fmt::format("same_place \"{}\" is neither {} nor a pair A=B of training sequences; "
-                          "the database has {}",
-                          text, kAllDiffer, fmt::join(names, ", ")));
+  throw Error(
+      ErrorKind::usage,
+      "same_place \"{}\" is neither {} nor a pair A=B of training sequences; the database has {}",
+      text, kAllDiffer, fmt::join(names, ", "));
 }
 
 SequencePairs declared_pairs(const SequenceDatabase& database,
@@ -83,16 +83,16 @@ void check_names(const SequenceDatabase& database, const SequenceQuerySettings& 
   const std::vector<std::string> names = names_of(database.sequences);
   for (const std::string& name : settings.only_sequences)
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
-                                                name, fmt::join(names, ", ")));
+      throw Error(ErrorKind::usage, "the database has no sequence \"{}\"; it has {}", name,
+                  fmt::join(names, ", "));
 }
 
 void check_sums(const DescriptorStore& descriptors, uint64_t window_length) {
   const uint64_t longest =
       std::numeric_limits<int32_t>::max() / largest_distance(descriptors.shape());
   if (window_length > longest)
-    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for {} descriptors, found {}",
-                                              longest, descriptors.kind->name, window_length));
+    throw Error(ErrorKind::usage, "c_l must be at most {} for {} descriptors, found {}", longest,
+                descriptors.kind->name, window_length);
 }
 
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
@@ -134,9 +134,8 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
   SequenceDatabase database = read_sequence_database(path);
   if (settings.has(Feature::live) && database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
-                fmt::format("{}: holds imported descriptors, which cannot be computed for frames "
-                            "that arrive",
-                            path));
+                "{}: holds imported descriptors, which cannot be computed for frames that arrive",
+                path);
   prepare_database(database, settings, fabmap, monitor);
   return database;
 }
@@ -163,11 +162,11 @@ void warn_of_rates(const SequenceDatabase& database, std::optional<double> query
     const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
     if (fast <= kAlike * slow) continue;
     return warn(monitor,
-                fmt::format("the query has {:.3g} frames per second, the training sequence {} has "
-                            "{:.3g}: their windows have different durations. Use --fps {:.3g} for "
-                            "{}, or --method filter, which estimates the rate.",
-                            *query_fps, sequence.name, *sequence.fps, slow,
-                            slow == *query_fps ? "vpr-train" : "the query"));
+                "the query has {:.3g} frames per second, the training sequence {} has {:.3g}: "
+                "their windows have different durations. Use --fps {:.3g} for {}, or --method "
+                "filter, which estimates the rate.",
+                *query_fps, sequence.name, *sequence.fps, slow,
+                slow == *query_fps ? "vpr-train" : "the query");
   }
 }
 
@@ -182,10 +181,10 @@ void warn_of_shapes(const SequenceDatabase& database, const Sequence& query,
     const double down = static_cast<double>(size->width) * query.size->height;
     if (std::max(across, down) <= kAlike * std::min(across, down)) continue;
     return warn(monitor,
-                fmt::format("the query's images are {} x {}, those of {} are {} x {}: views of "
-                            "different shape are hard to match. Is one of them rotated or cropped?",
-                            query.size->width, query.size->height, train.sequence.name, size->width,
-                            size->height));
+                "the query's images are {} x {}, those of {} are {} x {}: views of different shape "
+                "are hard to match. Is one of them rotated or cropped?",
+                query.size->width, query.size->height, train.sequence.name, size->width,
+                size->height);
   }
 }
 
@@ -208,9 +207,9 @@ void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& 
     for (const auto& [_, frames] : others) other_frames += frames;
     if (rows.empty() || kFew * other_frames > rows.size()) continue;
     return warn(monitor,
-                fmt::format("the query has the same frames as the training sequence {}: this says "
-                            "nothing about another recording",
-                            database.sequences[s].sequence.name));
+                "the query has the same frames as the training sequence {}: this says nothing "
+                "about another recording",
+                database.sequences[s].sequence.name);
   }
 }
 

@@ -21,32 +21,30 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& qu
   const std::string_view name = trained.kind->name;
   if (name != queried.kind->name)
     throw Error(ErrorKind::data,
-                fmt::format("the descriptors differ: the database has {}, the query {}. Describe "
-                            "both alike.",
-                            name, queried.kind->name));
+                "the descriptors differ: the database has {}, the query {}. Describe both alike.",
+                name, queried.kind->name);
   if (trained.shape() != queried.shape())
-    throw Error(
-        ErrorKind::data,
-        fmt::format("descriptors of the database have {} {}, descriptors of the query {}. {}",
-                    trained.shape().length, element_noun(trained.shape()), queried.shape().length,
-                    queried.rows().size() == trained.shape().length
-                        ? "Is the query's array transposed? Rows are frames."
-                        : "Describe both alike."));
+    throw Error(ErrorKind::data,
+                "descriptors of the database have {} {}, descriptors of the query {}. {}",
+                trained.shape().length, element_noun(trained.shape()), queried.shape().length,
+                queried.rows().size() == trained.shape().length
+                    ? "Is the query's array transposed? Rows are frames."
+                    : "Describe both alike.");
 }
 
 void plan_windows(QueryPlan& plan, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   const Sequence& query = plan.query_sequence;
   if (count_windows(readable_runs(plan.query), length) == 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("the query {} has {}, but not {} consecutive readable ones (c_l). Use "
-                            "a smaller --c-l.",
-                            query.name, counted(query.frames, "frame"), length));
+    throw Error(
+        ErrorKind::usage,
+        "the query {} has {}, but not {} consecutive readable ones (c_l). Use a smaller --c-l.",
+        query.name, counted(query.frames, "frame"), length);
   plan.query_windows = query.frames - length + 1;
   if (!query.unreadable.empty())
-    warn(monitor, fmt::format("{}: {} of {} {} and will never match", query.name,
-                              query.unreadable.size(), counted(query.frames, "frame"),
-                              plan.query.precomputed ? "have no score" : "cannot be decoded"));
+    warn(monitor, "{}: {} of {} {} and will never match", query.name, query.unreadable.size(),
+         counted(query.frames, "frame"),
+         plan.query.precomputed ? "have no score" : "cannot be decoded");
 }
 
 void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
@@ -61,15 +59,13 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
     if (!compared.searched) continue;
     any = any || compared.windows > 0;
     if (compared.windows == 0)
-      warn(monitor, fmt::format("{}: cannot be recognized without {} consecutive readable frames "
-                                "(c_l)",
-                                compared.sequence.name, length));
+      warn(monitor, "{}: cannot be recognized without {} consecutive readable frames (c_l)",
+           compared.sequence.name, length);
   }
   if (!any)
     throw Error(ErrorKind::usage,
-                fmt::format("no training sequence has {} consecutive readable frames. Use a "
-                            "smaller --c-l.",
-                            length));
+                "no training sequence has {} consecutive readable frames. Use a smaller --c-l.",
+                length);
 }
 
 // The margin of every sequence: the setting, or the default of the score.
@@ -95,9 +91,10 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
   const ThresholdTable* stored =
       match.rates.empty() ? find_thresholds(database.thresholds, length) : nullptr;
   if (stored == nullptr && match.rates.empty() && is_left_to_queries(plan.train))
-    warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
-                              "takes a while; vpr-tune threshold DB --c-l {} --write stores it",
-                              length, length));
+    warn(monitor,
+         "the database has no automatic t_r for c_l {}: computing it, which takes a while; "
+         "vpr-tune threshold DB --c-l {} --write stores it",
+         length, length);
   const bool has_factor = match.rates.empty() && !database.thresholds.empty();
   const double factor = has_factor ? database.thresholds.front().safety_factor : 1;
   ThresholdTable table =
@@ -124,13 +121,14 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
   }
   if (!any)
     throw Error(ErrorKind::usage,
-                fmt::format("the automatic t_r needs two training sequences with windows of {} "
-                            "frames (c_l). Use a smaller --c-l, or a number, as in --t-r 0.6.",
-                            table.window_length));
+                "the automatic t_r needs two training sequences with windows of {} frames (c_l). "
+                "Use a smaller --c-l, or a number, as in --t-r 0.6.",
+                table.window_length);
   if (!without.empty())
-    warn(monitor, fmt::format("{}: cannot be recognized without an automatic t_r, because no other "
-                              "training sequence has a window to compare with",
-                              fmt::join(without, ", ")));
+    warn(monitor,
+         "{}: cannot be recognized without an automatic t_r, because no other training sequence "
+         "has a window to compare with",
+         fmt::join(without, ", "));
   warn_of_overlaps(database, table, monitor);
 }
 
@@ -236,9 +234,8 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   plan_windows(plan, monitor);
   finish_plan(plan, database, *settings, monitor);
   if (settings->loop && plan.past.back() < plan.match.window_length)
-    warn(monitor, fmt::format("{}: no two windows of {} frames are that far apart. Use a smaller "
-                              "--gap.",
-                              query_name, plan.match.window_length));
+    warn(monitor, "{}: no two windows of {} frames are that far apart. Use a smaller --gap.",
+         query_name, plan.match.window_length);
   return plan;
 }
 

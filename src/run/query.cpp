@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
-
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
@@ -24,11 +21,10 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan, const Mo
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
-              fmt::format("{}, {}; the first is query window {}, {} window {}, "
-                          "which should be {}",
-                          counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
-                          first.query_window, plan.sequences[first.sequence].sequence.name,
-                          first.train_window, first.score));
+              "{}, {}; the first is query window {}, {} window {}, which should be {}",
+              counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
+              first.query_window, plan.sequences[first.sequence].sequence.name, first.train_window,
+              first.score);
 }
 
 /// Measures consecutive steps.

@@ -23,15 +23,14 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
   Sequence& sequence = described.sequence;
   sequence.name = argument.name;
   if (!sequence.unreadable.empty())
-    warn(monitor, fmt::format("{}: {} of {} cannot be decoded and will never match", sequence.name,
-                              sequence.unreadable.size(), counted(sequence.frames, "frame")));
+    warn(monitor, "{}: {} of {} cannot be decoded and will never match", sequence.name,
+         sequence.unreadable.size(), counted(sequence.frames, "frame"));
   const DescriptorShape found = described.descriptors.shape();
   const DescriptorShape expected = database.descriptors.shape();
   if (!database.descriptors.rows().empty() && found != expected)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: its descriptors have {} {}, descriptors of the database {}",
-                            argument.sequence.path.string(), found.length, element_noun(found),
-                            expected.length));
+    throw Error(ErrorKind::data, "{}: its descriptors have {} {}, descriptors of the database {}",
+                argument.sequence.path.string(), found.length, element_noun(found),
+                expected.length);
   database.descriptors.append(std::move(described.descriptors));
   database.sequences.push_back({std::move(sequence)});
   database.sequences.back().path = argument_text(argument.sequence);
@@ -56,9 +55,10 @@ void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monito
       }
   const size_t frames = database.descriptors.rows().size();
   if (static_cast<double>(near) > kShare * static_cast<double>(frames))
-    warn(monitor, fmt::format("{} of {} frames differ from the next one by at most the resolution "
-                              "of cosine distances ({:.1e}). Use --metric chord.",
-                              near, frames, distance.unit.size));
+    warn(monitor,
+         "{} of {} frames differ from the next one by at most the resolution of cosine distances "
+         "({:.1e}). Use --metric chord.",
+         near, frames, distance.unit.size);
 }
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
@@ -68,10 +68,10 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
     database.thresholds.push_back(
         compute_thresholds(spans, window_length, safety_factor, kernels, monitor));
   else
-    warn(monitor, fmt::format("the training sequences are long: their automatic t_r is computed "
-                              "for each query that needs it. To store it, use vpr-tune threshold "
-                              "DB --c-l {} --write.",
-                              window_length));
+    warn(monitor,
+         "the training sequences are long: their automatic t_r is computed for each query that "
+         "needs it. To store it, use vpr-tune threshold DB --c-l {} --write.",
+         window_length);
 }
 
 // Appends sequences and computes everything except thresholds.
@@ -121,9 +121,9 @@ size_t first_view_of(const FabmapDatabase& fabmap, const Sequence& sequence,
     first += group.sequence.frames;
   }
   throw Error(ErrorKind::data,
-              fmt::format("{}: {}. Train it with the sequences of the other database, as in "
-                          "vpr-train fabmap --pretrain OTHER --train SEQUENCE.",
-                          name, difference(fabmap, sequence)));
+              "{}: {}. Train it with the sequences of the other database, as in vpr-train fabmap "
+              "--pretrain OTHER --train SEQUENCE.",
+              name, difference(fabmap, sequence));
 }
 
 // Describes frames for a fused database. They are decoded once, except for illumination-invariant
@@ -196,9 +196,9 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
 void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name) {
   if (database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
-                fmt::format("{}: cannot be fused with a database of imported descriptors, because "
-                            "FAB-MAP needs the images of a query",
-                            name));
+                "{}: cannot be fused with a database of imported descriptors, because FAB-MAP "
+                "needs the images of a query",
+                name);
   FusedViews fused;
   for (const TrainSequence& train : database.sequences) {
     const Sequence& sequence = train.sequence;
@@ -228,9 +228,10 @@ void warn_of_uniform_frames(const DescriptorSet& set, const std::string& name,
   for (size_t i = 1; i < rows.size(); ++i) equal += std::ranges::equal(rows[i - 1], rows[i]);
   const size_t pairs = rows.size() < 2 ? 0 : rows.size() - 1;
   if (pairs >= kEnough && static_cast<double>(equal) >= kNearlyAll * static_cast<double>(pairs))
-    warn(monitor, fmt::format("{}: {} of {} frames look like the one before, so places cannot be "
-                              "told apart. Are the images uniform, or is the camera still?",
-                              name, equal, rows.size()));
+    warn(monitor,
+         "{}: {} of {} frames look like the one before, so places cannot be told apart. Are the "
+         "images uniform, or is the camera still?",
+         name, equal, rows.size());
 }
 
 DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
@@ -239,14 +240,14 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
   const bool has_frames = source.kind != SequenceKind::descriptors;
   if (kind.is_imported && has_frames)
     throw Error(ErrorKind::data,
-                fmt::format("{}: has images, but the database has imported descriptors. Use "
-                            "descriptors of the same program, as in q.npy.",
-                            source.argument.path.string()));
+                "{}: has images, but the database has imported descriptors. Use descriptors of the "
+                "same program, as in q.npy.",
+                source.argument.path.string());
   if (!kind.is_imported && !has_frames)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: holds descriptors, but frames of the database are described by "
-                            "{}. Use the images.",
-                            source.argument.path.string(), kind.name));
+    throw Error(
+        ErrorKind::data,
+        "{}: holds descriptors, but frames of the database are described by {}. Use the images.",
+        source.argument.path.string(), kind.name);
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
   DescriptorSettings settings = database.descriptor;
   settings.unit = database.descriptors.unit;

@@ -130,9 +130,8 @@ void turn_upright(cv::Mat& image, int orientation) {
 // With 16 bits per channel for 16-bit gray.
 cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: can't be decoded: {}. Remove it, or use --skip-unreadable",
-                            path.string(), why));
+    throw Error(ErrorKind::input, "{}: can't be decoded: {}. Remove it, or use --skip-unreadable",
+                path.string(), why);
   };
   const std::string file = read_whole_file(path);
   if (file.empty()) fail("the file is empty");
@@ -149,9 +148,9 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   check_frame_size(path, header.tile_width, header.tile_height);
   if (header.is_float)
     throw Error(ErrorKind::input,
-                fmt::format("{}: has floating-point pixels, which are not supported. Convert it to "
-                            "16-bit gray, in units that matter",
-                            path.string()));
+                "{}: has floating-point pixels, which are not supported. Convert it to 16-bit "
+                "gray, in units that matter",
+                path.string());
   if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
   const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
@@ -165,9 +164,9 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
     // Larger than any limit of check_frame_size; OpenCV does not report the size.
     if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos)
       throw Error(ErrorKind::usage,
-                  fmt::format("{}: has more than 2^30 pixels, or 2^20 per side, which OpenCV does "
-                              "not decode. Remove it, or make it smaller",
-                              path.string()));
+                  "{}: has more than 2^30 pixels, or 2^20 per side, which OpenCV does not decode. "
+                  "Remove it, or make it smaller",
+                  path.string());
     fail(error.err);
   }
   if (image.empty()) fail("it is damaged");
@@ -203,13 +202,12 @@ void check_frame_size(const std::filesystem::path& file, uint64_t width, uint64_
   const uint64_t limit = most_megapixels;
   if (width == 0 || height <= limit * kMillion / width) return;
   const uint64_t needed = (width * height + kMillion - 1) / kMillion;
-  throw Error(
-      ErrorKind::usage,
-      fmt::format("{}: has {} x {} pixels, more than the limit of {} megapixels. Remove it, or {}",
-                  file.string(), width, height, limit,
-                  needed > kMaxMegapixels
-                      ? "make it smaller"
-                      : fmt::format("pass --max-megapixels {} to accept it", needed)));
+  throw Error(ErrorKind::usage,
+              "{}: has {} x {} pixels, more than the limit of {} megapixels. Remove it, or {}",
+              file.string(), width, height, limit,
+              needed > kMaxMegapixels
+                  ? "make it smaller"
+                  : fmt::format("pass --max-megapixels {} to accept it", needed));
 }
 
 CodecScope::CodecScope(const std::filesystem::path& file) {

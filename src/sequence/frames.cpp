@@ -52,11 +52,10 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
   const auto other = std::find_if(first, sizes.end(), differs);
   if (other == sizes.end()) return;
   const auto name = [&](auto at) { return sequence.files[at - sizes.begin()].filename().string(); };
-  warn(monitor,
-       fmt::format("{}: {} of {} are not {} x {} like {}; the first is {}, {} x {}",
-                   sequence.argument.path.string(), std::count_if(first, sizes.end(), differs),
-                   counted(sizes.size(), "image"), first->width, first->height, name(first),
-                   name(other), other->width, other->height));
+  warn(monitor, "{}: {} of {} are not {} x {} like {}; the first is {}, {} x {}",
+       sequence.argument.path.string(), std::count_if(first, sizes.end(), differs),
+       counted(sizes.size(), "image"), first->width, first->height, name(first), name(other),
+       other->width, other->height);
 }
 
 // The range of all 16-bit gray images; nullopt if the first image is of another kind. Images that
@@ -160,14 +159,13 @@ Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unread
   }
   const std::string path = source.argument.path.string();
   if (source.kind == SequenceKind::descriptors)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: contains descriptors, but images are needed", path));
+    throw Error(ErrorKind::data, "{}: contains descriptors, but images are needed", path);
   Sequence sequence = source.kind == SequenceKind::video
                           ? for_each_video_frame(source, format, unreadable, monitor, body)
                           : for_each_image(source, format, unreadable, monitor, body);
   if (sequence.unreadable.size() == sequence.frames)
-    throw Error(ErrorKind::input, fmt::format("{}: none of its {} can be decoded", path,
-                                              counted(sequence.frames, "frame")));
+    throw Error(ErrorKind::input, "{}: none of its {} can be decoded", path,
+                counted(sequence.frames, "frame"));
   return sequence;
 }
 
@@ -193,9 +191,9 @@ void refuse_text(const std::filesystem::path& path, std::string_view start) {
   start = without_byte_order_mark(start);
   if (start.starts_with("YUV4MPEG2") || !std::ranges::all_of(start, is_text)) return;
   throw Error(ErrorKind::input,
-              fmt::format("{}: is a text file, not a video; playlists are not read. Pass the video "
-                          "that it names or, for a list of images, a file that ends in .txt",
-                          path.string()));
+              "{}: is a text file, not a video; playlists are not read. Pass the video that it "
+              "names or, for a list of images, a file that ends in .txt",
+              path.string());
 }
 
 // Turns off OpenCV's own rotation, whose direction depends on its version, and returns the rotation
@@ -230,9 +228,8 @@ VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
   refuse_text(argument.path, file.text().substr(0, kSignature));
   if (!open_capture(*capture_, argument.path, cv::CAP_FFMPEG))
     throw Error(ErrorKind::input,
-                fmt::format("{}: is neither a folder of images, a list (.txt) nor a video that "
-                            "can be decoded",
-                            path));
+                "{}: is neither a folder of images, a list (.txt) nor a video that can be decoded",
+                path);
   rotation_ = upright_rotation(*capture_, file);
 }
 
@@ -284,8 +281,8 @@ Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
                 short_text + ". To use the existing frames, pass --skip-unreadable");
   if (unreadable == Unreadable::fail && !sequence_.unreadable.empty())
     throw Error(ErrorKind::input,
-                fmt::format("{}: frame {} can't be decoded. To omit it, use --skip-unreadable",
-                            path, sequence_.frame_names[sequence_.unreadable.front()]));
+                "{}: frame {} can't be decoded. To omit it, use --skip-unreadable", path,
+                sequence_.frame_names[sequence_.unreadable.front()]);
   if (is_short) warn(monitor, short_text);
   return std::move(sequence_);
 }
@@ -333,8 +330,8 @@ std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Mo
   }
   if (do_rise) return times;
   if (fps > 1e-3 && fps < 1e6) return by_rate;
-  throw Error(ErrorKind::input, fmt::format("{}: has neither times of its frames nor a frame rate",
-                                            argument.path.string()));
+  throw Error(ErrorKind::input, "{}: has neither times of its frames nor a frame rate",
+              argument.path.string());
 }
 
 }  // namespace vpr

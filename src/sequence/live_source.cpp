@@ -70,8 +70,7 @@ class LinePipe {
     if (bytes > 0) text_.append(buffer.data(), static_cast<size_t>(bytes));
     if (bytes == 0) ended_ = true;
     if (bytes < 0 && errno != EINTR && errno != EAGAIN)
-      throw Error(ErrorKind::input,
-                  fmt::format("standard input: can't be read: {}", system_error_text(errno)));
+      throw Error(ErrorKind::input, "standard input: can't be read: {}", system_error_text(errno));
   }
 
   int descriptor_;
@@ -102,8 +101,8 @@ class Camera {
     const bool has_frame = capture_->grab();
     check_stop(monitor);
     if (!has_frame)
-      throw Error(ErrorKind::input, fmt::format("{}: stopped delivering frames after {}",
-                                                argument_.path.string(), counted(taken_, "frame")));
+      throw Error(ErrorKind::input, "{}: stopped delivering frames after {}",
+                  argument_.path.string(), counted(taken_, "frame"));
   }
 
   std::shared_ptr<const cv::Mat> retrieve() {
@@ -137,20 +136,18 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
   std::error_code error;
   if (fs::is_directory(argument.path, error)) {
     if (!argument.range.is_all())
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: a growing folder cannot have a range. Remove {}",
-                              argument.path.string(), range_text(argument.range)));
+      throw Error(ErrorKind::usage, "{}: a growing folder cannot have a range. Remove {}",
+                  argument.path.string(), range_text(argument.range));
     const auto folder = std::make_shared<GrowingFolder>(argument.path);
     return live_source([=](const Monitor& monitor) { return image_of(folder->next(monitor)); });
   }
   if (fs::is_character_file(argument.path, error)) {
     auto capture = std::make_unique<cv::VideoCapture>();
     if (!open_capture(*capture, argument.path, cv::CAP_V4L2))
-      throw Error(
-          ErrorKind::input,
-          fmt::format("{}: is a device that can't be opened as a camera: it is not a camera, "
-                      "is in use, or is not readable",
-                      argument.path.string()));
+      throw Error(ErrorKind::input,
+                  "{}: is a device that can't be opened as a camera: it is not a camera, is in "
+                  "use, or is not readable",
+                  argument.path.string());
     return follow_camera(std::move(capture), argument);
   }
   const SequenceSource sequence = open_sequence(argument);
@@ -234,8 +231,8 @@ void GrowingFolder::handle_event(const std::string& name, uint32_t event, const 
       refused_.reset();
     }
   } else if (frame_name_less(name, last_) && (event & IN_CLOSE_WRITE) == 0) {
-    warn(monitor, fmt::format("{}: arrived after {}, which was already used, and is omitted",
-                              (folder_ / name).string(), last_));
+    warn(monitor, "{}: arrived after {}, which was already used, and is omitted",
+         (folder_ / name).string(), last_);
   }
 }
 
@@ -281,8 +278,7 @@ bool GrowingFolder::can_be_decoded(const std::string& name, const Monitor& monit
     if (error.kind() != ErrorKind::input) return true;
     refused_ = resting_;
     if (std::exchange(incomplete_, name) != name)
-      warn(monitor,
-           fmt::format("{}: is incomplete. Later images wait for it", (folder_ / name).string()));
+      warn(monitor, "{}: is incomplete. Later images wait for it", (folder_ / name).string());
     return false;
   }
   return true;

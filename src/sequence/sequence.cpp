@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -131,8 +130,8 @@ uint64_t parse_pace(const std::string& speed) {
   const std::optional<double> pace = number(speed);
   if (!pace) refuse_name("speed", speed, names_of(kRules));
   if (!(*pace >= kSlowestPace && *pace <= kFastestPace))
-    throw Error(ErrorKind::usage, fmt::format("the pace of a speed must be from {} to {}, found {}",
-                                              kSlowestPace, kFastestPace, speed));
+    throw Error(ErrorKind::usage, "the pace of a speed must be from {} to {}, found {}",
+                kSlowestPace, kFastestPace, speed);
   return static_cast<uint64_t>(std::llround(*pace * kWhole));
 }
 
@@ -142,7 +141,7 @@ std::optional<uint64_t> parse_frame_number(std::string_view text, const std::str
   if (text.empty()) return std::nullopt;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc::result_out_of_range || value > (uint64_t{1} << 62))
-    throw Error(ErrorKind::usage, fmt::format("{}: a frame number is too large", argument));
+    throw Error(ErrorKind::usage, "{}: a frame number is too large", argument);
   return value;
 }
 
@@ -186,12 +185,10 @@ std::optional<FrameRange> parse_range(std::string_view text, const std::string& 
                    parse_frame_number(parts[1], argument)};
   if (parts.size() == 3) range.step = parse_frame_number(parts[2], argument).value_or(1);
   if (range.step == 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: a step of 0 never ends. Use 1 or more", argument));
+    throw Error(ErrorKind::usage, "{}: a step of 0 never ends. Use 1 or more", argument);
   if (range.last && *range.last <= range.first)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: the range is empty; LAST is excluded and must exceed FIRST", argument));
+    throw Error(ErrorKind::usage, "{}: the range is empty; LAST is excluded and must exceed FIRST",
+                argument);
   return range;
 }
 
@@ -239,17 +236,16 @@ Selection at_speed(const std::string& speed, size_t frames, uint64_t seed) {
   if (rule == nullptr || rule->sources == nullptr)
     return {speed, seed, frames, at_pace(frames, parse_pace(speed))};
   if (frames < rule->least_frames)
-    throw Error(ErrorKind::usage,
-                fmt::format("the speed {} needs a query of {} frames or more, found {}", speed,
-                            rule->least_frames, frames));
+    throw Error(ErrorKind::usage, "the speed {} needs a query of {} frames or more, found {}",
+                speed, rule->least_frames, frames);
   RandomEngine engine = named_engine(seed, "warp " + speed);
   return {speed, seed, frames, rule->sources(frames, engine)};
 }
 
 void check_fps(double fps, std::string_view name) {
   if (!(fps > 0 && fps <= kMaxFps))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} must be above 0 and at most {}, found {}", name, kMaxFps, fps));
+    throw Error(ErrorKind::usage, "{} must be above 0 and at most {}, found {}", name, kMaxFps,
+                fps);
 }
 
 Thinner::Thinner(double fps) : interval_ns_(1e9 / fps) {}

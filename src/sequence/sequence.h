@@ -13,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_fwd.h"
 #include "base/random.h"
 
 namespace vpr {

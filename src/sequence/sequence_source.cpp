@@ -56,8 +56,7 @@ std::vector<fs::path> folder_entries(const fs::path& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (!is_hidden(it->path())) found.push_back(it->path());
   if (error)
-    throw Error(ErrorKind::input,
-                fmt::format("{}: can't be read: {}", folder.string(), error.message()));
+    throw Error(ErrorKind::input, "{}: can't be read: {}", folder.string(), error.message());
   std::ranges::sort(found, natural_less,
                     [](const fs::path& path) { return path.filename().string(); });
   return found;
@@ -92,9 +91,8 @@ void sort_frames(std::vector<fs::path>& files, const fs::path& folder) {
     case FrameOrder::time:
       for (const std::string& name : names)
         if (!name_value(name))
-          throw Error(ErrorKind::usage,
-                      fmt::format("{}: the name {} is not a number, which --order time needs",
-                                  folder.string(), name));
+          throw Error(ErrorKind::usage, "{}: the name {} is not a number, which --order time needs",
+                      folder.string(), name);
       std::ranges::stable_sort(files, {},
                                [&](const fs::path& path) { return *name_value(name_of(path)); });
       return;
@@ -130,9 +128,9 @@ void refuse_unread_images(const std::vector<fs::path>& entries) {
     const auto files = files_of(entries, {&extension, 1});
     if (files.empty()) continue;
     throw Error(ErrorKind::input,
-                fmt::format("{}: {} images are not supported. Convert and remove them, or frame "
-                            "numbers would shift: {}",
-                            files.front().string(), name, command));
+                "{}: {} images are not supported. Convert and remove them, or frame numbers would "
+                "shift: {}",
+                files.front().string(), name, command);
   }
 }
 
@@ -145,13 +143,11 @@ std::vector<std::string> read_list(const fs::path& list) {
   for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
     if (line.empty() || line.starts_with('#')) continue;
     if (line.find('\0') != std::string_view::npos)
-      throw Error(
-          ErrorKind::input,
-          fmt::format("{}: is not a text file with one image path per line", list.string()));
+      throw Error(ErrorKind::input, "{}: is not a text file with one image path per line",
+                  list.string());
     names.emplace_back(line);
   }
-  if (names.empty())
-    throw Error(ErrorKind::input, fmt::format("{}: the list names no images", list.string()));
+  if (names.empty()) throw Error(ErrorKind::input, "{}: the list names no images", list.string());
   return names;
 }
 
@@ -160,9 +156,8 @@ std::vector<Name> apply_range(const std::vector<Name>& all, const SequenceArgume
   const FrameRange& range = argument.range;
   const uint64_t last = range.last.value_or(all.size());
   if (range.first >= all.size() || last > all.size())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
-                            counted(all.size(), "frame"), range_text(range)));
+    throw Error(ErrorKind::usage, "{}: has {}, which the range {} exceeds", argument.path.string(),
+                counted(all.size(), "frame"), range_text(range));
   std::vector<Name> names;
   for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
     names.push_back(all[i]);
@@ -269,11 +264,10 @@ std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arg
       if (group.size() == 1 && std::find(taken.begin(), taken.end(), text) == taken.end()) continue;
       is_unique = false;
       if (!distinguish(names, group))
-        throw Error(
-            ErrorKind::usage,
-            fmt::format("two training sequences are named {} and have the same path and range. "
-                        "Pass each only once",
-                        text));
+        throw Error(ErrorKind::usage,
+                    "two training sequences are named {} and have the same path and range. Pass "
+                    "each only once",
+                    text);
     }
     if (is_unique) break;
   }
@@ -301,9 +295,8 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
-    throw Error(ErrorKind::input, fmt::format("{}: no such {}{}", path.string(),
-                                              is_array(path) ? "file" : "folder, list or video",
-                                              range_question(path.string())));
+    throw Error(ErrorKind::input, "{}: no such {}{}", path.string(),
+                is_array(path) ? "file" : "folder, list or video", range_question(path.string()));
   SequenceSource sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {
@@ -314,31 +307,26 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
     sort_frames(files, path);
     if (files.empty())
       throw Error(ErrorKind::input,
-                  fmt::format("{}: the folder contains no images (subfolders are not searched)",
-                              path.string()));
+                  "{}: the folder contains no images (subfolders are not searched)", path.string());
   } else if (has_extension(path, kListExtensions)) {
     for (const std::string& name : read_list(path)) files.push_back(path.parent_path() / name);
     if (std::none_of(files.begin(), files.end(), is_there))
       throw Error(ErrorKind::input,
-                  fmt::format("{}: is not a list with one image path per line: no line names an "
-                              "existing file (the first is {})",
-                              path.string(), files.front().string()));
+                  "{}: is not a list with one image path per line: no line names an existing file "
+                  "(the first is {})",
+                  path.string(), files.front().string());
   } else if (has_extension(path, kImageExtensions)) {
-    throw Error(
-        ErrorKind::input,
-        fmt::format("{}: is a single image. Pass its folder, a list or a video", path.string()));
+    throw Error(ErrorKind::input, "{}: is a single image. Pass its folder, a list or a video",
+                path.string());
   } else if (is_array(path)) {
     sequence.kind = SequenceKind::descriptors;
     sequence.files = {path};
     return sequence;
   } else if (!fs::is_regular_file(status)) {
-    throw Error(
-        ErrorKind::input,
-        fmt::format(
-            "{}: is neither a folder nor a regular file{}", path.string(),
-            fs::is_character_file(status) ? ". To follow a camera, use vpr-query live" : ""));
+    throw Error(ErrorKind::input, "{}: is neither a folder nor a regular file{}", path.string(),
+                fs::is_character_file(status) ? ". To follow a camera, use vpr-query live" : "");
   } else if (fs::is_empty(path, error)) {  // a file in /proc, which would never end, has size 0
-    throw Error(ErrorKind::input, fmt::format("{}: is an empty file", path.string()));
+    throw Error(ErrorKind::input, "{}: is an empty file", path.string());
   } else {
     sequence.kind = SequenceKind::video;
     return sequence;
@@ -347,10 +335,8 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
   files = apply_range(files, argument);
   const Selection& selection = argument.sequence.selection;
   if (!selection.is_all() && selection.recorded_frames != files.size())
-    throw Error(
-        ErrorKind::input,
-        fmt::format("{}: had {} when their times were read, but now has {}", argument.path.string(),
-                    counted(selection.recorded_frames, "frame"), files.size()));
+    throw Error(ErrorKind::input, "{}: had {} when their times were read, but now has {}",
+                argument.path.string(), counted(selection.recorded_frames, "frame"), files.size());
   sequence.files = selected(std::move(files), selection);
   return sequence;
 }
@@ -361,8 +347,7 @@ std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
   for (const fs::path& path : folder_entries(folder))
     if (fs::is_directory(path, ignored)) arguments.push_back({path, {}});
   if (arguments.empty())
-    throw Error(ErrorKind::input,
-                fmt::format("{}: has no subfolders with sequences", folder.string()));
+    throw Error(ErrorKind::input, "{}: has no subfolders with sequences", folder.string());
   return arguments;
 }
 
@@ -371,8 +356,8 @@ std::vector<std::string> frame_names(const SequenceArgument& argument) {
     return apply_range(read_list(argument.path), argument);
   const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video || sequence.is_one_array())
-    throw Error(ErrorKind::usage, fmt::format("{}: has no names of frames. Pass a folder or a list",
-                                              argument.path.string()));
+    throw Error(ErrorKind::usage, "{}: has no names of frames. Pass a folder or a list",
+                argument.path.string());
   std::vector<std::string> names;
   for (const auto& path : sequence.files) names.push_back(path.generic_string());
   return names;

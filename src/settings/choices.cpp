@@ -301,9 +301,8 @@ void check_choices(const SequenceQuerySettings& settings, const Features& run) {
   for (const Made& a : made)
     for (const Made& b : made)
       if (const uint32_t missing = a.needs & b.excludes)
-        throw Error(ErrorKind::usage,
-                    fmt::format("{} does not go with {}, which has no {}. {}", a.name, b.name,
-                                kFacetNames[std::countr_zero(missing)], a.instead));
+        throw Error(ErrorKind::usage, "{} does not go with {}, which has no {}. {}", a.name, b.name,
+                    kFacetNames[std::countr_zero(missing)], a.instead);
 }
 
 Features given_features(const SequenceQuerySettings& settings, std::span<const std::string> given) {

@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "settings/query_settings.h"
 #include "settings/setting_rows.h"

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/json.h"
 #include "match/lsh.h"
@@ -63,14 +61,13 @@ const DecisionKind& decision_kind(Decision decision) {
 
 void check_window_length(uint64_t window_length) {
   if (window_length < 1 || window_length > kMaxWindowLength)
-    throw Error(ErrorKind::usage,
-                fmt::format("c_l must be from 1 to {}, found {}", kMaxWindowLength, window_length));
+    throw Error(ErrorKind::usage, "c_l must be from 1 to {}, found {}", kMaxWindowLength,
+                window_length);
 }
 
 void check_safety_factor(double factor) {
   if (!std::isfinite(factor) || factor <= 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("the safety factor must be above 0, found {}", factor));
+    throw Error(ErrorKind::usage, "the safety factor must be above 0, found {}", factor);
 }
 
 ThresholdScale scale_of(const SequenceQuerySettings& settings) {

@@ -4,8 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "match/fusion.h"
 #include "match/reference.h"
@@ -216,8 +214,7 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const Descr
   if (stages.rows.empty()) return wrong_cells(cells, train, query.rows, window_length, monitor);
   const ScoreStage& last = *stages.rows.back();
   if (last.wrong_cells == nullptr)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} have no reference implementation. Omit --verify.", last.name));
+    throw Error(ErrorKind::usage, "{} have no reference implementation. Omit --verify.", last.name);
   return last.wrong_cells(cells, train, query, window_length, *stages.basis, monitor);
 }
 

@@ -70,16 +70,14 @@ std::string ArchiveWriter::finish(Json manifest) {
 Archive::Archive(fs::path path) : path_(std::move(path)), source_{path_.string(), kManifestForm} {
   std::error_code error;
   if (!fs::exists(path_, error) && !error)
-    throw Error(ErrorKind::input, fmt::format("{}: no such database", path_.string()));
+    throw Error(ErrorKind::input, "{}: no such database", path_.string());
   const fs::path file_name = path_ / kManifestName;
   const bool has_manifest = fs::exists(file_name, error);
   if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
-    throw Error(ErrorKind::input,
-                fmt::format("{}: can't be read: {}", path_.string(), error.message()));
+    throw Error(ErrorKind::input, "{}: can't be read: {}", path_.string(), error.message());
   if (!has_manifest)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is not a database (a folder with {}, written by vpr-train)",
-                            path_.string(), kManifestName));
+    throw Error(ErrorKind::data, "{}: is not a database (a folder with {}, written by vpr-train)",
+                path_.string(), kManifestName);
   const std::string file = read_whole_file(file_name);
   const auto json = parse_json(file);
   if (!json) fail("it is not valid JSON");
@@ -97,15 +95,15 @@ void Archive::verify(const std::string& name, std::span<const std::byte> bytes) 
   const Fields entry = fields((*files)[name]);
   const size_t size = entry.count("bytes", std::numeric_limits<size_t>::max());
   if (bytes.size() != size)
-    throw Error(ErrorKind::data, fmt::format("{}/{}: expected {} bytes, found {}; the file is "
-                                             "truncated or damaged, train it again",
-                                             path_.string(), name, size, bytes.size()));
+    throw Error(
+        ErrorKind::data,
+        "{}/{}: expected {} bytes, found {}; the file is truncated or damaged, train it again",
+        path_.string(), name, size, bytes.size());
   if (checksum(bytes) != entry.text("checksum"))
     throw Error(
         ErrorKind::data,
-        fmt::format(
-            "{}/{}: its checksum differs from the manifest; the file is damaged, train it again",
-            path_.string(), name));
+        "{}/{}: its checksum differs from the manifest; the file is damaged, train it again",
+        path_.string(), name);
 }
 
 NpyArray Archive::array(const std::string& name) const {
@@ -124,17 +122,16 @@ DatabaseFamily database_family(const std::filesystem::path& path) {
   const Archive archive(path);
   const std::string name = archive.fields(archive.manifest()).text("method");
   if (const auto family = enum_value<DatabaseFamily>(name)) return *family;
-  throw Error(ErrorKind::data,
-              fmt::format("{}: is a database for {}, which is unknown", archive.name(), name));
+  throw Error(ErrorKind::data, "{}: is a database for {}, which is unknown", archive.name(), name);
 }
 
 void require_family(const Archive& archive, DatabaseFamily family) {
   const std::string name = archive.fields(archive.manifest()).text("method");
   const std::string_view needed = enum_name(family);
   if (name != needed)
-    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, but one for {} is needed; "
-                                             "train it with vpr-train {}",
-                                             archive.name(), name, needed, needed));
+    throw Error(ErrorKind::data,
+                "{}: is a database for {}, but one for {} is needed; train it with vpr-train {}",
+                archive.name(), name, needed, needed);
 }
 
 }  // namespace vpr

@@ -260,10 +260,9 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const std::string descriptor = manifest.text("descriptor");
   const DescriptorKind* kind = find_descriptor_kind(descriptor);
   if (kind == nullptr)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: its frames are described by {}, which this version does not support",
-                    archive.name(), descriptor));
+    throw Error(ErrorKind::data,
+                "{}: its frames are described by {}, which this version does not support",
+                archive.name(), descriptor);
   DescriptorShape shape = kind->shape;
   if (shape.length == 0) shape.length = manifest.count("length", max_elements(shape.element));
   if (shape.length == 0) archive.fail("\"length\" is out of range");

@@ -1,7 +1,6 @@
 // A floor plan as a grid of open and solid cells, its walls, and ray casting.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>

@@ -238,9 +238,8 @@ std::vector<RecordedWalk> record_walks(const World& world) {
     walks.push_back({&walk, walk_poses(world, walk, plans[floor_index(world, walk.floor)])});
   for (const WorldPlace& place : world.places)
     if (!plans[floor_index(world, place.floor)].is_open({place.x, place.y}))
-      throw Error(ErrorKind::usage,
-                  fmt::format("the place {} is inside a wall at x {}, y {}; move it", place.name,
-                              place.x, place.y));
+      throw Error(ErrorKind::usage, "the place {} is inside a wall at x {}, y {}; move it",
+                  place.name, place.x, place.y);
   return walks;
 }
 
@@ -292,8 +291,8 @@ bool is_recording_folder(const fs::path& folder) {
        it.increment(failure))
     if (!is_ours(*it, it.depth())) return false;
   if (failure)
-    throw Error(ErrorKind::output, fmt::format("{}: can't be read: {}", folder.string(),
-                                               system_error_text(failure.value())));
+    throw Error(ErrorKind::output, "{}: can't be read: {}", folder.string(),
+                system_error_text(failure.value()));
   return true;
 }
 

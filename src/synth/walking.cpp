@@ -41,9 +41,9 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
   for (const auto& [dx, dy] : {std::pair(0.25, 0.0), {-0.25, 0.0}, {0.0, 0.25}, {0.0, -0.25}})
     if (!plan.is_open({point.x + dx, point.y + dy}))
       throw Error(ErrorKind::usage,
-                  fmt::format("the walk {} comes too close to a wall at x {:.2f}, y {:.2f}; move "
-                              "its path, or lower its shake",
-                              walk.name, point.x, point.y));
+                  "the walk {} comes too close to a wall at x {:.2f}, y {:.2f}; move its path, or "
+                  "lower its shake",
+                  walk.name, point.x, point.y);
 }
 
 double wrapped_degrees(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
@@ -108,16 +108,16 @@ constexpr size_t kMaxFrames = 100'000;
 
 void check_frames(const Walk& walk, double frames) {
   if (frames > static_cast<double>(kMaxFrames))
-    throw Error(ErrorKind::usage, fmt::format("the walk {} would have {} frames; the maximum is {}",
-                                              walk.name, frames, kMaxFrames));
+    throw Error(ErrorKind::usage, "the walk {} would have {} frames; the maximum is {}", walk.name,
+                frames, kMaxFrames);
 }
 
 [[noreturn]] void refuse_missed(const Walk& walk, std::string_view what, double at_m,
                                 double length_m) {
   throw Error(ErrorKind::usage,
-              fmt::format("the walk {} has a {} {} m, which it does not reach: its path is "
-                          "{:.2f} m long, and it passes stops and cuts in their order",
-                          walk.name, what, at_m, length_m));
+              "the walk {} has a {} {} m, which it does not reach: its path is {:.2f} m long, and "
+              "it passes stops and cuts in their order",
+              walk.name, what, at_m, length_m);
 }
 
 // The frames of a walk along a path of `length_m`, at least one. `variation` returns the relative

@@ -57,7 +57,7 @@ class Checker {
   explicit Checker(std::string where) : where_(std::move(where)) {}
 
   void require(bool ok, std::string_view what) const {
-    if (!ok) throw Error(ErrorKind::usage, fmt::format("{}: {}", where_, what));
+    if (!ok) throw Error(ErrorKind::usage, "{}: {}", where_, what);
   }
   /// Checks the ranges of all numbers in a value and its fields.
   template <class T>
@@ -195,7 +195,7 @@ bool is_uneven(const Walk& walk) {
 size_t floor_index(const World& world, const std::string& name) {
   for (size_t i = 0; i < world.floors.size(); ++i)
     if (world.floors[i].name == name) return i;
-  throw Error(ErrorKind::usage, fmt::format("the world {} has no floor {}", world.name, name));
+  throw Error(ErrorKind::usage, "the world {} has no floor {}", world.name, name);
 }
 
 const Floor& plan_floor(const World& world, size_t floor) {

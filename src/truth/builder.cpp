@@ -27,9 +27,9 @@ size_t only_searched_sequence(const GroundTruthScope& scope, std::string_view wh
   const auto count = std::ranges::count(sequences, true, is_searched);
   if (count != 1)
     throw Error(ErrorKind::usage,
-                fmt::format("{} needs exactly one training sequence, but there are {}. Use pairs "
-                            "with a sequence column, or a result or database of one sequence",
-                            what, count));
+                "{} needs exactly one training sequence, but there are {}. Use pairs with a "
+                "sequence column, or a result or database of one sequence",
+                what, count);
   return static_cast<size_t>(std::ranges::find(sequences, true, is_searched) - sequences.begin());
 }
 
@@ -211,9 +211,9 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
 void require_writable(uint64_t count, uint64_t most, std::string_view what) {
   if (count > most)
     throw Error(ErrorKind::data,
-                fmt::format("the file would hold {} {}; the limit is {}. Check the largest frame "
-                            "numbers, or use fewer frames",
-                            count, what, most));
+                "the file would hold {} {}; the limit is {}. Check the largest frame numbers, or "
+                "use fewer frames",
+                count, what, most);
 }
 
 }  // namespace vpr

@@ -1,6 +1,5 @@
 #include "truth/dataset.h"
 
-#include <algorithm>
 #include <functional>
 #include <set>
 
@@ -114,9 +113,9 @@ void check_names(const auto& items, const std::string& where, auto name_of) {
   std::set<std::string> seen;
   for (const auto& item : items) {
     const std::string& name = std::invoke(name_of, item);
-    if (name.empty()) throw Error(ErrorKind::usage, fmt::format("{}: a name is empty", where));
+    if (name.empty()) throw Error(ErrorKind::usage, "{}: a name is empty", where);
     if (!seen.insert(name).second)
-      throw Error(ErrorKind::usage, fmt::format("{}: the name \"{}\" is used twice", where, name));
+      throw Error(ErrorKind::usage, "{}: the name \"{}\" is used twice", where, name);
   }
 }
 
@@ -138,11 +137,10 @@ Dataset read_dataset(const fs::path& path) {
   DatasetFile file{dataset, path.parent_path()};
   value_from_json(json, file, where, "the data set");
   if (!(dataset.frames_per_second >= 0))
-    throw Error(ErrorKind::usage, fmt::format("{}: \"fps\" must not be negative", where));
+    throw Error(ErrorKind::usage, "{}: \"fps\" must not be negative", where);
   for (const DatasetPlace& place : dataset.places)
     if (place.views.empty())
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}, places: \"{}\" has no sequences", where, place.name));
+      throw Error(ErrorKind::usage, "{}, places: \"{}\" has no sequences", where, place.name);
   check_names(dataset.train, where + ", train", &NamedSequence::name);
   check_names(dataset.places, where + ", places", &DatasetPlace::name);
   check_names(dataset.queries, where + ", queries",
@@ -156,12 +154,9 @@ const DatasetQuery& select_query(const Dataset& dataset, const std::optional<std
     if (name == query.sequence.name || (!name && dataset.queries.size() == 1)) return query;
     names.push_back(query.sequence.name);
   }
-  if (names.empty())
-    throw Error(ErrorKind::usage, fmt::format("the data set {} has no queries", dataset.name));
-  throw Error(
-      ErrorKind::usage,
-      fmt::format("the data set {} has {}. Choose one of {} with --query NAME", dataset.name,
-                  name ? "no query " + *name : "several queries", fmt::join(names, ", ")));
+  if (names.empty()) throw Error(ErrorKind::usage, "the data set {} has no queries", dataset.name);
+  throw Error(ErrorKind::usage, "the data set {} has {}. Choose one of {} with --query NAME",
+              dataset.name, name ? "no query " + *name : "several queries", fmt::join(names, ", "));
 }
 
 }  // namespace vpr

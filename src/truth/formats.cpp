@@ -148,40 +148,35 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
     if (format.recognize != nullptr && format.recognize(start)) return format;
   if (has_only_numbers(start.first_line))
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has no header. If its numbers are frames that count from 0, add "
-                            "the line query,reference. The CSV of OpenSeqSLAM2, which counts from "
-                            "1, is converted by scripts/convert/openseqslam2.py",
-                            path.string()));
+                "{}: has no header. If its numbers are frames that count from 0, add the line "
+                "query,reference. The CSV of OpenSeqSLAM2, which counts from 1, is converted by "
+                "scripts/convert/openseqslam2.py",
+                path.string());
   if (has_columns(start.first_line, {"x", "y"}))
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: has positions, but its header has no column frame. Add one with the "
-                    "number of each frame, from 0",
-                    path.string()));
+    throw Error(ErrorKind::data,
+                "{}: has positions, but its header has no column frame. Add one with the number of "
+                "each frame, from 0",
+                path.string());
   refuse_convertible(start.path, start.bytes);
   if (start.path.extension() == ".csv") return find_format("pairs");
-  throw Error(ErrorKind::usage,
-              fmt::format("{}: cannot detect the format of this ground truth. Pass "
-                          "--ground-truth-format, one of {}",
-                          path.string(),
-                          format_names([](const auto& format) { return uses(format, "path"); })));
+  throw Error(
+      ErrorKind::usage,
+      "{}: cannot detect the format of this ground truth. Pass --ground-truth-format, one of {}",
+      path.string(), format_names([](const auto& format) { return uses(format, "path"); }));
 }
 
 void require_options(const GroundTruthFormat& format, const GroundTruthArgument& argument) {
   const GroundTruthOptions& options = argument.options;
   if (uses(format, "path") && argument.path.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("the ground truth format {} needs a path", format.name));
+    throw Error(ErrorKind::usage, "the ground truth format {} needs a path", format.name);
   const auto refuse_unused = [&](std::string_view option, bool is_set, std::string_view flag = {}) {
     if (!is_set || uses(format, option)) return;
-    throw Error(ErrorKind::usage,
-                fmt::format("{} has no effect on a ground truth of format {}. {}",
-                            flag.empty() ? option : flag, format.name,
-                            option == "range"
-                                ? "Convert it to pairs, which accept a range (vpr-eval convert)"
-                                : "It belongs to " + format_names([&](const auto& other) {
-                                    return uses(other, option);
-                                  })));
+    throw Error(ErrorKind::usage, "{} has no effect on a ground truth of format {}. {}",
+                flag.empty() ? option : flag, format.name,
+                option == "range" ? "Convert it to pairs, which accept a range (vpr-eval convert)"
+                                  : "It belongs to " + format_names([&](const auto& other) {
+                                      return uses(other, option);
+                                    }));
   };
   refuse_unused("path", !argument.path.empty());
   refuse_unused("range", !parse_sequence_argument(argument.path.string()).range.is_all());
@@ -224,9 +219,8 @@ std::vector<const GroundTruthPreset*> find_presets(const std::string& text) {
 GroundTruthArgument preset_argument(const GroundTruthPreset& preset, GroundTruthArgument argument,
                                     const GroundTruthScope& scope) {
   if (argument.tolerance_frames != 0 && argument.tolerance_frames != preset.tolerance_frames)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} has a tolerance of {} frames, not {}. Use aligned for others",
-                            preset.name, preset.tolerance_frames, argument.tolerance_frames));
+    throw Error(ErrorKind::usage, "{} has a tolerance of {} frames, not {}. Use aligned for others",
+                preset.name, preset.tolerance_frames, argument.tolerance_frames);
   argument.format = "aligned";
   argument.tolerance_frames = preset.tolerance_frames;
   if (!argument.options.train_step) argument.options.train_step = step_for(preset, scope);

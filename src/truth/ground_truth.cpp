@@ -37,8 +37,8 @@ uint64_t covered_frames(std::vector<LabelStretch>& runs) {
 InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTruthScope& scope,
                                    InconsistentPairs inconsistent, const Monitor& monitor) {
   if (argument.tolerance_frames < 0)
-    throw Error(ErrorKind::usage, fmt::format("the tolerance must be 0 frames or more, found {}",
-                                              argument.tolerance_frames));
+    throw Error(ErrorKind::usage, "the tolerance must be 0 frames or more, found {}",
+                argument.tolerance_frames);
   const GroundTruthPreset* preset = find_preset(argument.format);
   if (preset != nullptr) argument = preset_argument(*preset, argument, scope);
   const GroundTruthFormat& format =
@@ -194,10 +194,9 @@ GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tol
   // A known word with one or two typing errors is not taken for a path.
   std::error_code error;
   if (edit_distance(text, word) <= 2 && !std::filesystem::exists(text, error))
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("the ground truth {} is neither a file nor a known name; did you mean {}?",
-                    text, word));
+    throw Error(ErrorKind::usage,
+                "the ground truth {} is neither a file nor a known name; did you mean {}?", text,
+                word);
   return {"", text, tolerance_frames};
 }
 
@@ -308,10 +307,9 @@ void require_undamaged(const InspectedGroundTruth& ground_truth, const std::stri
   const GroundTruthFinding& both = finding(FindingKind::contradiction);
   if (outside.count == 0 && both.count == 0) return;
   throw Error(ErrorKind::data,
-              fmt::format("{}: is damaged: {} out of range and {} with both labels "
-                          "(first: {})",
-                          name, counted(outside.count, "pair"), both.count,
-                          (outside.count > 0 ? outside : both).examples.front()));
+              "{}: is damaged: {} out of range and {} with both labels (first: {})", name,
+              counted(outside.count, "pair"), both.count,
+              (outside.count > 0 ? outside : both).examples.front());
 }
 
 std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,

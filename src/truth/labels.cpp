@@ -55,14 +55,12 @@ bool is_labels_csv(const FileStart& start) {
 std::string read_labels(GroundTruthBuilder& builder) {
   const std::string name = builder.argument().path.string();
   if (builder.argument().tolerance_frames != 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: each label has its own tolerance. Omit --tolerance", name));
+    throw Error(ErrorKind::usage, "{}: each label has its own tolerance. Omit --tolerance", name);
   if (builder.query().grows)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: labels need the numbers of frames. Pass --result, or --query-frames "
-                    "and --train-frames",
-                    name));
+    throw Error(ErrorKind::usage,
+                "{}: labels need the numbers of frames. Pass --result, or --query-frames and "
+                "--train-frames",
+                name);
   NamedRows rows(builder.argument().path, name, {"query", "reference", "label", "tolerance"});
   if (rows.size() == 0)
     rows.fail("has no labels. Answer the page of vpr-eval --ask-frames and save it again");

@@ -204,9 +204,8 @@ std::string read_archive(GroundTruthBuilder& builder) {
                      [entry](std::span<std::byte> bytes) { return entry->read(bytes); });
   };
   if (!builder.argument().options.soft.empty())
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: a .npz file contains its soft matrix, named GTsoft", path.string()));
+    throw Error(ErrorKind::usage, "{}: a .npz file contains its soft matrix, named GTsoft",
+                path.string());
   if (archive.names().empty()) builder.fail("is an archive without a matrix");
   const auto hard = find_name(archive, kHard);
   const auto soft = find_name(archive, kSoft);

@@ -347,9 +347,9 @@ std::string read_anchors(GroundTruthBuilder& builder) {
   const GroundTruthOptions& options = builder.argument().options;
   if (options.radius_m.has_value() == options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: a radius in meters needs both --radius and the poses of the "
-                            "training sequence (--ground-truth-train)",
-                            builder.argument().path.string()));
+                "{}: a radius in meters needs both --radius and the poses of the training sequence "
+                "(--ground-truth-train)",
+                builder.argument().path.string());
   // Only the poses of training frames have times.
   const bool has_query_times =
       options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();

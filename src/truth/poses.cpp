@@ -38,9 +38,9 @@ std::string match_sides(GroundTruthBuilder& builder, Read&& read,
   const size_t sequence = builder.only_searched(argument.path.string());
   if (argument.options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has the positions of the query. Pass those of the training "
-                            "sequence with --ground-truth-train",
-                            argument.path.string()));
+                "{}: has the positions of the query. Pass those of the training sequence with "
+                "--ground-truth-train",
+                argument.path.string());
   const auto read_side = [&](PoseSide side, const FrameCount& frames) {
     const SideOptions options = side_options(argument, side);
     builder.at_file(options.poses);  // for errors about the whole file
@@ -134,10 +134,9 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
   if (!options.radius_m && !default_radius_m)
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: poses need the radius in meters within which frames show the same "
-                    "place, such as --radius 2 (in a corridor 1 to 3, on a road often 25), or "
-                    "\"radius_m\" in a data set",
-                    builder.argument().path.string()));
+        "{}: poses need the radius in meters within which frames show the same place, such as "
+        "--radius 2 (in a corridor 1 to 3, on a road often 25), or \"radius_m\" in a data set",
+        builder.argument().path.string());
   const Nearness nearness{options.radius_m ? *options.radius_m : *default_radius_m,
                           options.angle_deg, options.ignore_radius_m};
   check_nearness(nearness);
@@ -152,16 +151,15 @@ std::string read_poses(GroundTruthBuilder& builder) {
     const std::filesystem::path& path = side_options(builder.argument(), side).poses;
     Trajectory found = read_pose_csv(path, {count.known()});
     if (found.is_on_earth)
-      throw Error(ErrorKind::data, fmt::format("{}: has latitudes and longitudes, but the other "
-                                               "side has poses in meters. Use the format gps for "
-                                               "both sides",
-                                               path.string()));
-    if (have_heights.value_or(found.has_heights) != found.has_heights)
       throw Error(ErrorKind::data,
-                  fmt::format("{}: has {} column z, and the other side has {}. Give both sides "
-                              "heights, or none",
-                              path.string(), found.has_heights ? "a" : "no",
-                              found.has_heights ? "none" : "one"));
+                  "{}: has latitudes and longitudes, but the other side has poses in meters. Use "
+                  "the format gps for both sides",
+                  path.string());
+    if (have_heights.value_or(found.has_heights) != found.has_heights)
+      throw Error(
+          ErrorKind::data,
+          "{}: has {} column z, and the other side has {}. Give both sides heights, or none",
+          path.string(), found.has_heights ? "a" : "no", found.has_heights ? "none" : "one");
     have_heights = found.has_heights;
     return std::move(found.poses);
   });
@@ -189,8 +187,7 @@ std::string read_gps(GroundTruthBuilder& builder) {
     const size_t missing = count_unknown(poses);
     if (!options.times.empty()) return poses;  // poses_of_side has checked them
     if (missing == poses.size())
-      throw Error(ErrorKind::data,
-                  fmt::format("{}: has no fix for any frame", options.poses.string()));
+      throw Error(ErrorKind::data, "{}: has no fix for any frame", options.poses.string());
     if (missing * 2 > poses.size())
       builder.warn_user(fmt::format("{}: {} of {} have no fix and are ignored",
                                     options.poses.string(), missing,

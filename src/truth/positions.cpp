@@ -93,15 +93,15 @@ std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColu
 std::map<std::string, size_t> frames_by_name(const fs::path& images) {
   const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
   if (sequence.kind != SequenceKind::images)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: is not a folder or list of images, to which a CSV of GPS fixes "
-                            "can refer by name",
-                            images.string()));
+    throw Error(
+        ErrorKind::usage,
+        "{}: is not a folder or list of images, to which a CSV of GPS fixes can refer by name",
+        images.string());
   std::map<std::string, size_t> frames;
   for (const auto& file : sequence.files)
     if (!frames.emplace(file.filename().string(), frames.size()).second)
-      throw Error(ErrorKind::data, fmt::format("{}: has two images named {}", images.string(),
-                                               file.filename().string()));
+      throw Error(ErrorKind::data, "{}: has two images named {}", images.string(),
+                  file.filename().string());
   return frames;
 }
 
@@ -222,15 +222,14 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
 Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optional<size_t> frames) {
   const FileStart start = open_start(path);
   if (start.is_folder)
-    throw Error(ErrorKind::usage, fmt::format("{} is a folder. Write the GPS positions of its "
-                                              "images to a CSV with scripts/convert/exif.py",
-                                              path.string()));
+    throw Error(ErrorKind::usage,
+                "{} is a folder. Write the GPS positions of its images to a CSV with "
+                "scripts/convert/exif.py",
+                path.string());
   if (!is_gps_header(start.first_line)) {
     refuse_convertible(start.path, start.bytes);
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: is not a CSV with latitudes and longitudes{}", path.string(),
-                    is_pose_header(start.first_line) ? "; its positions are in meters" : ""));
+    throw Error(ErrorKind::data, "{}: is not a CSV with latitudes and longitudes{}", path.string(),
+                is_pose_header(start.first_line) ? "; its positions are in meters" : "");
   }
   const SequenceArgument source = parse_sequence_argument(path.string());
   NamedRows rows(source.path, path.string(), {});
@@ -250,17 +249,16 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
   if (images.empty()) {
     if (!name_column.empty() && time_column.empty())
       throw Error(ErrorKind::usage,
-                  fmt::format("{}: has fixes by image names. Pass the images with --query-images "
-                              "FOLDER (--train-images for the training side)",
-                              path.string()));
+                  "{}: has fixes by image names. Pass the images with --query-images FOLDER "
+                  "(--train-images for the training side)",
+                  path.string());
     read_fixes_in_order(rows, *columns, time_column, source.range, found);
     return found;
   }
   if (name_column.empty()) rows.fail("has no column image with the names of images");
   if (!source.range.is_all())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: its lines are selected by image names. Add the range to {}",
-                            path.string(), images.string()));
+    throw Error(ErrorKind::usage, "{}: its lines are selected by image names. Add the range to {}",
+                path.string(), images.string());
   read_fixes_by_name(rows, *columns, name_column, images, found);
   return found;
 }
@@ -276,9 +274,10 @@ Routes read_routes(const std::vector<fs::path>& paths) {
     const Trajectory read = read_pose_csv(path, {});
     (read.is_on_earth ? gps : meters) = path;
     if (!meters.empty() && !gps.empty())
-      throw Error(ErrorKind::data, fmt::format("{} has latitudes and longitudes, but {} has x and "
-                                               "y in meters. Use one of them for both",
-                                               gps.string(), meters.string()));
+      throw Error(
+          ErrorKind::data,
+          "{} has latitudes and longitudes, but {} has x and y in meters. Use one of them for both",
+          gps.string(), meters.string());
     for (size_t frame = 0; frame < read.poses.size(); ++frame) {
       route.emplace_back();
       if (!read.poses[frame]) continue;
@@ -325,12 +324,11 @@ std::vector<double> read_traveled(const fs::path& path, const Sequence& sequence
   const Poses poses =
       selected(read_pose_csv(path, {sequence.recorded_frames()}).poses, sequence.selection);
   if (const size_t missing = count_unknown(poses); missing > 0) {
-    warn(monitor,
-         fmt::format(
-             "{}: has no pose for {} of {} (the first is frame {}), so there are no distances in "
-             "meters",
-             path.string(), missing, counted(sequence.frames, "frame"),
-             std::ranges::find_if(poses, [](const auto& pose) { return !pose; }) - poses.begin()));
+    warn(
+        monitor,
+        "{}: has no pose for {} of {} (the first is frame {}), so there are no distances in meters",
+        path.string(), missing, counted(sequence.frames, "frame"),
+        std::ranges::find_if(poses, [](const auto& pose) { return !pose; }) - poses.begin());
     return {};
   }
   std::vector<double> traveled_m;
@@ -344,8 +342,7 @@ std::vector<double> read_traveled(const fs::path& path, const Sequence& sequence
     traveled_m.push_back(frame == 0 ? 0 : traveled_m.back() + std::sqrt(square));
   }
   if (!traveled_m.empty() && !std::isfinite(traveled_m.back()))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: its positions are too far apart for meters", path.string()));
+    throw Error(ErrorKind::data, "{}: its positions are too far apart for meters", path.string());
   return traveled_m;
 }
 

@@ -16,7 +16,7 @@ namespace vpr {
 
 void FileLocation::fail(std::string_view what) const {
   const std::string position = unit.empty() ? "" : fmt::format(", {} {}", unit, number);
-  throw Error(ErrorKind::data, fmt::format("{}{}: {}", file, position, what));
+  throw Error(ErrorKind::data, "{}{}: {}", file, position, what);
 }
 
 std::optional<FrameText> parse_frame(std::string_view text) {
@@ -126,9 +126,8 @@ void NamedRows::allow(const std::vector<std::string>& columns) const {
   for (const std::string& name : header())
     if (std::ranges::find(columns, name) == columns.end())
       throw Error(ErrorKind::data,
-                  fmt::format("{}: has an unknown column \"{}\". Known columns are {}; remove or "
-                              "rename it",
-                              location_.file, name, fmt::join(columns, ", ")));
+                  "{}: has an unknown column \"{}\". Known columns are {}; remove or rename it",
+                  location_.file, name, fmt::join(columns, ", "));
 }
 
 }  // namespace vpr

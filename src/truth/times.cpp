@@ -278,25 +278,22 @@ SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
   const auto times = find_times(sequence, source, monitor);
   if (!times)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: the times of its frames are unknown, but --fps needs them. Use "
-                            "--recorded-fps, a video, images with times as names, or a data set "
-                            "with \"fps\"",
-                            text_of(argument)));
+                "{}: the times of its frames are unknown, but --fps needs them. Use "
+                "--recorded-fps, a video, images with times as names, or a data set with \"fps\"",
+                text_of(argument));
   if (!source.times.empty() && sequence.kind != SequenceKind::video)
     if (const size_t frames = count_frames(sequence); frames != times->size())
-      throw Error(ErrorKind::data, fmt::format("{}: has {}, but {} has {}", source.times.string(),
-                                               counted(times->size(), "time"), text_of(argument),
-                                               counted(frames, "frame")));
+      throw Error(ErrorKind::data, "{}: has {}, but {} has {}", source.times.string(),
+                  counted(times->size(), "time"), text_of(argument), counted(frames, "frame"));
   const std::optional<double> own = median_fps(*times);
   if (own && *fps > kClearlyAbove * *own)
-    warn(monitor, fmt::format("{}: has {:.3g} frames per second; --fps {} cannot add frames, and "
-                              "keeps each frame once",
-                              text_of(argument), *own, *fps));
+    warn(monitor,
+         "{}: has {:.3g} frames per second; --fps {} cannot add frames, and keeps each frame once",
+         text_of(argument), *own, *fps);
   Selection kept = resampled(*times, *fps);
   if (times->size() > kMaxThinned * kept.frames())
-    throw Error(ErrorKind::usage, fmt::format("{}: --fps {} keeps {} of its {}; use a larger value",
-                                              text_of(argument), *fps, kept.frames(),
-                                              counted(times->size(), "frame")));
+    throw Error(ErrorKind::usage, "{}: --fps {} keeps {} of its {}; use a larger value",
+                text_of(argument), *fps, kept.frames(), counted(times->size(), "frame"));
   if (kept.frames() < times->size()) argument.sequence.selection = std::move(kept);
   argument.sequence.fps = own ? std::optional(std::min(*own, *fps)) : std::nullopt;
   return argument;
@@ -319,9 +316,10 @@ std::unique_ptr<LiveSource> open_resampled_source(std::unique_ptr<LiveSource> so
     if (state->is_named)
       return state->names.read_next({frame.file.string()}, frame.file.stem().string());
     if (!recorded_fps)
-      throw Error(ErrorKind::usage, fmt::format("{}: its time is unknown, but --fps needs it. Use "
-                                                "--recorded-fps, or images with times as names",
-                                                frame.file.string()));
+      throw Error(ErrorKind::usage,
+                  "{}: its time is unknown, but --fps needs it. Use --recorded-fps, or images with "
+                  "times as names",
+                  frame.file.string());
     return even_time(index, *recorded_fps);
   };
   return std::make_unique<LiveSource>(

@@ -96,10 +96,10 @@ Trajectory read_any(const std::filesystem::path& path) {
   if (start.is_folder || is_gps_header(start.first_line)) return read_fixes(path);
   refuse_convertible(start.path, start.bytes);
   throw Error(ErrorKind::usage,
-              fmt::format("{}: is not a trajectory. Use one pose per line in the format of TUM (8 "
-                          "numbers), KITTI (12 numbers) or EuRoC (time in ns and more, with "
-                          "commas), a CSV frame,x,y, or a CSV with lat and lon",
-                          path.string()));
+              "{}: is not a trajectory. Use one pose per line in the format of TUM (8 numbers), "
+              "KITTI (12 numbers) or EuRoC (time in ns and more, with commas), a CSV frame,x,y, or "
+              "a CSV with lat and lon",
+              path.string());
 }
 
 void require_rising_times(const Trajectory& trajectory) {
@@ -115,14 +115,12 @@ void require_rising_times(const Trajectory& trajectory) {
 void add_times(Trajectory& trajectory, const std::filesystem::path& times,
                const std::string& remedy) {
   if (!trajectory.times_ns.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: has its own times; remove {}", trajectory.name, remedy));
+    throw Error(ErrorKind::usage, "{}: has its own times; remove {}", trajectory.name, remedy);
   trajectory.times_ns = read_time_list(times);
   if (trajectory.times_ns.size() != trajectory.poses.size())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has {}, but {} has {}", times.string(),
-                            counted(trajectory.times_ns.size(), "time"), trajectory.name,
-                            counted(trajectory.poses.size(), "pose")));
+    throw Error(ErrorKind::data, "{}: has {}, but {} has {}", times.string(),
+                counted(trajectory.times_ns.size(), "time"), trajectory.name,
+                counted(trajectory.poses.size(), "pose"));
 }
 
 Pose between(const Trajectory& trajectory, size_t before, size_t after, int64_t time) {
@@ -174,8 +172,8 @@ std::string describe_missing(const Trajectory& trajectory, std::span<const int64
 
 int64_t nanoseconds(double seconds, const char* flag) {
   if (!(std::abs(seconds) <= kMaxSeconds))
-    throw Error(ErrorKind::usage, fmt::format("{} must be from -{:g} to {:g} seconds, found {:g}",
-                                              flag, kMaxSeconds, kMaxSeconds, seconds));
+    throw Error(ErrorKind::usage, "{} must be from -{:g} to {:g} seconds, found {:g}", flag,
+                kMaxSeconds, kMaxSeconds, seconds);
   return std::llround(seconds * double{kSecond});
 }
 
@@ -238,9 +236,8 @@ void check_nearness(const Nearness& nearness) {
                 "radius and angle of the same place must be finite and at least 0");
   if (nearness.ignore_radius_m && *nearness.ignore_radius_m < nearness.radius_m)
     throw Error(ErrorKind::usage,
-                fmt::format("--ignore-radius {} is less than the radius, {}: pairs between the two "
-                            "are ignored",
-                            *nearness.ignore_radius_m, nearness.radius_m));
+                "--ignore-radius {} is less than the radius, {}: pairs between the two are ignored",
+                *nearness.ignore_radius_m, nearness.radius_m);
 }
 
 double square_distance(const Pose& a, const Pose& b) {
@@ -353,19 +350,17 @@ Poses poses_at(const Trajectory& trajectory, std::span<const int64_t> frame_time
 
 Poses associate(const Trajectory& trajectory, std::span<const int64_t> frame_times,
                 const AssociationRules& rules, const std::string& frames, const Monitor& monitor) {
-  if (trajectory.poses.empty())
-    throw Error(ErrorKind::data, fmt::format("{}: has no poses", trajectory.name));
+  if (trajectory.poses.empty()) throw Error(ErrorKind::data, "{}: has no poses", trajectory.name);
   Poses poses = poses_at(trajectory, frame_times, rules);
   const size_t missing = count_unknown(poses);
   if (missing * 2 <= poses.size()) return poses;
   const std::string within = time_text(rules.max_difference_ns);
   const std::string cause = describe_missing(trajectory, frame_times, rules);
   if (missing == poses.size())
-    throw Error(ErrorKind::data, fmt::format("{}: no frame has a pose within {} s "
-                                             "(--max-difference): {}",
-                                             frames, within, cause));
-  warn(monitor, fmt::format("{}: {} of {} have no pose within {} s and are ignored: {}", frames,
-                            missing, counted(poses.size(), "frame"), within, cause));
+    throw Error(ErrorKind::data, "{}: no frame has a pose within {} s (--max-difference): {}",
+                frames, within, cause);
+  warn(monitor, "{}: {} of {} have no pose within {} s and are ignored: {}", frames, missing,
+       counted(poses.size(), "frame"), within, cause);
   return poses;
 }
 
@@ -412,17 +407,17 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
     const bool has_times = !options.query_times.empty() || !options.train_times.empty();
     if (!side.pose_times.empty() || side.offset_s || (options.max_difference_s && !has_times))
       throw Error(ErrorKind::usage,
-                  fmt::format("{}: pose i belongs to frame i. To associate frames by time, also "
-                              "pass the times of frames with --{}-times",
-                              trajectory.name, side.name));
+                  "{}: pose i belongs to frame i. To associate frames by time, also pass the times "
+                  "of frames with --{}-times",
+                  trajectory.name, side.name);
     return std::move(trajectory.poses);
   }
   if (!side.pose_times.empty())
     add_times(trajectory, side.pose_times, fmt::format("--{}-pose-times", side.name));
   if (trajectory.times_ns.empty() && !trajectory.poses.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has no times. Pass the times of its poses with --{}-pose-times",
-                            trajectory.name, side.name));
+                "{}: has no times. Pass the times of its poses with --{}-pose-times",
+                trajectory.name, side.name);
   require_rising_times(trajectory);
   remove_unknown(trajectory);
   return associate(trajectory, read_frame_times(side.times, monitor),

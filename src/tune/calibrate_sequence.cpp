@@ -4,8 +4,6 @@
 #include <cassert>
 #include <functional>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/monitor.h"
 #include "evaluate/outcomes.h"
@@ -83,8 +81,7 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
                                       const QueryResources& resources, const Monitor& monitor) {
   assert(base->decision == Decision::margin);
   if (!(precision > 0 && precision <= 1))
-    throw Error(ErrorKind::usage,
-                fmt::format("precision must be above 0 and at most 1, found {}", precision));
+    throw Error(ErrorKind::usage, "precision must be above 0 and at most 1, found {}", precision);
   if (has_paths(*base)) lengths = {1};
   std::sort(lengths.begin(), lengths.end());
   CalibratedSequence calibrated;
@@ -104,9 +101,9 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
   }
   if (std::ranges::none_of(calibrated.lengths, [](const auto& one) { return one.queries > 0; }))
     throw Error(ErrorKind::usage,
-                fmt::format("{}: shows no trained place according to the ground truth. Use a "
-                            "sequence that passes trained places.",
-                            query_name));
+                "{}: shows no trained place according to the ground truth. Use a sequence that "
+                "passes trained places.",
+                query_name);
   calibrated.protocol = truth->protocol;
   calibrated.chosen = choose_length(calibrated.lengths);
   return calibrated;

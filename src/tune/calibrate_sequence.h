@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "run/query.h"
 #include "tune/calibration.h"
 #include "tune/sweep.h"
 

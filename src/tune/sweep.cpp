@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <set>
 #include <string>
 
 #include "base/error.h"
@@ -30,11 +29,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
   if (grid.windows.empty() || grid.thresholds.empty())
     throw Error(ErrorKind::usage, "a sweep needs at least one c_l and one t_r");
   // Most warnings are the same for every setting.
-  std::set<std::string> reported;
-  Monitor once = monitor;
-  once.warn = [&](const std::string& sentence) {
-    if (reported.insert(sentence).second) warn(monitor, sentence);
-  };
+  const Monitor once = with_each_warning_once(monitor);
   std::vector<LengthSweep> sweeps;
   for (const uint64_t length : grid.windows) {
     LengthSweep& sweep = sweeps.emplace_back();

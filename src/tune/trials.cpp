@@ -1,12 +1,12 @@
 #include "tune/trials.h"
 
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "run/train_sequences.h"
+#include "tune/sweep.h"
 
 namespace vpr {
 namespace {
@@ -127,11 +127,7 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
 Trials try_sequences(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
                      const SequenceQuerySettings& base, uint64_t max_incorrect,
                      const QueryResources& resources, const Monitor& monitor) {
-  std::set<std::string> reported;
-  Monitor once = monitor;  // most warnings are the same for every setting
-  once.warn = [&](const std::string& sentence) {
-    if (reported.insert(sentence).second) warn(monitor, sentence);
-  };
+  const Monitor once = with_each_warning_once(monitor);  // most are the same for every setting
   const Monitor silent = {monitor.progress, {}, monitor.stop};
   Trials trials;
   trials.max_incorrect = max_incorrect;
@@ -154,7 +150,7 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
       trials.all.push_back(try_setting(database, queries, best, resources, silent, silent));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::usage) throw;
-      warn(monitor, fmt::format("A setting is not tried: {}", error.what()));
+      warn(monitor, "A setting is not tried: {}", error.what());
     }
   };
   SequenceQuerySettings windows = base;

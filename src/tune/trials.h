@@ -7,9 +7,7 @@
 
 #include "evaluate/evaluation.h"
 #include "fabmap/place_query.h"
-#include "run/query.h"
 #include "tune/cell_counts.h"
-#include "tune/sweep.h"
 
 namespace vpr {
 

@@ -247,7 +247,7 @@ ChowLiuTree tree_of_rows(std::span<const double> rows, const std::string& name) 
   assert(rows.size() % 4 == 0);
   const size_t words = rows.size() / 4;
   const auto fail = [&](const std::string& what) {
-    throw Error(ErrorKind::data, fmt::format("{}: {}", name, what));
+    throw Error(ErrorKind::data, "{}: {}", name, what);
   };
   ChowLiuTree tree;
   for (size_t q = 0; q < words; ++q) {

@@ -5,7 +5,6 @@
 #include <dlib/array2d.h>
 #include <dlib/image_keypoint/surf.h>
 #include <dlib/opencv/cv_image.h>
-#include <fmt/format.h>
 #include <opencv2/features2d.hpp>
 
 #include "base/error.h"
@@ -76,8 +75,7 @@ const KindRow& row_of(FeatureKind kind) { return kKinds[static_cast<size_t>(kind
 
 void check_range(std::string_view name, double value, double low, double high) {
   if (!(value >= low && value <= high))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} must be from {} to {}, found {}", name, low, high, value));
+    throw Error(ErrorKind::usage, "{} must be from {} to {}, found {}", name, low, high, value);
 }
 
 }  // namespace

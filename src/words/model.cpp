@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 
-#include <fmt/format.h>
 #include <hwy/cache_control.h>
 
 #include "base/error.h"
@@ -296,8 +295,8 @@ FabmapModel make_fabmap_model(const ChowLiuTree& tree, const DetectorModel& dete
   const double false_alarm = detector.p_seen_if_not;
   if (!(false_alarm >= 0 && false_alarm < hit && hit < 1))
     throw Error(ErrorKind::usage,
-                fmt::format("the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}",
-                            false_alarm, hit));
+                "the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}", false_alarm,
+                hit);
   FabmapModel model;
   const size_t count = tree.words();
   const bool naive = words == WordModel::naive_bayes;

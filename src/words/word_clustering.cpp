@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <span>
 #include <vector>
 
-#include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
@@ -320,11 +318,10 @@ cv::Mat kmeans_words(const cv::Mat& descriptors, const KmeansSettings& settings,
                      const Monitor& monitor) {
   const auto n = static_cast<size_t>(descriptors.rows);
   if (settings.words == 0 || settings.words > n)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("cannot make {} words from {} descriptors; use fewer --words, more --pretrain "
-                    "frames, larger images, or another kind of --features",
-                    settings.words, n));
+    throw Error(ErrorKind::usage,
+                "cannot make {} words from {} descriptors; use fewer --words, more --pretrain "
+                "frames, larger images, or another kind of --features",
+                settings.words, n);
   RandomEngine engine(settings.seed);
   cv::Mat centers;
   if (n * settings.words >= kOversampleFrom)
@@ -346,12 +343,10 @@ cv::Mat kmeans_words(const cv::Mat& descriptors, const KmeansSettings& settings,
 
 cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_words,
                      const Monitor& monitor) {
-  if (!(radius > 0))
-    throw Error(ErrorKind::usage, fmt::format("the radius must be above 0, found {}", radius));
+  if (!(radius > 0)) throw Error(ErrorKind::usage, "the radius must be above 0, found {}", radius);
   if (descriptors.empty())
     throw Error(ErrorKind::usage,
-                "cannot make words without descriptors; use more --pretrain "
-                "frames");
+                "cannot make words without descriptors; use more --pretrain frames");
   const auto n = static_cast<size_t>(descriptors.rows);
   // in units of squared_distance
   const double limit = descriptors.type() == CV_8U ? radius : radius * radius;
@@ -369,9 +364,8 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
       counter.add();
     }
     if (centers.size() > most_words)
-      throw Error(ErrorKind::usage,
-                  fmt::format("a radius of {} makes more than {} words; use a larger radius",
-                              radius, most_words));
+      throw Error(ErrorKind::usage, "a radius of {} makes more than {} words; use a larger radius",
+                  radius, most_words);
   }
   cv::Mat words = rows_of(descriptors, centers);
   std::vector<NearestCenter> nearest(n);

@@ -50,11 +50,10 @@ void warn_featureless(const std::string& frames_of, size_t featureless, size_t f
                       FeatureKind kind, const Monitor& monitor) {
   if (featureless * kWarnedShare < frames || featureless == 0) return;
   warn(monitor,
-       fmt::format("{}: {} of {} ({:.0f} %) have no {} features, so FAB-MAP cannot recognize them; "
-                   "use larger images, or train with another kind of --features",
-                   frames_of, featureless, counted(frames, "frame"),
-                   100 * static_cast<double>(featureless) / static_cast<double>(frames),
-                   enum_name(kind)));
+       "{}: {} of {} ({:.0f} %) have no {} features, so FAB-MAP cannot recognize them; use larger "
+       "images, or train with another kind of --features",
+       frames_of, featureless, counted(frames, "frame"),
+       100 * static_cast<double>(featureless) / static_cast<double>(frames), enum_name(kind));
 }
 
 // Descriptors of readable frames only: unreadable frames say nothing about the frequency of words.
@@ -81,9 +80,9 @@ cv::Mat make_words(const std::vector<cv::Mat>& frames, const FabmapTrainSettings
     if (!frame.empty()) descriptors.push_back(frame);
   if (descriptors.empty() && !frames.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("none of the {} --pretrain frames has a {} feature for the vocabulary; "
-                            "use larger images, or another kind of --features",
-                            frames.size(), enum_name(settings.features.kind)));
+                "none of the {} --pretrain frames has a {} feature for the vocabulary; use larger "
+                "images, or another kind of --features",
+                frames.size(), enum_name(settings.features.kind));
   if (settings.clustering == Clustering::radius)
     return radius_words(descriptors, settings.radius, kMaxWords, monitor);
   return kmeans_words(descriptors, {settings.words, settings.iterations, seed}, monitor);
@@ -110,7 +109,7 @@ void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descripto
 }
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw Error(ErrorKind::data, fmt::format("{}: {}", path.string(), what));
+  throw Error(ErrorKind::data, "{}: {}", path.string(), what);
 }
 
 }  // namespace
@@ -142,8 +141,8 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const Monitor& monitor) {
   check_feature_settings(settings.features);
   if (settings.words < 2 || settings.words > kMaxWords)
-    throw Error(ErrorKind::usage,
-                fmt::format("words must be from 2 to {}, found {}", kMaxWords, settings.words));
+    throw Error(ErrorKind::usage, "words must be from 2 to {}, found {}", kMaxWords,
+                settings.words);
   if (settings.iterations < 1)
     throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
   FabmapDatabase database;
@@ -230,15 +229,15 @@ FabmapDatabase import_openfabmap(const OpenFabmapFiles& files,
   database.tree = read_openfabmap_tree(files.tree);
   database.settings.words = database.tree.words();
   if (static_cast<size_t>(database.vocabulary.rows) != database.tree.words())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has {} words, but the tree has {}", files.vocabulary.string(),
-                            database.vocabulary.rows, database.tree.words()));
+    throw Error(ErrorKind::data, "{}: has {} words, but the tree has {}", files.vocabulary.string(),
+                database.vocabulary.rows, database.tree.words());
   if (is_binary(settings.features.kind) ||
       database.vocabulary.cols != descriptor_length(settings.features.kind))
-    throw Error(ErrorKind::usage, fmt::format("{}: its words have {} dimensions, which {} does "
-                                              "not; select the matching features with --features",
-                                              files.vocabulary.string(), database.vocabulary.cols,
-                                              enum_name(settings.features.kind)));
+    throw Error(ErrorKind::usage,
+                "{}: its words have {} dimensions, which {} does not; select the matching features "
+                "with --features",
+                files.vocabulary.string(), database.vocabulary.cols,
+                enum_name(settings.features.kind));
   for (const WordSet& frame : read_openfabmap_frames(files.pretrain, database.tree.words()))
     database.pretrain.add(frame);
   const std::vector<WordSet> frames = read_openfabmap_frames(files.train, database.tree.words());

@@ -164,9 +164,9 @@ TEST_CASE("every measure has its key in the schemas and in the reference") {
     const std::string key(metric.key);
     INFO(key);
     CHECK(has(reference, "`" + key));
-    CHECK((metric.of_curve != nullptr  ? of_curves
-           : metric.of_path != nullptr ? of_path
-                                       : of_report)
+    CHECK((metric.of_curve != nullptr ? of_curves
+           : metric.is_of_path()      ? of_path
+                                      : of_report)
               .contains(key));
   }
 }
