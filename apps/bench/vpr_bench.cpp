@@ -84,7 +84,7 @@ BenchResult run_matching(const Bench<MatchingBenchSettings>& bench, const Sessio
   std::optional<RecordedCodes> recorded;
   if (!bench.train.empty())
     recorded = {describe(bench.train, session.monitor), describe(bench.query, session.monitor)};
-  return bench_matching(bench.settings, recorded, session.options.seed, session.kernels,
+  return bench_matching(bench.settings, recorded, session.options.process.seed, session.kernels,
                         session.monitor);
 }
 
@@ -117,7 +117,7 @@ void add_matching(Program& program) {
 BenchResult run_describe(const Bench<DescribeBenchSettings>& bench, const Session& session) {
   std::optional<SequenceSource> images;
   if (!bench.images.empty()) images = open_sequence(parse_sequence_argument(bench.images));
-  return bench_describe(bench.settings, images, session.options.seed, session.monitor);
+  return bench_describe(bench.settings, images, session.options.process.seed, session.monitor);
 }
 
 void add_describe(Program& program) {
@@ -138,7 +138,7 @@ void add_fabmap(Program& program) {
       program, "fabmap", "Time FAB-MAP queries by number of places.",
       "  vpr-bench fabmap --places 1000,10000 --variants fabmap2,fabmap2-fixed",
       [](const Bench<FabmapBenchSettings>& fabmap, const Session& session) {
-        return bench_fabmap(fabmap.settings, session.options.seed, session.monitor);
+        return bench_fabmap(fabmap.settings, session.options.process.seed, session.monitor);
       });
   FabmapBenchSettings& settings = bench.settings;
   add_values(command, "--variants", settings.variants,
@@ -161,7 +161,7 @@ BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Sessio
   const SequenceSource query = open_sequence(parse_sequence_argument(bench.query));
   QueryResources resources;
   resources.kernels = session.kernels;
-  resources.seed = session.options.seed;
+  resources.seed = session.options.process.seed;
   return bench_realtime(bench.database, query, bench.settings, resources, session.monitor);
 }
 

@@ -12,8 +12,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -34,8 +32,6 @@ namespace vpr {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uint64_t kMostThreads = 1024;
 
 std::atomic<bool> stop_wanted{false};  // set by a signal handler
 
@@ -65,9 +61,6 @@ void set_up_process() {
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  cv::setNumThreads(1);        // one frame per thread, instead of one frame in parallel
-  cv::setUseOptimized(false);  // otherwise features depend on AVX2
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   std::cerr.rdbuf(nullptr);  // only OpenCV's codecs write to it
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
 }
@@ -294,17 +287,17 @@ void Program::set_run(std::function<void(Session&)> run) {
 
 void Program::add_common_flags(const Command& command) {
   command.add_option("-o,--output", common_.output, "output file or folder");
-  add_setting(command, "--threads", common_.threads,
-              fmt::format("number of threads; 0: all cores (default: {})", common_.threads),
+  add_setting(command, "--threads", common_.process.threads,
+              fmt::format("number of threads; 0: all cores (default: {})", common_.process.threads),
               kCommonGroup);
-  add_setting(command, "--seed", common_.seed, "seed of all random choices (default: 1)",
+  add_setting(command, "--seed", common_.process.seed, "seed of all random choices (default: 1)",
               kCommonGroup);
-  add_setting(command, "--order", common_.order,
+  add_setting(command, "--order", common_.process.order,
               "order of the images in folders: natural, name (as bytes), time (names are numbers), "
               "auto (natural, but decimal numbers by value), or rows (auto, but UTM names as "
               "bytes) (default: auto; rows for vpr-eval matrix)",
               kCommonGroup);
-  add_setting(command, "--max-megapixels", common_.max_megapixels,
+  add_setting(command, "--max-megapixels", common_.process.max_megapixels,
               fmt::format("largest size of images and video frames, in megapixels (default: {})",
                           kDefaultMegapixels),
               kCommonGroup);
@@ -317,7 +310,7 @@ void Program::add_common_flags(const Command& command) {
 
 void Program::add_config(const Command& command) {
   add_config_option(command, [this](const Json& json, const std::string& where) {
-    value_from_json(json, common_, where, "the configuration");
+    value_from_json(json, common_.process, where, "the configuration");
   });
 }
 
@@ -350,12 +343,7 @@ void Program::run_session(int argc, char** argv) {
     logger->warn(printable_line(sentence));
   };
   monitor.stop = &stop_wanted;
-  if (common_.threads > kMostThreads)
-    throw Error(ErrorKind::usage, "--threads must be at most {}, found {}", kMostThreads,
-                common_.threads);
-  const ThreadLimit limit(common_.threads);
-  const MegapixelLimit pixels(common_.max_megapixels);
-  const FrameOrderScope order(common_.order);
+  const ProcessScope scope(common_.process);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
   refuse_empty(parser_.given());
@@ -365,13 +353,13 @@ void Program::run_session(int argc, char** argv) {
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();
-  session.run.seed = common_.seed;
+  session.run.seed = common_.process.seed;
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
                 session.run.threads, session.kernels.target);
   try {
     run_(session);
     outputs.commit();
-    if (chosen_.is_given("--order") && !order.is_used())
+    if (chosen_.is_given("--order") && !scope.order.is_used())
       warn(monitor, "--order has no effect: no folder of frames was read");
   } catch (const Error& error) {
     throw Error(error.kind(), outputs.with_targets(error.what()));

@@ -17,8 +17,7 @@
 #include "files/run_info.h"
 #include "match/row_kernels.h"
 #include "parser.h"
-#include "sequence/decode.h"
-#include "sequence/sequence_source.h"
+#include "sequence/process_settings.h"
 #include "settings/setting_rows.h"
 
 namespace vpr {
@@ -94,28 +93,23 @@ struct CommonOptions {
   std::string output;
   std::string config;
   std::vector<std::string> config_keys;  ///< the keys of the configuration file
-  uint64_t threads = 0;                  ///< 0: all cores
-  uint64_t seed = 1;
-  uint64_t max_megapixels = kDefaultMegapixels;
-  FrameOrder order = FrameOrder::automatic;
+  ProcessSettings process;
   bool quiet = false;
   bool verbose = false;
   bool force = false;
   bool json = false;
 };
 
-VPR_FIELDS(CommonOptions, threads, seed, max_megapixels, order)
-
 /// The settings of a command together with the common options, as one JSON object.
 template <class S>
 struct ConfigKeys {
   S& settings;
-  CommonOptions& common;
+  ProcessSettings& process;
 };
 template <class S, class Visitor>
 void visit_fields(ConfigKeys<S>& keys, Visitor&& visit) {
   visit_fields(keys.settings, visit);
-  visit_fields(keys.common, visit);
+  visit_fields(keys.process, visit);
 }
 
 /// The environment of a command while it runs.
@@ -148,7 +142,7 @@ class Program {
   /// The program itself, for its flags.
   Command command() { return parser_.root(); }
   /// The number of threads without --threads; 0: all cores.
-  void set_default_threads(uint64_t threads) { common_.threads = threads; }
+  void set_default_threads(uint64_t threads) { common_.process.threads = threads; }
   /// Adds a command with --help and the common flags, executed by `run`.
   Command add_command(const std::string& name, const std::string& description,
                       const std::string& example, std::function<void(Session&)> run);
@@ -160,7 +154,7 @@ class Program {
   template <class S>
   void add_config(const Command& command, S& settings) {
     add_config_option(command, [this, &settings](const Json& json, const std::string& where) {
-      ConfigKeys<S> keys{settings, common_};
+      ConfigKeys<S> keys{settings, common_.process};
       value_from_json(json, keys, where, "the configuration");
     });
   }

@@ -61,7 +61,7 @@ size_t parse_bytes(const std::string& text) {
 
 }  // namespace
 
-void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
+void add_rate_flags(const Command& command, SelectionSettings& flags, const std::string& sequences,
                     const std::string& note, const std::string& group) {
   command.add_option("--fps", flags.fps,
                      fmt::format("select frames of {} at this rate, in frames per second; a ground "
@@ -80,39 +80,20 @@ Flag add_speed_flag(const Command& command, std::string& speed, const std::strin
   return command.add_option("--speed", speed, help).choices("SPEED", names);
 }
 
-void check_rates(const SelectionFlags& flags) {
-  if (flags.fps) check_fps(*flags.fps, "--fps");
-  if (flags.recorded_fps) check_fps(*flags.recorded_fps, "--recorded-fps");
-}
-
-SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags,
+SequenceArgument selected(SequenceArgument argument, const SelectionSettings& flags,
                           const std::filesystem::path& times, const Dataset* dataset,
                           const Session& session) {
-  check_rates(flags);
-  RateSource source{times, flags.recorded_fps};
-  if (!source.recorded_fps && dataset != nullptr && dataset->frames_per_second > 0)
-    source.recorded_fps = dataset->frames_per_second;
-  if (!source.recorded_fps) source.recorded_fps = flags.fallback_fps;
-  argument.speed = flags.speed;
-  argument.seed = session.options.seed;
-  return with_rate(std::move(argument), source, flags.fps, session.monitor);
+  SelectionSettings settings = flags;
+  if (dataset != nullptr && dataset->frames_per_second > 0)
+    settings.fallback_fps = dataset->frames_per_second;
+  return selected(std::move(argument), settings, times, session.options.process.seed,
+                  session.monitor);
 }
 
 void require_descriptors(const SequenceArgument& argument) {
   if (open_sequence(argument).kind != SequenceKind::descriptors)
     throw Error(ErrorKind::usage, "{}: is not a .npy file or a folder of .npy files",
                 argument.path.string());
-}
-
-NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
-                                const std::string& flag) {
-  const size_t equals = text.rfind('=');
-  if (equals != std::string::npos && equals > 0) {
-    const SequenceArgument argument =
-        parse_sequence_argument(fmt::format("{}@{}", path.string(), text.substr(equals + 1)));
-    if (argument.path == path) return {text.substr(0, equals), argument};
-  }
-  throw Error(ErrorKind::usage, "{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text);
 }
 
 std::string ground_truth_help() {
@@ -189,7 +170,7 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
   return with_flags(parse_ground_truth_argument(text, 0), flags);
 }
 
-void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& flags) {
+void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags) {
   if (!flags.fps || truth.options.query_times.empty()) return;
   const auto formats = ground_truth_formats();
   const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
@@ -200,7 +181,7 @@ void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& fl
     truth.options.query_times.clear();
 }
 
-void add_score_flags(const Command& command, ScoreFlags& flags, const std::string& group) {
+void add_score_flags(const Command& command, ScoreInput& flags, const std::string& group) {
   const Flag distance =
       command.add_flag("--distance", flags.is_distance, "small scores are better", group);
   command.add_flag("--similarity", flags.is_similarity, "large scores are better", group)
@@ -209,13 +190,6 @@ void add_score_flags(const Command& command, ScoreFlags& flags, const std::strin
                    "rows of the matrix are training frames, columns are queries", group);
   add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN",
               group);
-}
-
-void require_order(const ScoreFlags& flags) {
-  if (!flags.has_order())
-    throw Error(ErrorKind::usage,
-                "the order of the scores is missing; use --distance (small is better) or "
-                "--similarity (large is better)");
 }
 
 void refuse(bool is_given, const std::string& flag, const std::string& why) {

@@ -12,20 +12,13 @@
 #include "run/train_sequences.h"
 #include "store/archive.h"
 #include "truth/dataset.h"
+#include "truth/times.h"
 
 namespace vpr {
 
-/// The selection of frames of a sequence.
-struct SelectionFlags {
-  std::string speed;                   ///< simulated speed; empty: as recorded
-  std::optional<double> fps;           ///< rate of the selected frames; nullopt: all frames
-  std::optional<double> recorded_fps;  ///< rate of sequences that do not state it
-  std::optional<double> fallback_fps;  ///< rate of sequences without any other source; not a flag
-};
-
 /// --fps and --recorded-fps. `sequences`: a noun for the help; `note`: the end of the help of
 /// --fps.
-void add_rate_flags(const Command& command, SelectionFlags& flags, const std::string& sequences,
+void add_rate_flags(const Command& command, SelectionSettings& flags, const std::string& sequences,
                     const std::string& note = "", const std::string& group = kEssentialGroup);
 
 /// --speed, and a section of the help with its values.
@@ -34,22 +27,14 @@ Flag add_speed_flag(const Command& command, std::string& speed,
                         "simulated walking speed of the query, with --seed (below); the ground "
                         "truth still refers to the recorded query");
 
-/// Throws Error(usage) for rates out of range.
-void check_rates(const SelectionFlags& flags);
-
-/// The sequence with its rate (truth/sequence_rate.h) and the selection of the flags and --seed.
-/// `times`: a file with the times of its frames; empty: none. `dataset`: its data set, or null.
-SequenceArgument selected(SequenceArgument argument, const SelectionFlags& flags,
+/// The sequence with its rate and the selection of the flags and --seed. `times`: a file with the
+/// times of its frames; empty: none. `dataset`: its data set, or null.
+SequenceArgument selected(SequenceArgument argument, const SelectionSettings& flags,
                           const std::filesystem::path& times, const Dataset* dataset,
                           const Session& session);
 
 /// Throws Error(usage) unless the argument is a .npy file or a folder of .npy files.
 void require_descriptors(const SequenceArgument& argument);
-
-/// "NAME=FIRST:LAST", a range of the frames of `path`. Throws Error(usage), beginning with `flag`,
-/// for other text.
-NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
-                                const std::string& flag);
 
 /// Heading of the ground truth flags in the help.
 inline constexpr const char* kGroundTruthGroup = "Ground truth";
@@ -79,27 +64,11 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
 
 /// With --fps, --query-times states the times of the selection. Removes it from a ground truth
 /// whose format does not use times. Throws as detect_format does.
-void remove_selection_times(GroundTruthArgument& truth, const SelectionFlags& flags);
-
-/// A matrix of scores, in vpr-query and vpr-eval.
-struct ScoreFlags {
-  std::string path;  ///< empty: none
-  bool is_distance = false;
-  bool is_similarity = false;
-  bool train_first = false;
-  std::optional<double> missing;
-
-  bool has_order() const { return is_distance || is_similarity; }
-  ScoreOrder order() const { return order_of(format()); }
-  ScoreFormat format() const { return {is_similarity, train_first, missing}; }
-};
+void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags);
 
 /// The order and layout of a matrix of scores.
-void add_score_flags(const Command& command, ScoreFlags& flags,
+void add_score_flags(const Command& command, ScoreInput& flags,
                      const std::string& group = kEssentialGroup);
-
-/// Throws Error(usage) without --distance and --similarity.
-void require_order(const ScoreFlags& flags);
 
 /// Throws Error(usage) "FLAG WHY" for a given flag.
 void refuse(bool is_given, const std::string& flag, const std::string& why);

@@ -30,7 +30,7 @@ void add_truth_flags(const Command& command, TruthSource& truth);
 /// Scores of any program.
 struct ScoreInputs {
   std::string path;  ///< a matrix (.npy) or a list of matches; empty: descriptors
-  ScoreFlags matrix;
+  ScoreInput matrix;
   std::string query_npy;
   std::string train_npy;
   std::optional<DescriptorMetric> metric;

@@ -24,7 +24,7 @@ struct LoopInputs {
   std::string gap;
   LoopFrames frames = LoopFrames::automatic;
   std::optional<double> max_difference_s;
-  ScoreFlags scores;
+  ScoreInput scores;
   std::string name;
   std::string html;
   std::string plots;

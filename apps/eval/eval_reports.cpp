@@ -134,7 +134,8 @@ std::string tables_of(const ComparisonReport& comparison, TableFormat format) {
 
 ComparisonSettings settings_of(const Session& session, const CompareInputs& inputs,
                                const std::vector<Report>& reports) {
-  ComparisonSettings settings{inputs.block, kResamples, session.options.seed, inputs.only_common,
+  ComparisonSettings settings{inputs.block, kResamples, session.options.process.seed,
+                              inputs.only_common,
                               inputs.allow_different || compare_ground_truths(reports) ==
                                                             GroundTruths::of_places_and_frames};
   if (settings.block > 0) return settings;

@@ -56,12 +56,7 @@ EvaluationSettings evaluation_settings(const EvalInputs& inputs,
   by.places = inputs.places;
   by.poses = inputs.poses;
   by.stretch_frames = inputs.stretch_frames;
-  if (!inputs.scores.recall_at.empty()) {
-    by.recall_at.assign(inputs.scores.recall_at.begin(), inputs.scores.recall_at.end());
-    by.recall_at.push_back(1);
-    std::ranges::sort(by.recall_at);
-    by.recall_at.erase(std::unique(by.recall_at.begin(), by.recall_at.end()), by.recall_at.end());
-  }
+  by.recall_at = inputs.scores.recall_at;
   if (!inputs.truth.path.empty())
     by.ground_truth = ground_truth_argument(inputs.truth.path, inputs.truth.flags);
   if (!inputs.truth.dataset.empty() &&
@@ -70,7 +65,7 @@ EvaluationSettings evaluation_settings(const EvalInputs& inputs,
     const DatasetQuery& query = select_query(dataset, query_name);
     if (!by.ground_truth && by.places.empty())
       by.ground_truth = ground_truth_of(query, family, inputs.truth.flags);
-    if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses;
+    if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses.string();
   }
   const GroundTruthFlags& flags = inputs.truth.flags;
   const bool has_flags =
@@ -154,7 +149,7 @@ ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix
 
 // Warns if rows may belong to the images in another order.
 void warn_of_order(const Session& session, const EvalInputs& inputs) {
-  if (inputs.scores.is_list() || session.options.order != FrameOrder::automatic) return;
+  if (inputs.scores.is_list() || session.options.process.order != FrameOrder::automatic) return;
   std::vector<std::vector<std::string>> sides;
   try {
     sides = train_names(inputs);
@@ -235,16 +230,14 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
       evaluation_settings(inputs, stored ? std::optional(stored->result.query.name) : inputs.query,
                           has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
   if (stored) {
-    if (!has_places) add_recorded_names(evaluated.by, stored->run, stored->result.sequences.size());
-    evaluation = evaluate_result(std::move(stored->result), std::move(matrix), evaluated.by,
-                                 session.monitor);
-    evaluation.fingerprint = stored->fingerprint;
     evaluated.run = stored->run;
+    evaluation =
+        evaluate_stored(std::move(*stored), std::move(matrix), evaluated.by, session.monitor);
   } else {
     warn_of_order(session, inputs);
     check_rows(inputs.scores, matrix->queries(),
                inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
-    const ScoreSettings settings = score_settings(inputs, *matrix, session.options.seed);
+    const ScoreSettings settings = score_settings(inputs, *matrix, session.options.process.seed);
     evaluation = evaluate_scores(std::move(*matrix), settings, evaluated.by, session.monitor);
     warn_reversed(session.monitor, inputs.scores, evaluation.judgment);
     warn_negative(session.monitor, inputs.scores, evaluation.judgment);

@@ -155,9 +155,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const Stopwatch watch;
   const Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
-  const bool is_thinned = evaluation.query().selection.selected_fps > 0;
-  const std::string summary =
-      summary_sentence(evaluation, is_thinned ? evaluation.query().fps : dataset_fps(inputs));
+  const std::string summary = summary_sentence(evaluation, dataset_fps(inputs));
   const Json report =
       report_json(evaluated.report, run_of(evaluated, inputs, session.run), watch.elapsed_s());
   const std::vector<CheckedValue> values = check_expected(session, inputs, expected, report);
@@ -282,8 +280,9 @@ void add_matrix(Program& program) {
   const Command command = program.add_command(
       "matrix", "Evaluate scores or descriptors of any program.", kMatrixExamples,
       [inputs](Session& session) {
-        const bool is_automatic = session.options.order == FrameOrder::automatic;
-        const FrameOrderScope order(is_automatic ? FrameOrder::rows : session.options.order);
+        const bool is_automatic = session.options.process.order == FrameOrder::automatic;
+        const FrameOrderScope order(is_automatic ? FrameOrder::rows
+                                                 : session.options.process.order);
         run(session, *inputs);
       });
   add_matrix_flags(program, command, *inputs);

@@ -17,9 +17,9 @@ struct QueryOptions {
   std::string query_npy;  ///< descriptors instead of frames
   std::string query_bow;  ///< OpenFABMAP's BOW matrix instead of frames
   std::string dataset;
-  SelectionFlags selection;
+  SelectionSettings selection;
   std::string query_times;  ///< times of the frames, for --fps
-  ScoreFlags scores;
+  ScoreInput scores;
   std::string matrix_name;                   ///< name of the query of a matrix
   std::vector<std::string> train_sequences;  ///< of a matrix: NAME=FIRST:LAST
   std::string loop_times;

@@ -29,7 +29,7 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
                      bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!options.query_bow.empty()) {
-    const SelectionFlags& selected_by = options.selection;
+    const SelectionSettings& selected_by = options.selection;
     refuse(options.query || !options.query_npy.empty() || !options.dataset.empty() ||
                selected_by.fps || selected_by.recorded_fps || !options.query_times.empty(),
            "--query-bow",
@@ -40,7 +40,7 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
     SequenceWords rows{{}, read_openfabmap_frames(argument, database.tree.words())};
     rows.sequence.frames = rows.words.size();
     const Selection selection =
-        at_speed(options.selection.speed, rows.sequence.frames, session.options.seed);
+        at_speed(options.selection.speed, rows.sequence.frames, session.options.process.seed);
     query.words = selected(std::move(rows), selection);
     return query;
   }
@@ -173,8 +173,8 @@ void query_places(Session& session, const QueryOptions& options,
     if (posteriors) posteriors->add(posterior);
     if (frame == explained) explained_posterior.assign(posterior.begin(), posterior.end());
   };
-  QueryRun run = query_fabmap(database, query.words, query.name, settings, session.options.seed,
-                              observe, session.monitor);
+  QueryRun run = query_fabmap(database, query.words, query.name, settings,
+                              session.options.process.seed, observe, session.monitor);
   ResultContext context = make_context(options, session);
   if (query.images)
     set_query_path(context.run, *query.images);

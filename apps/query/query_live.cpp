@@ -8,11 +8,9 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "files/result_file.h"
+#include "files/live_lines.h"
 #include "query.h"
-#include "run/live_query.h"
 #include "run/open.h"
-#include "run/train_sequences.h"
 #include "sequence/live_source.h"
 #include "truth/times.h"
 
@@ -64,48 +62,6 @@ std::string latency_text(std::vector<float> times_ms) {
                             *std::max_element(middle, times_ms.end()));
 }
 
-/// Prints one line per frame.
-struct Follower {
-  const Session& session;
-  const SequenceDatabase& database;
-  Unreadable unreadable;
-  Monitor silent;  ///< without progress
-  LiveQuery query;
-  size_t frames = 0;
-
-  // Nullopt for an unreadable frame with --skip-unreadable.
-  std::optional<DescriptorSet> describe(const LiveFrame& frame) const {
-    try {
-      if (frame.is_unreadable)
-        throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
-                    frame.name);
-      return describe_frames(frame.sequence(), database, false, silent);
-    } catch (const Error& error) {
-      if (unreadable == Unreadable::fail || error.kind() != ErrorKind::input) throw;
-      warn(silent, error.what());
-      return std::nullopt;
-    }
-  }
-
-  LineFrame last = {};  ///< the latest frame
-
-  void take(const LiveFrame& frame) {
-    const auto described = describe(frame);
-    const DescriptorShape shape = database.descriptors.rows().shape;
-    const std::vector<uint8_t> none(described ? 0 : shape.row_bytes());
-    ArrivedFrame row{described ? described->rows()[0] : DescriptorRow(none), described.has_value()};
-    if (described && !described->words.empty()) row.words = described->words.front();
-    const std::optional<Result> result = query.take(row);
-    last = {frames++, frame.name, described.has_value()};
-    session.print_line(live_line(last, result ? &*result : nullptr, 0));
-  }
-
-  void finish() {
-    if (const std::optional<Result> result = query.finish())
-      session.print_line(live_line(last, &*result, 0));
-  }
-};
-
 }  // namespace
 
 void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
@@ -121,22 +77,24 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   warn_of_rates(database, query.fps, *settings, session.monitor);
   Monitor silent = session.monitor;
   silent.progress = nullptr;
-  Follower follower{session, database, unreadable, silent,
-                    LiveQuery(database, query.name, settings, resources, session.monitor)};
+  LiveLines lines(database, query.name, settings, resources, session.monitor);
   std::vector<float> times_ms;
+  const auto finish = [&] {
+    if (const auto line = lines.finish()) session.print_line(*line);
+  };
   const auto report = [&] {
     if (!session.options.quiet) fmt::print(stderr, "{}\n", latency_text(times_ms));
   };
   try {
     while (const auto frame = query.source->next(silent)) {
       const Stopwatch watch;
-      follower.take(*frame);
+      session.print_line(lines.take(*frame, silent));
       times_ms.push_back(static_cast<float>(1e3 * watch.elapsed_s()));
     }
-    follower.finish();
+    finish();
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::interrupted) throw;
-    follower.finish();
+    finish();
     report();
     throw Error(ErrorKind::interrupted, "interrupted");
   }

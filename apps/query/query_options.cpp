@@ -231,7 +231,8 @@ NamedSequence find_query(const QueryOptions& options, bool is_endless, const Ses
 }
 
 QueryResources resources_of(const QueryOptions& options, const Session& session) {
-  return {session.kernels, options.memory_limit, options.verify_cells, session.options.seed};
+  return {session.kernels, options.memory_limit, options.verify_cells,
+          session.options.process.seed};
 }
 
 void claim_outputs(const QueryOptions& options, const Session& session) {

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     vpr::World world = vpr::read_world(world_path);
     if (session.command.is_given("--seed") ||
         std::ranges::count(session.options.config_keys, "seed") > 0)
-      world.seed = session.options.seed;
+      world.seed = session.options.process.seed;
     const vpr::Output& folder =
         session.outputs.folder(session.options.output, vpr::is_recording_folder);
     const vpr::RecordingSize size =

@@ -16,7 +16,7 @@ struct TrainOptions {
   std::string folders;
   std::string dataset;
   std::vector<std::string> places;  ///< NAME=SEQUENCE, for FAB-MAP
-  SelectionFlags selection;         ///< for sequence methods
+  SelectionSettings selection;      ///< for sequence methods
   bool skip_unreadable = false;
 };
 

@@ -21,8 +21,7 @@ struct ImportOptions {
   std::string names;
   std::vector<std::string> ranges;
   bool as_bits = false;
-  uint64_t precision = 16;
-  DescriptorMetric metric = DescriptorMetric::cosine;
+  ImportSettings import;
   SequenceTrainSettings settings;
 };
 
@@ -75,7 +74,7 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
 void import_descriptors(Session& session, const ImportOptions& options) {
   claim_database(session);
   SequenceTrainSettings settings = options.settings;
-  settings.descriptor_kind = imported_kind(options.as_bits, options.metric, options.precision);
+  settings.descriptor_kind = imported_kind(options.as_bits, options.import);
   const std::vector<NamedArgument> sequences = find_sequences(options);
   SequenceDatabase database =
       train_sequences(sequences, settings, session.kernels, session.monitor);
@@ -159,11 +158,11 @@ void add_descriptors(Program& program) {
                      "text file with the names of the frames, one line per row of --npy");
   command.add_flag("--bits", options->as_bits,
                    "compare bits by Hamming distance; 8 bits per uint8, or one per bool");
-  add_setting(command, "--metric", options->metric,
+  add_setting(command, "--metric", options->import.metric,
               "distance of vectors (default: cosine); cosine: directions only; l2: Euclidean, "
               "lengths also count; chord: l2 of the vectors at length 1, with a finer resolution "
               "of small distances than cosine");
-  add_setting(command, "--value-bits", options->precision,
+  add_setting(command, "--value-bits", options->import.value_bits,
               "bits per value of a vector: 16, or 8 for half the memory (default: 16)");
   add_setting(command, "--c-l", settings.window_length,
               "window length c_l of the automatic thresholds (default: 40)");

@@ -45,7 +45,8 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
   if (pretrain.empty())
     throw Error(ErrorKind::usage,
                 "frames of other places for the vocabulary are missing, as in --pretrain FOLDER");
-  return train_fabmap(pretrain, groups, options.settings, session.options.seed, session.monitor);
+  return train_fabmap(pretrain, groups, options.settings, session.options.process.seed,
+                      session.monitor);
 }
 
 FabmapDatabase import_files(const FabmapOptions& options) {

@@ -22,11 +22,6 @@ std::vector<NamedArgument> selected_arguments(const TrainOptions& options, const
   return named;
 }
 
-void print_database(const Session& session, const SequenceDatabase& database,
-                    const std::string& path, const std::string& more) {
-  session.print_result(database_text(database, path) + more, database_json(database, session.run));
-}
-
 void add_fastable(Program& program) {
   struct Fastable {
     TrainOptions options;
@@ -71,18 +66,16 @@ void add_fastable(Program& program) {
 
 void add_info(Program& program) {
   const auto path = std::make_shared<std::string>();
-  const Command command = program.add_command(
-      "info", "List a database and verify its checksums.", "  vpr-train info corridor.vprdb",
-      [path](Session& session) {
-        const std::string verified = "All checksums are right.\n";
-        if (database_family(*path) == DatabaseFamily::fabmap) {
-          const FabmapDatabase database = read_fabmap_database(*path);
-          session.print_result(database_text(database, *path) + verified,
-                               database_json(database, session.run));
-        } else {
-          print_database(session, read_sequence_database(*path), *path, verified);
-        }
-      });
+  const Command command =
+      program.add_command("info", "List a database and verify its checksums.",
+                          "  vpr-train info corridor.vprdb", [path](Session& session) {
+                            const std::string verified = "All checksums are right.\n";
+                            const auto print = [&](const auto& database) {
+                              session.print_result(database_text(database, *path) + verified,
+                                                   database_json(database, session.run));
+                            };
+                            std::visit(print, read_database(*path));
+                          });
   program.add_config(command);
   command.remove_flag("--output");
   command.add_option("DB", *path, "database").required();
@@ -93,10 +86,9 @@ void extend_sequences(Session& session, const std::string& path, const TrainOpti
     throw Error(ErrorKind::usage, "{}: is a database for fastable, which does not support --place",
                 path);
   const SequenceDatabase database = read_sequence_database(path);
-  std::vector<std::string> taken;
-  for (const TrainSequence& train : database.sequences) taken.push_back(train.sequence.name);
-  store_database(session, add_sequences(database, selected_arguments(options, session, taken),
-                                        options.skip_unreadable, session.kernels, session.monitor));
+  store_database(session,
+                 add_sequences(database, selected_arguments(options, session, names_of(database)),
+                               options.skip_unreadable, session.kernels, session.monitor));
 }
 
 void extend_fabmap(Session& session, const std::string& path, const TrainOptions& options) {
@@ -106,9 +98,8 @@ void extend_fabmap(Session& session, const std::string& path, const TrainOptions
                 "step, as in PATH@::6",
                 path);
   FabmapDatabase database = read_fabmap_database(path);
-  std::vector<std::string> taken;
-  for (const ViewGroup& group : database.groups) taken.push_back(group.sequence.name);
-  add_views(database, group_arguments(options, taken), options.skip_unreadable, session.monitor);
+  add_views(database, group_arguments(options, names_of(database)), options.skip_unreadable,
+            session.monitor);
   store_database(session, database);
 }
 
@@ -182,7 +173,8 @@ void store_database(const Session& session, const SequenceDatabase& database) {
            "vpr-train add appends another",
            flag);
   write_sequence_database(session.options.output, database, session.outputs);
-  print_database(session, database, session.options.output, "");
+  session.print_result(database_text(database, session.options.output),
+                       database_json(database, session.run));
 }
 
 }  // namespace vpr

@@ -24,7 +24,7 @@ struct TuneOptions {
   std::string ground_truth;
   std::string fuse;    ///< FAB-MAP database of the same training sequences
   std::string fabmap;  ///< likewise, to try FAB-MAP
-  SelectionFlags selection;
+  SelectionSettings selection;
   GroundTruthFlags ground_truth_flags;
   std::vector<std::string> datasets;
   GridFlags grid;

@@ -39,7 +39,8 @@ void calibrate(Session& session, const Calibrate& command) {
   const Stopwatch watch;
   const ResolvedSettings settings(command.settings, {Feature::database, Feature::calibrate});
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
-  const QueryResources resources{session.kernels, options.memory_limit, 0, session.options.seed};
+  const QueryResources resources{session.kernels, options.memory_limit, 0,
+                                 session.options.process.seed};
   const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
   const EvaluationSettings by = evaluation_of(source, &database);
   const CalibratedSequence result = calibrate_sequence(

@@ -145,8 +145,8 @@ std::string query_command(const TuneOptions& options, const CommonOptions& commo
   if (!options.datasets.empty()) add("--dataset", options.datasets[index]);
   add("--query", options.query);
   add("--speed", options.selection.speed);
-  if (!options.selection.speed.empty() && common.seed != 1)
-    add("--seed", std::to_string(common.seed));
+  if (!options.selection.speed.empty() && common.process.seed != 1)
+    add("--seed", std::to_string(common.process.seed));
   if (options.selection.fps) add("--fps", fmt::format("{:g}", *options.selection.fps));
   if (options.selection.recorded_fps)
     add("--recorded-fps", fmt::format("{:g}", *options.selection.recorded_fps));

@@ -116,7 +116,8 @@ void tune_fastable(Session& session, const TuneOptions& options,
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
   const auto validation = find_validation(options, DatabaseFamily::sequences, queries, session);
   SequenceDatabase database = open_database(options.database, settings, options.fuse, monitor);
-  const QueryResources resources{session.kernels, options.memory_limit, 0, session.options.seed};
+  const QueryResources resources{session.kernels, options.memory_limit, 0,
+                                 session.options.process.seed};
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
@@ -155,7 +156,7 @@ void tune_fabmap(Session& session, const TuneOptions& options,
                                                settings.skip_unreadable, monitor);
     return sweep_fabmap(database, query, source.sequence.name, settings,
                         grid != nullptr ? *grid : fabmap_grid(options.grid), reader,
-                        session.options.seed, monitor);
+                        session.options.process.seed, monitor);
   };
   const std::vector<Sweep> sweeps = sweep_all(queries, validation, nullptr, sweep, monitor);
   present(session, options, DatabaseFamily::fabmap, settings, sweeps, watch.elapsed_s());

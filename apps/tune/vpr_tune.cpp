@@ -42,8 +42,8 @@ Trial fabmap_trial(const Try& command, const Session& session) {
                        describe_words(open_sequence(source.sequence.sequence), database,
                                       settings.skip_unreadable, monitor),
                        evaluation_of(source, nullptr)});
-  return try_fabmap(database, queries, settings, command.max_incorrect, session.options.seed,
-                    monitor);
+  return try_fabmap(database, queries, settings, command.max_incorrect,
+                    session.options.process.seed, monitor);
 }
 
 std::string result_text(const Try& command, const CommonOptions& common, const Trials& trials,
@@ -73,7 +73,8 @@ void try_all(Session& session, const Try& command) {
   filter.method = "filter";
   const ResolvedSettings settings(filter);
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
-  const QueryResources resources{session.kernels, options.memory_limit, 0, session.options.seed};
+  const QueryResources resources{session.kernels, options.memory_limit, 0,
+                                 session.options.process.seed};
   const Stopwatch watch;
   std::vector<LabeledQuery> queries;
   for (const Source& source : sources)

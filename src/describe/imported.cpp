@@ -175,7 +175,8 @@ void import_rows(const ArrayRows& rows, const RowImport& import, Unreadable unre
 
 }  // namespace
 
-std::string_view imported_kind(bool are_bits, DescriptorMetric metric, uint64_t value_bits) {
+std::string_view imported_kind(bool are_bits, const ImportSettings& settings) {
+  const auto& [metric, value_bits] = settings;
   if (value_bits != 8 && value_bits != 16)
     throw Error(ErrorKind::usage, "--value-bits must be 16 or 8 bits per value, found {}",
                 value_bits);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/npy.h"
 #include "describe/descriptor_rows.h"
@@ -73,9 +74,16 @@ inline constexpr std::string_view kPointKind = "points";          ///< vectors w
 inline constexpr std::string_view kDirectionKind = "directions";  ///< points of length 1
 inline constexpr std::string_view kBitKind = "bits";
 
-/// The kind of imported descriptors: bits, or vectors with this metric and 16 or 8 bits per value.
-/// Throws Error(usage) for another number of bits, and for settings without effect.
-std::string_view imported_kind(bool are_bits, DescriptorMetric metric, uint64_t value_bits);
+/// The comparison of imported vectors, by the names of flags.
+struct ImportSettings {
+  DescriptorMetric metric = DescriptorMetric::cosine;
+  uint64_t value_bits = 16;  ///< or 8
+};
+VPR_FIELDS(ImportSettings, metric, value_bits)
+
+/// The kind of imported descriptors: bits, or vectors with these settings. Throws Error(usage) for
+/// another number of bits, and for settings without effect.
+std::string_view imported_kind(bool are_bits, const ImportSettings& settings);
 
 /// Upper bound of the squared length of a vector of 16-bit integers: scalar products of two vectors
 /// fit 32 bits, for any order of summation.

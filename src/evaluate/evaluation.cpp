@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -140,7 +141,11 @@ void judge_by_answers(Evaluation& evaluation, const std::filesystem::path& file,
 
 void present_by(Judgment& judgment, const EvaluationSettings& by) {
   if (by.confidence) set_confidence(judgment, *by.confidence);
-  if (!by.recall_at.empty()) judgment.recall_at = by.recall_at;
+  if (!by.recall_at.empty()) {
+    std::set<size_t> ks(by.recall_at.begin(), by.recall_at.end());
+    ks.insert(1);
+    judgment.recall_at.assign(ks.begin(), ks.end());
+  }
   judgment.stretch_frames = by.stretch_frames;
 }
 

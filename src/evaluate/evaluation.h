@@ -15,14 +15,23 @@ namespace vpr {
 /// The ground truth of an evaluation, and its settings.
 struct EvaluationSettings {
   std::optional<GroundTruthArgument> ground_truth;  ///< nullopt: no pair is judged
-  std::filesystem::path poses;  ///< of the query's frames, for meters; empty: frames only
+  std::string poses;  ///< of the query's frames, for meters; empty: frames only
   std::optional<Confidence> confidence = {};  ///< of best matches; nullopt: as the result decided
-  std::vector<size_t> recall_at = {};         ///< K of recall@K; empty: kRecallAt
+  std::vector<size_t> recall_at = {};         ///< K of recall@K, besides 1; empty: kRecallAt
   size_t stretch_frames = kDefaultStretch;    ///< for the recall achievement rate
   NameReader query_names = {};                ///< for a ground truth with names of frames
   std::vector<NameReader> train_names = {};   ///< likewise, by training sequence
-  std::filesystem::path places = {};          ///< answers to the places of a result; empty: none
+  std::string places = {};                    ///< answers to the places of a result; empty: none
 };
+
+template <class Visitor>
+void visit_fields(EvaluationSettings& by, Visitor&& visit) {
+  visit("confidence", by.confidence);
+  visit("recall_at", by.recall_at);
+  visit("stretch", by.stretch_frames);
+  visit("places", by.places);
+  visit("poses", by.poses);
+}
 
 /// The meaning of a score matrix of any program.
 struct ScoreSettings {

@@ -91,6 +91,17 @@ ScoreOrder order_of(const ScoreFormat& format) {
   return format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
 }
 
+ScoreFile ScoreInput::open() const {
+  return array ? ScoreFile(array, path, format()) : ScoreFile(path, format());
+}
+
+void require_order(const ScoreInput& input) {
+  if (input.is_distance == input.is_similarity)
+    throw Error(ErrorKind::usage,
+                "the order of the scores is missing; use --distance (small is better) or "
+                "--similarity (large is better)");
+}
+
 ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format)
     : ScoreMatrix(ScoreFile(path, format)) {}
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,33 @@
 namespace vpr {
 
 ScoreOrder order_of(const ScoreFormat& format);
+
+/// A matrix of scores of any program, by the names of flags.
+struct ScoreInput {
+  std::string path;                            ///< empty: none
+  std::shared_ptr<const NpyArray> array = {};  ///< in memory; `path` names it in messages
+  bool is_distance = false;
+  bool is_similarity = false;
+  bool train_first = false;
+  std::optional<double> missing = {};
+
+  bool has_order() const { return is_distance || is_similarity; }
+  ScoreFormat format() const { return {is_similarity, train_first, missing}; }
+  ScoreOrder order() const { return order_of(format()); }
+  /// Throws as ScoreFile does.
+  ScoreFile open() const;
+};
+
+template <class Visitor>
+void visit_fields(ScoreInput& input, Visitor&& visit) {
+  visit("distance", input.is_distance);
+  visit("similarity", input.is_similarity);
+  visit("train_first", input.train_first);
+  visit("missing", input.missing);
+}
+
+/// Throws Error(usage) unless the scores are either distances or similarities.
+void require_order(const ScoreInput& input);
 
 /// Scores that are computed on demand.
 struct ComputedScores {

@@ -112,9 +112,8 @@ PreparedTraining prepare(std::span<const DescribedFrames> train, const Descripto
 
 }  // namespace
 
-PrecomputedDistances::PrecomputedDistances(const std::filesystem::path& path,
-                                           const ScoreFormat& format, const Monitor& monitor)
-    : file_(path, format) {
+PrecomputedDistances::PrecomputedDistances(ScoreFile file, const Monitor& monitor)
+    : file_(std::move(file)) {
   scan(monitor);
 }
 

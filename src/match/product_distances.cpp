@@ -24,12 +24,24 @@ std::span<const T> values_of(DescriptorRow row) {
   return {reinterpret_cast<const T*>(row.data()), row.size() / sizeof(T)};
 }
 
+// The product fits 32 bits (kMaxSquaredLength). Unsigned partial sums are vectorized by the
+// compiler and may wrap, which signed ones must not.
 template <class T>
 int64_t product_of(DescriptorRow a, DescriptorRow b) {
-  int64_t product = 0;
-  for (size_t i = 0; i < values_of<T>(a).size(); ++i)
-    product += int64_t{values_of<T>(a)[i]} * values_of<T>(b)[i];
-  return product;
+  const std::span<const T> one = values_of<T>(a);
+  const std::span<const T> other = values_of<T>(b);
+  uint32_t product = 0;
+  for (size_t i = 0; i < one.size(); ++i)
+    product += static_cast<uint32_t>(int32_t{one[i]} * other[i]);
+  return static_cast<int32_t>(product);
+}
+
+// The squared length, also of an invalid vector.
+template <class T>
+int64_t square_of(DescriptorRow row) {
+  int64_t square = 0;
+  for (const T value : values_of<T>(row)) square += int32_t{value} * value;
+  return square;
 }
 
 template <class T>
@@ -47,7 +59,7 @@ double square_itself(double square) { return square; }
 template <class T>
 void append_sizes(std::vector<double>& sizes, const DescriptorRows& rows, SizeOf size) {
   for (size_t i = 0; i < rows.size(); ++i) {
-    const int64_t square = product_of<T>(rows[i], rows[i]);
+    const int64_t square = square_of<T>(rows[i]);
     if (sizeof(T) > 1 && square > kMaxSquaredLength)
       throw Error(ErrorKind::data, "the vector of frame {} is longer than 46340", i);
     sizes.push_back(size(static_cast<double>(square)));

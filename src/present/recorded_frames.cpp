@@ -58,6 +58,14 @@ void add_recorded_names(EvaluationSettings& by, const RecordedRun& run, size_t s
     });
 }
 
+Evaluation evaluate_stored(StoredResult stored, std::optional<ScoreMatrix> matrix,
+                           EvaluationSettings by, const Monitor& monitor) {
+  if (!stored.result.places) add_recorded_names(by, stored.run, stored.result.sequences.size());
+  Evaluation evaluation = evaluate_result(std::move(stored.result), std::move(matrix), by, monitor);
+  evaluation.fingerprint = stored.fingerprint;
+  return evaluation;
+}
+
 FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& run,
                              bool has_places) {
   FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};

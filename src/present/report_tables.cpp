@@ -341,6 +341,8 @@ std::string summary_sentence(const Evaluation& evaluation,
                              std::optional<double> frames_per_second) {
   const Judgment& judgment = evaluation.judgment;
   const Localization& path = judgment.localization;
+  const Sequence& query = evaluation.query();
+  if (query.selection.selected_fps > 0) frames_per_second = query.fps;
   if (judgment.by == JudgedBy::nothing)
     return fmt::format("{} of {} recognized ({} %). Nothing is judged without a ground truth.",
                        path.recognized == 0 ? "None" : std::to_string(path.recognized),

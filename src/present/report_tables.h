@@ -31,7 +31,8 @@ std::string reference_word(const Report& report);
 /// For a result: "17 of 111 frames recognized, 3 of them incorrectly. The first is confirmed at
 /// frame 21 (2.1 s)." Frames are those with a match in the ground truth, and each is judged by its
 /// best accepted match; other accepted pairs that are incorrect are counted in the same sentence.
-/// The time since the first frame needs frames_per_second, which is above 0. If nothing is judged,
+/// The time since the first frame needs frames_per_second, which is above 0, or the rate at which
+/// frames were selected. If nothing is judged,
 /// with their share of all frames. For scores: "Best match correct in 53 of 111 frames (47.7 %)",
 /// with recognized frames only at a threshold of the user; one from the ground truth is marked.
 std::string summary_sentence(const Evaluation& evaluation, std::optional<double> frames_per_second);

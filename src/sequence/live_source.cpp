@@ -128,6 +128,11 @@ Error gone(const fs::path& folder, const std::string& why) {
 }  // namespace
 
 SequenceSource LiveFrame::sequence() const {
+  if (array) {
+    SequenceArgument descriptor{name, {}};
+    descriptor.array = array;
+    return open_sequence(descriptor);
+  }
   return {{file, {}}, SequenceKind::images, {file}, picture.get()};
 }
 

@@ -17,12 +17,13 @@
 
 namespace vpr {
 
-/// A frame that has arrived: an image file, or an image of a video.
+/// A frame that has arrived: an image file, an image of a video, or a descriptor.
 struct LiveFrame {
   std::string name;  ///< as in Sequence::frame_names
   std::filesystem::path file;
-  std::shared_ptr<const cv::Mat> picture;  ///< of a video or camera; null: not decoded yet
-  bool is_unreadable = false;              ///< the image of a video cannot be decoded
+  std::shared_ptr<const cv::Mat> picture;      ///< of a video or camera; null: not decoded yet
+  bool is_unreadable = false;                  ///< the image of a video cannot be decoded
+  std::shared_ptr<const NpyArray> array = {};  ///< a descriptor in memory, 1 x d; null: an image
 
   /// A sequence with this frame only, for describing it; this object must outlive it.
   SequenceSource sequence() const;

@@ -268,6 +268,21 @@ bool is_named_by_time(const std::filesystem::path& file) {
                              : name.size() >= kDigitsOfClock && !name.starts_with('0');
 }
 
+void check_rates(const SelectionSettings& settings) {
+  if (settings.fps) check_fps(*settings.fps, "--fps");
+  if (settings.recorded_fps) check_fps(*settings.recorded_fps, "--recorded-fps");
+}
+
+SequenceArgument selected(SequenceArgument argument, const SelectionSettings& settings,
+                          const std::filesystem::path& times, uint64_t seed,
+                          const Monitor& monitor) {
+  check_rates(settings);
+  argument.speed = settings.speed;
+  argument.seed = seed;
+  const auto recorded = settings.recorded_fps ? settings.recorded_fps : settings.fallback_fps;
+  return with_rate(std::move(argument), {times, recorded}, settings.fps, monitor);
+}
+
 SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
                            std::optional<double> fps, const Monitor& monitor) {
   const SequenceSource sequence = open_sequence(argument);

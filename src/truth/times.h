@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "sequence/sequence_source.h"
 #include "truth/text_file.h"
@@ -89,6 +90,24 @@ struct RateSource {
   std::filesystem::path times = {};         ///< a file for read_frame_times; empty: none
   std::optional<double> recorded_fps = {};  ///< used if neither times nor sequence state it
 };
+
+/// The selection of frames of a sequence, by the names of flags.
+struct SelectionSettings {
+  std::string speed;                   ///< simulated speed; empty: as recorded
+  std::optional<double> fps;           ///< rate of the selected frames; nullopt: all frames
+  std::optional<double> recorded_fps;  ///< rate of sequences that do not state it
+  std::optional<double> fallback_fps;  ///< rate of sequences without any other source; not a flag
+};
+VPR_FIELDS(SelectionSettings, speed, fps, recorded_fps)
+
+/// Throws Error(usage) for rates out of range.
+void check_rates(const SelectionSettings& settings);
+
+/// The sequence with its rate (with_rate) and its selection. `times`: a file with the times of its
+/// frames; empty: none. `seed`: of the speed, which is checked when the frames are known.
+SequenceArgument selected(SequenceArgument argument, const SelectionSettings& settings,
+                          const std::filesystem::path& times, uint64_t seed,
+                          const Monitor& monitor);
 
 /// Returns the argument with its rate, if known: from the times of `source`, from times as file
 /// names (is_named_by_time), from a video, or from `recorded_fps`, which refers to all frames of

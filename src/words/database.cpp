@@ -118,6 +118,40 @@ std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& na
   return groups;
 }
 
+std::string write_content(const FabmapDatabase& database, ArchiveWriter writer) {
+  const cv::Mat& words = database.vocabulary;
+  const std::vector<size_t> shape = {static_cast<size_t>(words.rows),
+                                     static_cast<size_t>(words.cols)};
+  if (words.type() == CV_8U)
+    writer.add_array<uint8_t>("vocabulary.npy", {words.ptr(), words.total()}, shape);
+  else
+    writer.add_array<float>("vocabulary.npy", {words.ptr<float>(), words.total()}, shape);
+  writer.add_array<double>("tree.npy", tree_rows(database.tree), {4, database.tree.words()});
+  add_list(writer, "pretrain.npy", database.pretrain.words);
+  add_list(writer, "pretrain_offsets.npy", database.pretrain.offsets);
+  add_list(writer, "places.npy", database.views.words);
+  add_list(writer, "place_offsets.npy", database.views.offsets);
+  assert(database.index.views == database.views.views());
+  add_list(writer, "index.npy", database.index.lists);
+  add_list(writer, "index_offsets.npy", database.index.offsets);
+  std::string names;
+  Json manifest = {{"schema", "vpr.database/3"}, {"method", enum_name(DatabaseFamily::fabmap)}};
+  manifest["settings"] = value_to_json(database.settings);
+  manifest["groups"] = value_to_json(database.groups, kDataForm);
+  for (const ViewGroup& group : database.groups) {
+    for (std::string name : group.sequence.frame_names) {
+      std::replace(name.begin(), name.end(), '\n', ' ');
+      names += name + "\n";
+    }
+  }
+  writer.add_text("frames.txt", names);
+  manifest["provenance"] = {{"program", "vpr-train"},
+                            {"version", program_version()},
+                            {"commit", program_commit()},
+                            {"seed", database.seed}};
+  return writer.finish(manifest);
+}
+
 }  // namespace
 
 ViewOrigin FabmapDatabase::origin(size_t view) const {
@@ -200,38 +234,36 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
 
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            Outputs& outputs) {
-  ArchiveWriter writer(&outputs.folder(path, is_database_folder));
-  const cv::Mat& words = database.vocabulary;
-  const std::vector<size_t> shape = {static_cast<size_t>(words.rows),
-                                     static_cast<size_t>(words.cols)};
-  if (words.type() == CV_8U)
-    writer.add_array<uint8_t>("vocabulary.npy", {words.ptr(), words.total()}, shape);
+  write_content(database, ArchiveWriter(&outputs.folder(path, is_database_folder)));
+}
+
+std::string database_fingerprint(const FabmapDatabase& database) {
+  return write_content(database, ArchiveWriter(nullptr));
+}
+
+AnyDatabase read_database(const std::filesystem::path& path) {
+  if (database_family(path) == DatabaseFamily::fabmap) return read_fabmap_database(path);
+  return read_sequence_database(path);
+}
+
+void write_database(const std::filesystem::path& path, const AnyDatabase& database,
+                    Outputs& outputs) {
+  if (const auto* sequences = std::get_if<SequenceDatabase>(&database))
+    write_sequence_database(path, *sequences, outputs);
   else
-    writer.add_array<float>("vocabulary.npy", {words.ptr<float>(), words.total()}, shape);
-  writer.add_array<double>("tree.npy", tree_rows(database.tree), {4, database.tree.words()});
-  add_list(writer, "pretrain.npy", database.pretrain.words);
-  add_list(writer, "pretrain_offsets.npy", database.pretrain.offsets);
-  add_list(writer, "places.npy", database.views.words);
-  add_list(writer, "place_offsets.npy", database.views.offsets);
-  assert(database.index.views == database.views.views());
-  add_list(writer, "index.npy", database.index.lists);
-  add_list(writer, "index_offsets.npy", database.index.offsets);
-  std::string names;
-  Json manifest = {{"schema", "vpr.database/3"}, {"method", enum_name(DatabaseFamily::fabmap)}};
-  manifest["settings"] = value_to_json(database.settings);
-  manifest["groups"] = value_to_json(database.groups, kDataForm);
-  for (const ViewGroup& group : database.groups) {
-    for (std::string name : group.sequence.frame_names) {
-      std::replace(name.begin(), name.end(), '\n', ' ');
-      names += name + "\n";
-    }
-  }
-  writer.add_text("frames.txt", names);
-  manifest["provenance"] = {{"program", "vpr-train"},
-                            {"version", program_version()},
-                            {"commit", program_commit()},
-                            {"seed", database.seed}};
-  writer.finish(manifest);
+    write_fabmap_database(path, std::get<FabmapDatabase>(database), outputs);
+}
+
+std::vector<std::string> names_of(const SequenceDatabase& database) {
+  std::vector<std::string> names;
+  for (const TrainSequence& train : database.sequences) names.push_back(train.sequence.name);
+  return names;
+}
+
+std::vector<std::string> names_of(const FabmapDatabase& database) {
+  std::vector<std::string> names;
+  for (const ViewGroup& group : database.groups) names.push_back(group.sequence.name);
+  return names;
 }
 
 }  // namespace vpr

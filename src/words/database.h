@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/enum_names.h"
 #include "base/output.h"
 #include "sequence/sequence.h"
+#include "store/sequence_database.h"
 #include "words/chow_liu.h"
 #include "words/local_features.h"
 #include "words/vocabulary.h"
@@ -78,6 +80,18 @@ struct FabmapDatabase {
   std::vector<std::string> place_names() const;
 };
 
+/// A database of either family.
+using AnyDatabase = std::variant<SequenceDatabase, FabmapDatabase>;
+
+/// Throws as database_family and the readers of both families do.
+AnyDatabase read_database(const std::filesystem::path& path);
+void write_database(const std::filesystem::path& path, const AnyDatabase& database,
+                    Outputs& outputs);
+
+/// The names of the training sequences.
+std::vector<std::string> names_of(const SequenceDatabase& database);
+std::vector<std::string> names_of(const FabmapDatabase& database);
+
 /// For each group, the number of frames that were decoded but show no word.
 std::vector<size_t> featureless_frames(const FabmapDatabase& database);
 
@@ -94,6 +108,9 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 /// Byte-identical for equal content. The caller commits.
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            Outputs& outputs);
+
+/// The fingerprint that the database has once it is stored.
+std::string database_fingerprint(const FabmapDatabase& database);
 
 /// FAB-MAP's data for the training frames of a sequence database: a FAB-MAP database of the same
 /// frames, in which each frame is a view.

@@ -100,7 +100,7 @@ using Generator = std::string (*)(const std::map<std::string, std::string>& old_
 const std::map<std::string, Generator> kGenerators = {
     {"sequence_query_settings", lines_of<SequenceQuerySettings>},
     {"fabmap_query_settings", lines_of<FabmapQuerySettings>},
-    {"common_options", lines_of<CommonOptions>},
+    {"common_options", lines_of<ProcessSettings>},
     {"sequence_train_settings", lines_of<SequenceTrainSettings>},
     {"fabmap_train_settings", lines_of<FabmapTrainSettings>},
     {"descriptor_settings", lines_of<DescriptorSettings>},

@@ -116,6 +116,87 @@ def test_places_are_recognized_as_by_the_program(run, walks, tmp_path):
         db.descriptors
 
 
+@pytest.mark.parametrize("settings", [
+    {"loop_gap": 100, "c_l": 5, "t_r": 0.6},
+    {"loop_gap": 100, "c_l": 5, "score": "zscore", "decide": "margin", "margin": 1},
+    {"loop_gap_s": 100.5, "c_l": 5, "frame_times": "times.txt"}])
+def test_loops_are_found_as_by_the_program(run, walks, tmp_path, settings):
+    laps = np.concatenate([np.load(walks / f"{day}.npy") for day in ("monday", "tuesday")])
+    np.save(tmp_path / "query.npy", laps)
+    (tmp_path / "times.txt").write_text("".join(f"{i}.5\n" for i in range(400)))
+    given = dict(settings)
+    gap = given.pop("loop_gap", None) or f"{given.pop('loop_gap_s')}s"
+    run("vpr-query", "loops", "--query-npy", "query.npy", "--gap", gap, *flags(given), "-o",
+        "c.json", folder=tmp_path)
+    if "frame_times" in settings:
+        settings = {**settings, "frame_times": str(tmp_path / "times.txt")}
+    result = vpr.loops(descriptors=laps, **settings)
+    assert len(result.best) > 300
+    result.save(tmp_path / "p.json")
+    assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+
+
+def test_loops_of_places_are_found_as_by_the_program(run, walks, tmp_path):
+    db = vpr.train(walks / "monday", pretrain=walks / "other", features="orb", words=50)
+    db.save(tmp_path / "db.vprdb")
+    vpr.loops(walks / "tuesday", db=db, loop_gap=20, t_p=0.5).save(tmp_path / "p.json")
+    run("vpr-query", "loops", tmp_path / "db.vprdb", "--query", walks / "tuesday", "--gap", 20,
+        "--t-p", 0.5, "-o", tmp_path / "c.json", folder=walks)
+    assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+    with pytest.raises(vpr.DataError, match="have no database"):
+        vpr.loops(walks / "tuesday", db=vpr.train(walks / "monday"), loop_gap=20)
+
+
+@pytest.mark.parametrize("settings", [{"c_l": 5, "t_r": 0.6}, {"c_l": 5, "score": "zscore"},
+                                      {"train_sequence": ["a=0:90", "b=90:200"], "speed": "0.5"}])
+def test_scores_are_matched_as_by_the_program(run, walks, tmp_path, settings):
+    scores = np.load(walks / "tuesday.npy") @ np.load(walks / "monday.npy").T
+    np.save(tmp_path / "scores.npy", scores)
+    given = dict(settings)
+    ranges = [f"--train-sequence={text}" for text in given.pop("train_sequence", [])]
+    run("vpr-query", "matrix", "scores.npy", "--similarity", *ranges, *flags(given), "-o", "c.json",
+        folder=tmp_path)
+    program = written(tmp_path / "c.json")
+    for source in (scores, tmp_path / "scores.npy", np.asfortranarray(scores)[:, ::1]):
+        vpr.query_scores(source, similarity=True, **settings).save(tmp_path / "p.json", force=True)
+        if isinstance(source, np.ndarray) and np.isfortran(source):  # bytes of another file
+            assert written(tmp_path / "p.json")["files"] == program["files"]
+        else:
+            assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+    with pytest.raises(vpr.UsageError, match="--similarity"):
+        vpr.query_scores(scores, c_l=5)
+
+
+@pytest.mark.parametrize("is_live", [False, True])
+def test_scores_are_fused_as_by_the_program(run, walks, tmp_path, is_live):
+    fuse = tmp_path / "fabmap.vprdb"
+    vpr.train(walks / "monday", pretrain=walks / "other", features="orb", words=50).save(fuse)
+    db = vpr.train(walks / "monday")
+    db.save(tmp_path / "db.vprdb")
+    plain = vpr.query(db, walks / "tuesday", c_l=5, decide="margin",
+                      score="zscore").best_scores
+    settings = {"fuse": str(fuse), "c_l": 5, "decide": "margin"}
+    if is_live:
+        images = sorted((walks / "tuesday").iterdir())
+        (tmp_path / "list.txt").write_text("".join(f"{path}\n" for path in images))
+        program = run("vpr-query", "live", tmp_path / "db.vprdb", "--query", tmp_path / "list.txt",
+                      *flags(settings), folder=walks)
+        live = vpr.Live(db, **settings)
+        lines = [json.loads(line) for line in program.stdout.splitlines()]
+        assert [live.add(path) for path in images] == lines
+        assert any(line["recognized"] for line in lines)
+    else:
+        result = vpr.query(db, walks / "tuesday", **settings)
+        result.save(tmp_path / "p.json")
+        run("vpr-query", tmp_path / "db.vprdb", "--query", walks / "tuesday", *flags(settings),
+            "-o", tmp_path / "c.json", folder=walks)
+        assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
+        assert not np.array_equal(result.best_scores, plain)
+    again = vpr.query(db, walks / "tuesday", c_l=5, decide="margin",
+                      score="zscore").best_scores
+    assert np.array_equal(again, plain)  # the database is not fused
+
+
 def matched(walks, **settings):
     db = vpr.train(descriptors=walks / "monday.npy", c_l=5)
     return vpr.query(db, descriptors=walks / "tuesday.npy", c_l=5, t_r=0.5, **settings)
@@ -161,7 +242,9 @@ def test_scores_are_judged_as_by_the_program(run, walks, tmp_path):
         if np.isfortran(given) if isinstance(given, np.ndarray) else False:
             own["provenance"]["scores"] = program["provenance"]["scores"]  # of another file
         assert own == program
-    with pytest.raises(vpr.UsageError, match="similarity=True"):
+    report = vpr.evaluate_scores(scores, "aligned", similarity=True, recall_at=[20, 5, 5])
+    assert list(report.recall_at) == [1, 5, 20]
+    with pytest.raises(vpr.UsageError, match="--similarity"):
         vpr.evaluate_scores(scores, "aligned")
 
 
@@ -226,6 +309,12 @@ def test_live_descriptors_are_matched_as_in_a_query(walks):
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l=0), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l="a"), "UsageError"),
     (lambda db, walks: vpr.query(db), "UsageError"),
+    (lambda db, walks: vpr.train(), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", frame_times="x"),
+     "UsageError"),
+    (lambda db, walks: vpr.loops(walks / "tuesday", loop_gap=9, fuse="x"), "UsageError"),
+    (lambda db, walks: vpr.query_scores(np.eye(9), distance=True, fps=2), "UsageError"),
+    (lambda db, walks: vpr.train(walks / "monday", threads=2000), "UsageError"),
     (lambda db, walks: vpr.query(db, walks / "missing"), "InputError"),
     (lambda db, walks: vpr.query(db, walks / "tuesday"), "DataError"),
     (lambda db, walks: vpr.query(db, descriptors=np.zeros((3, 64))), "DataError"),

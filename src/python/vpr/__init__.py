@@ -7,8 +7,8 @@ the names of JSON keys (--c-l 20 is c_l=20); None is the default. All functions 
 
 Work releases the interpreter's lock, stops on KeyboardInterrupt, and calls progress(step, done,
 total) up to 20 times per second. Warnings are UserWarning. Errors have the sentences of the
-programs and a class by kind: UsageError, InputError, OutputError, DataError, ExpectationError and
-InternalError are subclasses of Error.
+programs and a class by kind: UsageError, InputError, OutputError, DataError and InternalError are
+subclasses of Error.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from numpy.typing import NDArray
 from . import _vpr
 from ._vpr import Database, Distances, Result, __version__
 
-__all__ = ["Database", "DataError", "Distances", "Error", "ExpectationError", "Fields",
-           "InputError", "InternalError", "Live", "OutputError", "Report", "Result", "UsageError",
-           "distances", "evaluate", "evaluate_scores", "load", "query", "train"]
+__all__ = ["Database", "DataError", "Distances", "Error", "Fields", "InputError", "InternalError",
+           "Live", "OutputError", "Report", "Result", "UsageError", "distances", "evaluate",
+           "evaluate_scores", "load", "loops", "query", "query_scores", "train"]
 
 Path = Union[str, "os.PathLike[str]"]
 Array = NDArray[Any]
-Progress = Callable[[str, int, int], object]
+Progress = Optional[Callable[[str, int, int], object]]
 
 
 class Error(Exception):
@@ -53,10 +53,6 @@ class OutputError(Error):
 
 class DataError(Error):
     """Data are damaged or do not match (exit code 4)."""
-
-
-class ExpectationError(Error):
-    """A check that was requested failed (exit code 5)."""
 
 
 class InternalError(Error):
@@ -88,7 +84,9 @@ def _text(settings: Mapping[str, object]) -> str:
                        default=plain)
 
 
-def _source(value: Union[Path, Array]) -> _vpr.Source:
+def _source(value: Union[None, Path, Array]) -> _vpr.Source:
+    if value is None:
+        raise UsageError("frames are missing: pass images or descriptors")
     return value if isinstance(value, np.ndarray) else os.fspath(value)
 
 
@@ -100,6 +98,12 @@ def _sources(value: Any) -> list[tuple[str, _vpr.Source]]:
     names = ["train"] if len(items) == 1 else [f"train{i}" for i in range(len(items))]
     return [(name if isinstance(item, np.ndarray) else "", _source(item))
             for name, item in zip(names, items)]
+
+
+def _query(images: Optional[Path], descriptors: Union[None, Path, Array],
+           name: str) -> tuple[str, _vpr.Source]:
+    source = _source(images if descriptors is None else descriptors)
+    return name or ("query" if isinstance(source, np.ndarray) else ""), source
 
 
 class Report:
@@ -166,7 +170,7 @@ class Live:
 
 
 def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
-          progress: Optional[Progress] = None, **settings: object) -> Database:
+          progress: Progress = None, **settings: object) -> Database:
     """Builds a database of training sequences.
 
     images: a folder, list or video as on the command line ("monday@10:80"), a list of them, or a
@@ -193,53 +197,80 @@ def load(path: Path) -> Any:
 
 def query(db: Database, images: Optional[Path] = None, *,
           descriptors: Union[None, Path, Array] = None, name: str = "",
-          progress: Optional[Progress] = None, **settings: object) -> Result:
+          progress: Progress = None, **settings: object) -> Result:
     """Recognizes the places of a query sequence, by default at any walking speed.
 
     images: a folder, list or video. descriptors: an array or a .npy file. name: in results; by
         default of the path, or "query".
-    Settings: those of vpr-query, such as c_l, score, decide, margin, t_r, method, fps, speed and
-        max_memory (bytes). For FAB-MAP: t_p, c_w, variant, ...
+    Settings: those of vpr-query, such as c_l, score, decide, margin, t_r, method, fps, speed, fuse
+        (the folder of a FAB-MAP database) and max_memory (bytes). For FAB-MAP: t_p, c_w, ...
 
     >>> db = vpr.train(descriptors=monday)
     >>> result = vpr.query(db, descriptors=tuesday, c_l=5, score="zscore", decide="margin")
     >>> result.best[7], len(result.recognitions)
     ((7, 0, 7), 196)
     """
-    source = images if descriptors is None else descriptors
-    if source is None:
-        raise UsageError("the query is missing: pass images or descriptors")
-    name = name or ("query" if isinstance(source, np.ndarray) else "")
-    return _vpr.query(db, name, _source(source), _text(settings), progress)
+    return _vpr.query(db, *_query(images, descriptors, name), _text(settings), progress)
+
+
+def loops(images: Optional[Path] = None, *, descriptors: Union[None, Path, Array] = None,
+          db: Optional[Database] = None, name: str = "", progress: Progress = None,
+          **settings: object) -> Result:
+    """Recognizes the places of a sequence in its own past, as vpr-query loops.
+
+    db: FAB-MAP's, for its words and places; without it, windows are compared.
+    Settings: loop_gap (the least number of frames between a frame and its match) or loop_gap_s
+        (seconds, with frame_times), descriptor, and those of query.
+
+    >>> laps = np.concatenate([monday, tuesday])
+    >>> result = vpr.loops(descriptors=laps, loop_gap=100, c_l=5, score="zscore", t_r=-2)
+    >>> result.recognitions[-1]
+    (395, 0, 195)
+    """
+    return _vpr.loops(db, *_query(images, descriptors, name), _text(settings), progress)
+
+
+def query_scores(scores: Union[Path, Array], *, name: str = "",
+                 progress: Progress = None, **settings: object) -> Result:
+    """Matches windows of scores of any program, query x training frames, as vpr-query matrix.
+
+    scores: an array or a .npy file. Pass similarity=True if large scores are good, or distance=True.
+    Settings: those of query, and train_first, missing and train_sequence (["NAME=FIRST:LAST", ...]).
+
+    >>> result = vpr.query_scores(tuesday @ monday.T, similarity=True, c_l=5)
+    >>> result.best[7]
+    (7, 0, 7)
+    """
+    return _vpr.query_scores(_source(scores), name, _text(settings), progress)
 
 
 def _evaluate(truth: Union[None, Path, Array], settings: dict[str, Any],
               judge: Callable[[str, str], _vpr.Report]) -> Report:
     """Arrays go through temporary files, so that the readers of ground truths check them."""
+    reference = settings.get("reference")
     with tempfile.TemporaryDirectory() as folder:
-        def file_of(array: Array, name: str, columns: str) -> str:
-            path = os.path.join(folder, name)
-            if columns:
-                np.savetxt(path + ".csv", array, "%.17g", ",", header=columns, comments="")
-                return path + ".csv"
-            np.save(path + ".npy", array)
-            return path + ".npy"
+        def csv(name: str, array: Array, columns: str) -> str:
+            path = os.path.join(folder, name + ".csv")
+            np.savetxt(path, array, "%.17g", ",", header=columns, comments="")
+            return path
 
-        def positions(array: Array, name: str) -> str:
+        def positions(name: str, array: Array) -> str:
             columns = "frame,x,y,heading" if array.shape[1] == 3 else "frame,x,y"
-            return file_of(np.column_stack([np.arange(len(array)), array]), name, columns)
-        reference = settings.get("reference")
-        if isinstance(truth, np.ndarray):
-            is_pairs = truth.shape[1:] == (2,) and truth.dtype.kind in "iu"
-            truth = (positions(truth, "query") if isinstance(reference, np.ndarray) else
-                     file_of(truth, "query", "query,reference" if is_pairs else ""))
+            return csv(name, np.column_stack([np.arange(len(array)), array]), columns)
         if isinstance(reference, np.ndarray):
-            settings["reference"] = positions(reference, "reference")
+            settings["reference"] = positions("reference", reference)
+        if isinstance(truth, np.ndarray) and "reference" in settings:
+            truth = positions("query", truth)
+        elif isinstance(truth, np.ndarray) and truth.shape[1:] == (2,) and truth.dtype.kind in "iu":
+            truth = csv("query", truth, "query,reference")
+        elif isinstance(truth, np.ndarray):
+            np.save(os.path.join(folder, "query.npy"), truth)
+            truth = os.path.join(folder, "query.npy")
         return Report(judge("" if truth is None else os.fspath(truth), _text(settings)))
 
 
 def evaluate(result: Result, ground_truth: Union[None, Path, Array] = None, *,
-             progress: Optional[Progress] = None, **settings: object) -> Report:
+             progress: Progress = None, **settings: object) -> Report:
     """Judges a result by a ground truth; without one, it counts what was recognized.
 
     ground_truth: a file or folder of any format, "aligned", or an array: pairs (n x 2 integers,
@@ -260,7 +291,7 @@ def evaluate(result: Result, ground_truth: Union[None, Path, Array] = None, *,
 
 
 def evaluate_scores(scores: Union[Path, Array], ground_truth: Union[Path, Array], *,
-                    progress: Optional[Progress] = None, **settings: object) -> Report:
+                    progress: Progress = None, **settings: object) -> Report:
     """Judges scores of any program, query x training frames, as vpr-eval matrix.
 
     scores: an array or a .npy file of any number type; NaN is not a score. Pass similarity=True if
@@ -274,7 +305,7 @@ def evaluate_scores(scores: Union[Path, Array], ground_truth: Union[Path, Array]
         _source(scores), truth, text, progress))
 
 
-def distances(db: Database, query: Union[Path, Array], *, progress: Optional[Progress] = None,
+def distances(db: Database, query: Union[Path, Array], *, progress: Progress = None,
               **settings: object) -> Distances:
     """Frame distances of a query (images, a .npy file or an array) to all training frames.
 

@@ -1,15 +1,12 @@
-from os import PathLike
-from typing import Any, Callable, Optional, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Fields
+from . import Array, Fields, Path, Progress
 
-Path = Union[str, PathLike[str]]
-Source = Union[str, NDArray[Any]]
+Source = Union[str, Array]
 Sources = list[tuple[str, Source]]
-Progress = Optional[Callable[[str, int, int], object]]
 
 __version__: str
 
@@ -56,6 +53,9 @@ def load_database(path: Path) -> Database: ...
 def load_result(path: Path) -> Result: ...
 def query(database: Database, name: str, source: Source, settings: str,
           progress: Progress) -> Result: ...
+def loops(database: Optional[Database], name: str, source: Source, settings: str,
+          progress: Progress) -> Result: ...
+def query_scores(scores: Source, name: str, settings: str, progress: Progress) -> Result: ...
 def evaluate(result: Result, truth: str, settings: str, progress: Progress) -> Report: ...
 def evaluate_scores(scores: Source, truth: str, settings: str, progress: Progress) -> Report: ...
 def distances(database: Database, query: Source, settings: str, progress: Progress) -> Distances: ...

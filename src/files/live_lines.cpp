@@ -1,0 +1,55 @@
+#include "files/live_lines.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "run/train_sequences.h"
+
+namespace vpr {
+
+LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_name,
+                     const ResolvedSettings& settings, const QueryResources& resources,
+                     const Monitor& monitor)
+    : database_(database),
+      skip_unreadable_(settings->skip_unreadable),
+      query_(database, query_name, settings, resources, monitor) {}
+
+std::optional<DescriptorSet> LiveLines::describe(const LiveFrame& frame,
+                                                 const Monitor& monitor) const {
+  try {
+    if (frame.is_unreadable)
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: frame {} cannot be decoded", frame.file.string(), frame.name));
+    return describe_frames(frame.sequence(), database_, false, monitor);
+  } catch (const Error& error) {
+    if (!skip_unreadable_ || error.kind() != ErrorKind::input) throw;
+    warn(monitor, error.what());
+    return std::nullopt;
+  }
+}
+
+Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
+  const auto described = describe(frame, monitor);
+  if (!described) return take_missing(frame.name);
+  ArrivedFrame arrived{described->rows()[0]};
+  if (!described->words.empty()) arrived.words = described->words.front();
+  return line_of(arrived, frame.name);
+}
+
+Json LiveLines::take_missing(const std::string& name) {
+  const std::vector<uint8_t> zeros(database_.descriptors.shape().row_bytes());
+  return line_of({DescriptorRow(zeros), false}, name);
+}
+
+Json LiveLines::line_of(const ArrivedFrame& frame, const std::string& name) {
+  const std::optional<Result> result = query_.take(frame);
+  last_ = {frames_++, name, frame.is_readable};
+  return live_line(last_, result ? &*result : nullptr, 0);
+}
+
+std::optional<Json> LiveLines::finish() {
+  const std::optional<Result> result = query_.finish();
+  return result ? std::optional(live_line(last_, &*result, 0)) : std::nullopt;
+}
+
+}  // namespace vpr

@@ -1,0 +1,39 @@
+// A live query from frames to the lines of JSON of vpr-query live.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "files/result_file.h"
+#include "run/live_query.h"
+#include "sequence/live_source.h"
+
+namespace vpr {
+
+class LiveLines {
+ public:
+  /// Throws as LiveQuery does. The database must outlive it.
+  LiveLines(const SequenceDatabase& database, const std::string& query_name,
+            const ResolvedSettings& settings, const QueryResources& resources,
+            const Monitor& monitor);
+
+  /// Describes and matches the next frame. One that cannot be decoded throws Error(input); with
+  /// skip_unreadable, it is a warning, and the frame is missing.
+  Json take(const LiveFrame& frame, const Monitor& monitor);
+  /// The next frame, which is missing.
+  Json take_missing(const std::string& name);
+  /// The decisions at the end of the query; nullopt if there are none.
+  std::optional<Json> finish();
+
+ private:
+  std::optional<DescriptorSet> describe(const LiveFrame& frame, const Monitor& monitor) const;
+  Json line_of(const ArrivedFrame& frame, const std::string& name);
+
+  const SequenceDatabase& database_;
+  bool skip_unreadable_;
+  LiveQuery query_;
+  size_t frames_ = 0;
+  LineFrame last_;
+};
+
+}  // namespace vpr

@@ -1,0 +1,57 @@
+// A query by a sequence method as in vpr-query: with a database, with its own past, or of a score
+// matrix.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "evaluate/score_matrix.h"
+#include "files/result_file.h"
+#include "match/precomputed_distances.h"
+#include "run/query.h"
+#include "run/train_sequences.h"
+
+namespace vpr {
+
+/// The frames of a query, and the training frames that they are matched with.
+struct QueryData {
+  std::string name;  ///< of the query
+  std::shared_ptr<SequenceDatabase> database = {};
+  DescriptorSet query = {};
+  std::vector<int64_t> times_ns = {};                    ///< for loops with a gap in seconds
+  std::shared_ptr<const PrecomputedDistances> scores{};  ///< to which the other members refer
+};
+
+/// Describes a query like the frames of a database that has what the settings need
+/// (prepare_database). Adds the paths and fingerprints of both to the context. Throws as
+/// describe_query does.
+QueryData describe_for(std::shared_ptr<SequenceDatabase> database, const NamedArgument& query,
+                       const ResolvedSettings& settings, ResultContext& context,
+                       const Monitor& monitor);
+
+/// Describes a query that is matched with its own past, and reads the times of its frames if the
+/// gap is in seconds: from the file `times`, or if that is empty, from the names of the frames.
+/// Throws Error(usage) if these are not times, Error(data) for another number of times.
+QueryData describe_loop(const NamedArgument& query, const std::string& times,
+                        const SequenceQuerySettings& settings, ResultContext& context,
+                        const Monitor& monitor);
+
+/// Opens scores with the ranges of training frames "NAME=FIRST:LAST" as sequences; without any, all
+/// frames are one. `speed`: simulated, with its seed. Throws as require_order, parse_named_range
+/// and matrix_query do.
+QueryData open_scores(const ScoreInput& scores, const std::string& name,
+                      const std::vector<std::string>& ranges, const std::string& speed,
+                      uint64_t seed, ResultContext& context, const Monitor& monitor);
+
+/// Sinks of the rows of a planned query, in addition to its result.
+using Observers = std::function<Sinks(const QueryPlan& plan)>;
+
+/// Plans and runs the query, adds its times to the context, and warns if it recognizes nearly
+/// everything (excess_advice). Throws as plan_query and run_query do.
+QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,
+                   const QueryResources& resources, const Observers& observers,
+                   ResultContext& context, const Monitor& monitor);
+
+}  // namespace vpr
