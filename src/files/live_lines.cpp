@@ -1,7 +1,5 @@
 #include "files/live_lines.h"
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "run/train_sequences.h"
 
@@ -18,8 +16,8 @@ std::optional<DescriptorSet> LiveLines::describe(const LiveFrame& frame,
                                                  const Monitor& monitor) const {
   try {
     if (frame.is_unreadable)
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: frame {} cannot be decoded", frame.file.string(), frame.name));
+      throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
+                  frame.name);
     return describe_frames(frame.sequence(), database_, false, monitor);
   } catch (const Error& error) {
     if (!skip_unreadable_ || error.kind() != ErrorKind::input) throw;

@@ -74,9 +74,8 @@ QueryData describe_loop(const NamedArgument& query, const std::string& times,
   data.query = describe_own(open_sequence(query.sequence), settings, monitor);
   const size_t frames = data.query.rows().size();
   if (needs_times && data.times_ns.size() != frames)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has {}, and {} has {}", times.empty() ? path : times,
-                            counted(data.times_ns.size(), "time"), path, counted(frames, "frame")));
+    throw Error(ErrorKind::data, "{}: has {}, and {} has {}", times.empty() ? path : times,
+                counted(data.times_ns.size(), "time"), path, counted(frames, "frame"));
   data.database = std::make_shared<SequenceDatabase>(own_database(data.query, data.name));
   set_query_path(context.run, query.sequence);
   context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);

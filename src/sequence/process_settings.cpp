@@ -1,6 +1,5 @@
 #include "sequence/process_settings.h"
 
-#include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
@@ -12,8 +11,7 @@ namespace {
 size_t checked_threads(uint64_t threads) {
   constexpr uint64_t kMostThreads = 1024;
   if (threads > kMostThreads)
-    throw Error(ErrorKind::usage,
-                fmt::format("--threads must be at most {}, found {}", kMostThreads, threads));
+    throw Error(ErrorKind::usage, "--threads must be at most {}, found {}", kMostThreads, threads);
   return threads;
 }
 
