@@ -48,23 +48,20 @@ TEST_CASE("sums of the longest windows fit, and none is below the value of a mis
   }
 }
 
-TEST_CASE("files hold the settings of their own score") {
+TEST_CASE("files hold the settings of their own score, method and decision") {
   SequenceQuerySettings settings;
-  const auto keys = [&](Score score) {
-    settings.score = score;
-    std::vector<std::string> found;
-    const Json json = settings_in_force(settings);
-    for (const auto& item : json.items()) found.push_back(item.key());
-    return found;
-  };
-  std::vector<std::string> all = {
-      "method",           "c_l",        "t_r",   "t_r_scale", "safety_factor", "only_sequence",
-      "skip_unreadable",  "clustering", "score", "zscore",    "rates",         "decide",
-      "exclusion_frames", "same_place", "loop"};
-  CHECK(keys(Score::zscore) == all);
-  CHECK(keys(Score::zscore_offline) == all);
-  std::erase(all, "zscore");
-  CHECK(keys(Score::raw) == all);
+  settings.score = Score::zscore_offline;
+  const Json offline = settings_in_force(settings);
+  settings.score = Score::zscore;
+  Json json = settings_in_force(settings);
+  CHECK(json.size() == offline.size());
+  CHECK(json.erase("zscore") == 1);
+  settings.score = Score::raw;
+  json["score"] = "raw";
+  json["t_r_scale"] = "relative";
+  CHECK(settings_in_force(settings) == json);
+  for (const char* other : {"lsh", "margin", "filter", "fusion_weight", "loop_gap", "loop_gap_s"})
+    CHECK_FALSE(json.contains(other));
   settings.method = "lsh";
   CHECK(settings_in_force(settings).contains("lsh"));
   settings.method = "filter";
