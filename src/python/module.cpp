@@ -109,7 +109,8 @@ PYBIND11_MODULE(_vpr, module) {
   py::options options;
   options.disable_function_signatures();
   translate_errors();
-  use_simd_target(std::getenv("VPR_SIMD") == nullptr ? "" : std::getenv("VPR_SIMD"));
+  const char* simd = std::getenv("VPR_SIMD");
+  use_simd_target(simd == nullptr ? "" : simd);
   module.attr("__version__") = program_version();
   add_databases(module);
   add_queries(module);

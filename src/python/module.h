@@ -65,7 +65,8 @@ struct QueryChoices {
   /// Reads all keywords that are left. `command`: of vpr-query.
   QueryChoices(Call& call, Feature command);
 
-  /// The database with everything that the settings need. Fused views are added to a copy.
+  /// The database with the statistics and fused views that the settings need; views are added to a
+  /// copy.
   std::shared_ptr<SequenceDatabase> prepare(const DatabasePointer& database,
                                             const Monitor& monitor) const;
 };
