@@ -34,7 +34,7 @@ if [[ -n $data ]]; then
   ln -s "$data/loop/images" loop
   "$bin/vpr-train" fastable --train loop@0:40 -o loop.vprdb --quiet
   "$bin/vpr-query" loop.vprdb --query loop@40:80 -o loop.json --quiet
-  python3 - "$images/laps.jpg" <<'PYTHON'
+  /usr/bin/python3 - "$images/laps.jpg" <<'PYTHON'
 import glob, sys
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
