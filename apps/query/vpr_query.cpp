@@ -98,7 +98,7 @@ std::vector<std::string> given_settings(const Session& session) {
   return keys;
 }
 
-// The choices of a run that are not settings. Also given_features.
+// The choices of a run that are not settings, and those of add_given_features.
 Features choices_of(const Session& session, const QueryOptions& options,
                     const SequenceQuerySettings& settings, DatabaseFamily family, Feature command) {
   Features run = {command};
@@ -109,8 +109,7 @@ Features choices_of(const Session& session, const QueryOptions& options,
   if (!options.fuse.empty()) run.push_back(Feature::fuse);
   if (!options.matrix.empty()) run.push_back(Feature::save_matrix);
   if (options.verify_cells > 0) run.push_back(Feature::verify);
-  const Features given = given_features(settings, given_settings(session));
-  run.insert(run.end(), given.begin(), given.end());
+  add_given_features(run, settings, given_settings(session));
   return run;
 }
 
@@ -140,9 +139,9 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
   const bool has_own_frames = is_loop || command == Feature::matrix;
   const DatabaseFamily family = family_of(options, !has_own_frames);
   if (settings.method.empty())
-    settings.method = family == DatabaseFamily::fabmap ? enum_name(family)
-                      : has_own_frames                 ? "fastable"
-                                                       : default_method(given_settings(session));
+    settings.method = family == DatabaseFamily::fabmap
+                          ? enum_name(family)
+                          : default_method(command, given_settings(session));
   const bool needs_words = command == Feature::explain;
   if (needs_words != (family == DatabaseFamily::fabmap) &&
       (needs_words || command == Feature::live))

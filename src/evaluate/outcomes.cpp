@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "base/statistics.h"
 #include "evaluate/metrics.h"
@@ -192,21 +193,19 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
   return counts;
 }
 
-Outcomes outcomes_by_keyframe(const Result& result, const Outcomes& outcomes,
-                              const GroundTruth& truth) {
+Outcomes outcomes_by_keyframe(const Result& result, Outcomes outcomes, const GroundTruth& truth) {
   const auto& [query_keyframes, train_keyframes] = *result.keyframes;
-  Outcomes found = outcomes;
-  found.queries.assign(query_keyframes.size(), {});
+  std::vector<QueryOutcome> found(query_keyframes.size());
   const auto key_of = [&](const QueryOutcome& query) {
     return confidence_key(query, outcomes.confidence);
   };
   for (const QueryOutcome& query : outcomes.queries) {
-    QueryOutcome& one = found.queries[keyframe_of(query_keyframes, query.frame)];
+    QueryOutcome& one = found[keyframe_of(query_keyframes, query.frame)];
     const bool has_match = one.has_match || query.has_match;
     if (query.verdict != Verdict::ignored && key_of(query) < key_of(one)) one = query;
     one.has_match = has_match;
   }
-  for (QueryOutcome& one : found.queries) {
+  for (QueryOutcome& one : found) {
     if (one.verdict != Verdict::incorrect) continue;
     const std::vector<uint32_t>& starts = train_keyframes[one.best->sequence];
     const size_t keyframe = keyframe_of(starts, one.best->reference);
@@ -217,7 +216,8 @@ Outcomes outcomes_by_keyframe(const Result& result, const Outcomes& outcomes,
       if (truth.label(one.frame, one.best->sequence, frame) == PlaceLabel::same)
         one.verdict = Verdict::correct;
   }
-  return found;
+  outcomes.queries = std::move(found);
+  return outcomes;
 }
 
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
@@ -254,11 +254,9 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
     if (judged > 0) sum += static_cast<double>(labels.correct) / static_cast<double>(judged);
   }
   const KeyframeCounts& best = counts.best_match;
-  if (const uint64_t judged = best.correct + best.incorrect + best.mixed; judged > 0)
-    counts.best_match_rate = sum / static_cast<double>(judged);
-  counts.recall_at_full_precision =
-      recall_at_full_precision(single_best_curve(outcomes_by_keyframe(result, outcomes, truth)))
-          .value;
+  counts.best_match_rate = share_of(sum, best.correct + best.incorrect + best.mixed);
+  const Outcomes by_keyframe = outcomes_by_keyframe(result, std::move(outcomes), truth);
+  counts.recall_at_full_precision = recall_at_full_precision(single_best_curve(by_keyframe)).value;
   return counts;
 }
 

@@ -177,7 +177,6 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
 
 /// One entry per query keyframe of a result with keyframes: the most confident best match of its
 /// frames, except ignored ones. It is correct if any frame of its training keyframe is a match.
-Outcomes outcomes_by_keyframe(const Result& result, const Outcomes& outcomes,
-                              const GroundTruth& truth);
+Outcomes outcomes_by_keyframe(const Result& result, Outcomes outcomes, const GroundTruth& truth);
 
 }  // namespace vpr

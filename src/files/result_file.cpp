@@ -120,7 +120,7 @@ void visit_context(ResultContext& context, Visitor&& visit) {
                       if (fields.has(key)) read_machine(fields.object(key), run);
                     }});
   visit("timing", Derived{timing_json(context.seconds)});
-  // A saved matrix or posteriors are listed before the companions, arrays alone behind them.
+  // A saved matrix or posteriors are listed before the companions, arrays alone after them.
   const bool is_saved = context.files.count("matrix") + context.files.count("posteriors") > 0;
   if (is_saved) visit("files", context.files);
   visit("companions", Unless{context.companions, {}});

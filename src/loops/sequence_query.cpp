@@ -105,7 +105,6 @@ QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,
                    const QueryResources& resources, const Observers& observers,
                    ResultContext& context, const Monitor& monitor) {
   context.run.memory_limit = resources.memory_limit;
-  context.run.simd_target = resources.kernels.target;
   QueryPlan plan = plan_query(*data.database, data.query, data.name, settings, resources, monitor,
                               data.times_ns);
   const Sinks sinks = observers ? observers(plan) : Sinks{};

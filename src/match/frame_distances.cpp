@@ -11,9 +11,9 @@ namespace {
 constexpr size_t kChunkFrames = 2048;
 constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
-constexpr std::array<const DistanceKind*, 8> kKinds = {
-    &kHammingDistance, &kCosineDistance, &kWideCosineDistance, &kPointDistance,
-    &kGrayDistance,    &kLdbHogDistance, &kPrecomputedDistance};
+constexpr std::array kKinds = {&kHammingDistance,    &kCosineDistance, &kWideCosineDistance,
+                               &kPointDistance,      &kGrayDistance,   &kLdbHogDistance,
+                               &kPrecomputedDistance};
 
 FrameDistances compare(const std::vector<DescribedFrames>& train, const DescribedFrames& query,
                        const PreparedTraining& prepared) {

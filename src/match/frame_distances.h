@@ -169,7 +169,7 @@ extern const DistanceKind kPointDistance;
 extern const DistanceKind kGrayDistance;
 
 /// The Hamming distance of the LDB codes plus the cosine distance of the HOG vectors, in units of
-/// 2/1024 and rounded to nearest, ties up. Rows of bytes 0 have a distance of 512.
+/// 2/256 and rounded to nearest, ties up. Rows of bytes 0 have a distance of 128.
 extern const DistanceKind kLdbHogDistance;
 
 /// Precomputed distances (precomputed_distances.h).

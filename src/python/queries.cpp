@@ -33,13 +33,10 @@ QueryChoices::QueryChoices(Call& call, Feature command)
   std::vector<std::string> keys;
   for (const auto& item : call.keywords.items()) keys.push_back(item.key());
   Features run = {command};
-  if (!is_loop && !is_matrix) {
-    run.push_back(Feature::database);
-    if (!call.keywords.contains("method")) chosen.method = default_method(keys);
-  }
+  if (!is_loop && !is_matrix) run.push_back(Feature::database);
+  if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
   if (!fuse.empty()) run.push_back(Feature::fuse);
-  const Features implied = given_features(chosen, keys);
-  run.insert(run.end(), implied.begin(), implied.end());
+  add_given_features(run, chosen, keys);
   settings = ResolvedSettings(chosen, run);
 }
 

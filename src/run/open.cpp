@@ -21,12 +21,6 @@ using SequencePairs = std::vector<std::pair<size_t, size_t>>;
 
 constexpr std::string_view kAllDiffer = "none";
 
-std::vector<std::string> names_of(std::span<const TrainSequence> sequences) {
-  std::vector<std::string> names;
-  for (const TrainSequence& train : sequences) names.push_back(train.sequence.name);
-  return names;
-}
-
 // The exclusion radius of every sequence: the setting, the stored or the computed one.
 std::vector<uint32_t> radii_of(const SequenceDatabase& database,
                                const std::optional<uint64_t>& radius, const Monitor& monitor) {
@@ -67,8 +61,7 @@ SequencePairs declared_pairs(const SequenceDatabase& database,
                              const std::vector<std::string>& same_place) {
   SequencePairs pairs;
   if (same_place.size() == 1 && same_place.front() == kAllDiffer) return pairs;
-  for (const std::string& text : same_place)
-    pairs.push_back(pair_of(text, names_of(database.sequences)));
+  for (const std::string& text : same_place) pairs.push_back(pair_of(text, names_of(database)));
   return pairs;
 }
 
@@ -80,7 +73,7 @@ bool is_searched(const SequenceQuerySettings& settings, const std::string& seque
 }
 
 void check_names(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
-  const std::vector<std::string> names = names_of(database.sequences);
+  const std::vector<std::string> names = names_of(database);
   for (const std::string& name : settings.only_sequences)
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, "the database has no sequence \"{}\"; it has {}", name,

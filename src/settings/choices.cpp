@@ -305,17 +305,17 @@ void check_choices(const SequenceQuerySettings& settings, const Features& run) {
                     kFacetNames[std::countr_zero(missing)], a.instead);
 }
 
-Features given_features(const SequenceQuerySettings& settings, std::span<const std::string> given) {
+void add_given_features(Features& run, const SequenceQuerySettings& settings,
+                        std::span<const std::string> given) {
   const auto is_given = [&](const char* key) { return std::ranges::count(given, key) > 0; };
-  Features features;
-  if (is_given("c_l") && settings.window_length != 1) features.push_back(Feature::window_length);
-  if (is_given("score") && settings.score == Score::raw) features.push_back(Feature::raw_score);
+  if (is_given("c_l") && settings.window_length != 1) run.push_back(Feature::window_length);
+  if (is_given("score") && settings.score == Score::raw) run.push_back(Feature::raw_score);
   if (is_given("decide") && settings.decision == Decision::threshold)
-    features.push_back(Feature::by_threshold);
-  return features;
+    run.push_back(Feature::by_threshold);
 }
 
-std::string_view default_method(std::span<const std::string> given) {
+std::string_view default_method(Feature command, std::span<const std::string> given) {
+  if (command == Feature::loops || command == Feature::matrix) return "fastable";
   const bool has_windows = std::ranges::any_of(sequence_setting_rows(), [&](const SettingRow& row) {
     return row.is_for_windows && std::ranges::count(given, row.key) > 0;
   });

@@ -34,13 +34,15 @@ std::span<const Choice> choices();
 /// what to do instead.
 void check_choices(const SequenceQuerySettings& settings, const Features& run);
 
-/// The method of a query against a database of sequences if its settings do not name one: fastable
-/// if a setting of windows is given, such as c_l, otherwise the filter. `given`: keys of settings.
-std::string_view default_method(std::span<const std::string> given);
+/// The method of a sequence query if its settings do not name one: the filter, or fastable for
+/// loops and score matrices, or if a setting of windows is given, such as c_l. `given`: keys of
+/// settings.
+std::string_view default_method(Feature command, std::span<const std::string> given);
 
-/// The features of settings that the method or --fuse would replace and that are given with another
-/// value. `given`: keys of settings.
-Features given_features(const SequenceQuerySettings& settings, std::span<const std::string> given);
+/// Adds the features of settings that the method or --fuse would replace and that are given with
+/// another value. `given`: keys of settings.
+void add_given_features(Features& run, const SequenceQuerySettings& settings,
+                        std::span<const std::string> given);
 
 /// Settings of a sequence method whose combination and ranges were checked and whose implied values
 /// are filled in. The filter has windows of one frame, z-scores, and a decision by margin with a

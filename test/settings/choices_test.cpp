@@ -243,11 +243,14 @@ TEST_CASE("each facet is needed by a choice and excluded by another") {
 }
 
 TEST_CASE("settings of windows select FastABLE; otherwise the filter is the method") {
-  CHECK(default_method(std::vector<std::string>{}) == "filter");
-  CHECK(default_method(std::vector<std::string>{"margin", "only_sequence"}) == "filter");
+  CHECK(default_method(Feature::query, std::vector<std::string>{}) == "filter");
+  CHECK(default_method(Feature::query, std::vector<std::string>{"margin", "only_sequence"}) ==
+        "filter");
   for (const char* key :
        {"c_l", "t_r", "t_r_scale", "safety_factor", "score", "rates", "decide", "exclusion_frames"})
-    CHECK(default_method(std::vector<std::string>{"margin", key}) == "fastable");
+    CHECK(default_method(Feature::query, std::vector<std::string>{"margin", key}) == "fastable");
+  for (const Feature own_frames : {Feature::loops, Feature::matrix})
+    CHECK(default_method(own_frames, std::vector<std::string>{}) == "fastable");
 }
 
 TEST_CASE("resolving fills in implied settings") {
