@@ -257,11 +257,12 @@ CellRange same_place(const FilterCells& cells, size_t cell, size_t near) {
   const size_t trained = cells.trained_cell(cell);
   const size_t place = cells.first_passes.empty() ? trained : cells.first_passes[trained];
   const size_t sequence = run_of(cells, place).sequence;
-  const auto sequence_at = [](const CellStretch& run) { return run.sequence; };
-  const auto runs = std::ranges::equal_range(cells.trained(), sequence, {}, sequence_at);
-  const CellStretch& last = runs.back();
-  return {std::max(runs.front().first, place - std::min(place, near)),
-          std::min(last.first + last.count, place + near + 1)};
+  const std::span<const CellStretch> runs = cells.trained();
+  const auto is_of_sequence = [&](const CellStretch& run) { return run.sequence == sequence; };
+  const auto first = std::ranges::find_if(runs, is_of_sequence);
+  const auto last = std::find_if_not(first, runs.end(), is_of_sequence) - 1;
+  return {std::max(first->first, place - std::min(place, near)),
+          std::min(last->first + last->count, place + near + 1)};
 }
 
 const FrameStretch& stretch_of(const FilterCells& cells, const FrameDistances& distances,

@@ -17,7 +17,7 @@ struct FilterSettings {
   double keyframe_change = 0.15;
   uint64_t near_keyframes = 10;  ///< exclusion zone around the best keyframe, in training keyframes
   /// Minimum length of a recognized path, in query keyframes. It recognizes frames that are half to
-  /// one and a half times as many keyframes old.
+  /// one and a half times as many keyframes old, and at its beginning up to four times.
   uint64_t path_keyframes = 16;
 };
 

@@ -77,7 +77,7 @@ void add_matches(FilteredQuery& query, const FrameDistances& distances,
 PathReport report_at(const PathTrack& track, size_t frame) {
   const size_t open = open_keyframes(track);
   const size_t settled = open == 0 ? frame + 1 : track.recent[track.recent.size() - open].frame;
-  return {track.number, track.margin, track.recent.front().frame, settled};
+  return {track.recent.back().path, track.margin, track.first_frame, settled};
 }
 
 // The report of the path in the direction of the training sequences.
@@ -88,7 +88,7 @@ PathReport full_report_at(FilteredQuery& query, const FrameDistances& distances,
   report.rate = recent_rate(track, query.filter.cells);
   const size_t open = open_keyframes(track);
   const size_t keyframes = track.recent.size();
-  const size_t first = keyframes - std::min(keyframes, is_new ? open + 1 : 1);
+  const size_t first = keyframes - std::min(path_size(track), is_new ? open + 1 : 1);
   query.matches.clear();
   for (size_t k = first; k < keyframes; ++k) {
     const size_t end = k + 1 < keyframes ? track.recent[k + 1].frame : frame + 1;
@@ -120,8 +120,8 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
 // Restarts, as after an unreadable frame.
 void restart(FilteredQuery& query) {
   restart_filter(query.filter);
-  query.track.keyframes = 0;
-  query.reversed.keyframes = 0;
+  query.track.recent.clear();
+  query.reversed.recent.clear();
   query.keyframe.clear();
 }
 

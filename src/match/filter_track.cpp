@@ -11,6 +11,9 @@ constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 // Evidence by which another pass must be better, in units of values.
 constexpr uint32_t kOtherPass = 5 * kScoreUnit;
 
+// The margin that establishes a path, in units of values.
+constexpr uint32_t kEstablished = 5 * kScoreUnit;
+
 size_t difference(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
 
 // The smallest value of cells [first, last).
@@ -41,26 +44,79 @@ size_t best_of(const PathTrack& track, const FilterState& state, size_t first, s
   return track.kernels.find_below(state.values.data(), first, last, least + 1);
 }
 
-bool is_in_pass(const PathTrack& track, const FilterState& state, size_t cell) {
-  const size_t last = track.recent.back().cell;
+bool is_in_pass(const PathTrack& track, const FilterCells& cells, size_t cell, size_t last) {
   return difference(cell, last) <= track.settings.near_keyframes &&
-         run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
+         run_of(cells, cell).sequence == run_of(cells, last).sequence;
 }
 
-// The next place of the path; nullopt if another path is the best one.
-std::optional<size_t> next_on_path(const PathTrack& track, const FilterState& state, size_t best) {
-  if (track.keyframes == 0) return std::nullopt;
-  if (is_in_pass(track, state, best)) return best;
-  const FilterCells& cells = state.cells;
+bool is_other_pass(const PathTrack& track, const FilterCells& cells, size_t cell, size_t last) {
+  return !cells.first_passes.empty() && same_place(cells, last, track.settings.near_keyframes)
+                                            .contains(cells.first_passes[cells.trained_cell(cell)]);
+}
+
+// The best place in the pass of the path, or, with much more evidence, in another one.
+size_t chosen_pass(const PathTrack& track, const FilterState& state, size_t best) {
   const size_t near = track.settings.near_keyframes;
   const size_t last = track.recent.back().cell;
-  if (cells.first_passes.empty() ||
-      !same_place(cells, last, near).contains(cells.first_passes[cells.trained_cell(best)]))
-    return std::nullopt;
-  const CellStretch& run = run_of(cells, last);
+  const CellStretch& run = run_of(state.cells, last);
   const size_t in_pass = best_of(track, state, std::max(run.first, last - std::min(last, near)),
                                  std::min(run.first + run.count, last + near + 1));
   return state.values[in_pass] <= state.values[best] + kOtherPass ? in_pass : best;
+}
+
+// The place before a step to `cell`. kLongestStep cells before a run are not places.
+size_t place_before(const std::vector<uint32_t>& values, size_t cell) {
+  const auto first = values.begin() + static_cast<ptrdiff_t>(cell - kLongestStep);
+  return cell - kLongestStep +
+         static_cast<size_t>(std::min_element(first, first + kLongestStep + 1) - first);
+}
+
+/// A place, and the recent keyframe from which its path continues.
+struct NextPlace {
+  size_t cell = 0;
+  const PathKeyframe* from = nullptr;  ///< null: the path begins
+  size_t age = 1;                      ///< of `from`, in keyframes
+  bool is_in_pass = false;             ///< of `from`
+};
+
+NextPlace next_place(const PathTrack& track, const FilterState& state, size_t best) {
+  const FilterCells& cells = state.cells;
+  const size_t recent = track.recent.size();
+  if (recent == 0) return {best};
+  const PathKeyframe& last = track.recent.back();
+  if (is_in_pass(track, cells, best, last.cell)) return {best, &last, 1, true};
+  if (is_other_pass(track, cells, best, last.cell)) {
+    const size_t cell = chosen_pass(track, state, best);
+    return {cell, &last, 1, cell != best};
+  }
+  size_t place = best;
+  for (size_t age = 1; age <= std::min(recent, state.earlier.size()); ++age) {
+    place = place_before(state.earlier[age - 1], place);
+    const PathKeyframe& led = track.recent[recent - age];
+    const bool in_pass = is_in_pass(track, cells, place, led.cell);
+    if (!in_pass && !is_other_pass(track, cells, place, led.cell)) continue;
+    return led.established > 0 ? NextPlace{best} : NextPlace{best, &led, age, in_pass};
+  }
+  return {best};
+}
+
+// Adds the next keyframe without its frame, distance and margin.
+void add_place(PathTrack& track, const FilterState& state, const NextPlace& next) {
+  PathKeyframe added{0, next.cell, state.values[next.cell], 0, track.paths + 1, 1, 0};
+  if (next.from != nullptr) {
+    if (next.is_in_pass) added.path = next.from->path;
+    added.length = next.from->length + next.age;
+    added.established = next.from->established > 0 ? next.from->established + 1 : 0;
+    for (size_t age = 1; age < next.age; ++age) {
+      PathKeyframe& resumed = track.recent[track.recent.size() - age];
+      resumed.path = added.path;
+      resumed.length = added.length - age;
+      resumed.established = 0;
+    }
+  }
+  track.paths = std::max(track.paths, added.path);
+  track.recent.push_back(added);
+  if (track.recent.size() > track.settings.path_keyframes * 4 + 1) track.recent.pop_front();
 }
 
 // The smallest value of a runner-up and of a new path.
@@ -104,16 +160,9 @@ bool is_plausible(const PathTrack& track) {
          static_cast<double>(distances) <= track.farthest * static_cast<double>(count);
 }
 
-// The place before a step to `cell`. kLongestStep cells before a run are not places.
-size_t place_before(const std::vector<uint32_t>& values, size_t cell) {
-  const auto first = values.begin() + static_cast<ptrdiff_t>(cell - kLongestStep);
-  return cell - kLongestStep +
-         static_cast<size_t>(std::min_element(first, first + kLongestStep + 1) - first);
-}
-
 void trace_back(PathTrack& track, const FilterState& state) {
   size_t cell = track.recent.back().cell;
-  for (size_t k = 1; k < open_keyframes(track) + 1 && k < track.recent.size(); ++k) {
+  for (size_t k = 1; k < open_keyframes(track) + 1 && k < path_size(track); ++k) {
     const std::vector<uint32_t>& values = state.earlier[k - 1];
     cell = place_before(values, cell);
     PathKeyframe& keyframe = track.recent[track.recent.size() - 1 - k];
@@ -122,10 +171,23 @@ void trace_back(PathTrack& track, const FilterState& state) {
   }
 }
 
+// The first recent keyframe that the path may still recognize. Without a margin, an earlier path
+// may be resumed.
+size_t first_open(const PathTrack& track) {
+  const size_t recent = track.recent.size();
+  const size_t most = track.settings.path_keyframes * 3 / 2 + 1;
+  const size_t first = track.margin > 0 ? recent - path_size(track) : 0;
+  return track.recent.back().established < most ? first : std::max(first, recent - most);
+}
+
 }  // namespace
 
+size_t path_size(const PathTrack& track) {
+  return track.recent.empty() ? 0 : std::min(track.recent.back().length, track.recent.size());
+}
+
 size_t open_keyframes(const PathTrack& track) {
-  return std::min<size_t>(track.keyframes, track.settings.path_keyframes / 2);
+  return std::min<size_t>(path_size(track), track.settings.path_keyframes / 2);
 }
 
 void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
@@ -133,27 +195,24 @@ void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_fr
   const FilterCells& cells = state.cells;
   const size_t best = best_of(track, state, track.follows_decoys ? cells.decoys : 0,
                               track.follows_decoys ? cells.size() : cells.decoys);
-  const std::optional<size_t> next = next_on_path(track, state, best);
-  const size_t cell = next.value_or(best);
-  if (!next || !is_in_pass(track, state, cell)) ++track.number;
-  if (!next) {
-    track.keyframes = 0;
-    track.recent.clear();
-  }
-  ++track.keyframes;
-  track.recent.push_back({query_frame, cell, state.values[cell], distance_to(cell)});
-  if (track.recent.size() > track.settings.path_keyframes * 3 / 2 + 1) track.recent.pop_front();
+  add_place(track, state, next_place(track, state, best));
+  PathKeyframe& last = track.recent.back();
+  last.frame = query_frame;
+  last.distance = distance_to(last.cell);
   trace_back(track, state);
   track.margin = 0;
-  if (track.keyframes < track.settings.path_keyframes || !is_plausible(track)) return;
-  const uint32_t runner_up = runner_up_value(track, state, cell);
-  track.margin = runner_up - std::min(runner_up, state.values[cell]);
+  if (last.length >= track.settings.path_keyframes && is_plausible(track)) {
+    const uint32_t runner_up = runner_up_value(track, state, last.cell);
+    track.margin = runner_up - std::min(runner_up, last.value);
+  }
+  if (last.established == 0 && track.margin >= kEstablished) last.established = 1;
+  track.first_frame = std::max(track.first_frame, track.recent[first_open(track)].frame);
 }
 
 std::optional<double> recent_rate(const PathTrack& track, const FilterCells& cells) {
   const size_t last = track.recent.size() - 1;
   size_t first = last;  // of the pass
-  while (first > 0 && last - first < track.settings.path_keyframes &&
+  while (last - first + 1 < path_size(track) && last - first < track.settings.path_keyframes &&
          difference(track.recent[first - 1].cell, track.recent[first].cell) <=
              track.settings.near_keyframes)
     --first;

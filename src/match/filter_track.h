@@ -19,8 +19,11 @@ inline constexpr double kFarthest = 1.05;
 struct PathKeyframe {
   size_t frame = 0;  ///< its first frame
   size_t cell = 0;
-  uint32_t value = 0;     ///< of the cell
-  uint32_t distance = 0;  ///< of the frame to the place when it arrived
+  uint32_t value = 0;      ///< of the cell
+  uint32_t distance = 0;   ///< of the frame to the place when it arrived
+  uint32_t path = 0;       ///< number of the path in one pass, from 1 on
+  size_t length = 0;       ///< keyframes of the path up to this one
+  size_t established = 0;  ///< of them, those since it was established; 0: it was not
 };
 
 /// The path that ends at the best place of the last keyframe.
@@ -30,10 +33,10 @@ struct PathTrack {
   FilterSettings settings;
   RowKernels kernels;
   std::vector<std::vector<uint8_t>> overlapping;  ///< MatchSettings::overlapping_sequences
-  uint32_t number = 0;                            ///< of the path in one pass, from 1 on
-  size_t keyframes = 0;                           ///< of the path; 0 before the first one
-  uint32_t margin = 0;                            ///< 0: the path has fewer than path_keyframes
-  std::deque<PathKeyframe> recent;  ///< its last keyframes, at most path_keyframes * 3 / 2 + 1
+  uint32_t paths = 0;                             ///< the largest number of a path
+  std::deque<PathKeyframe> recent;  ///< the last keyframes of all paths: path_keyframes * 4 + 1
+  uint32_t margin = 0;              ///< 0: the path has fewer than path_keyframes
+  size_t first_frame = 0;           ///< the first frame that the path may still recognize
 };
 
 /// Adds the filter's state for the next keyframe; distance_to(cell) is its distance to a place. The
@@ -41,7 +44,10 @@ struct PathTrack {
 /// continues the path if it is at most near_keyframes from the last place, in the same sequence, or
 /// the same place (same_place) in another pass. There the path stays in its pass if that has a
 /// place near the last one of at most 5 deviations less evidence; otherwise the path gets a new
-/// number.
+/// number. If the best place is elsewhere, it is traced back over path_keyframes / 2 keyframes: it
+/// resumes the last path with a place that it reaches in the same sense, unless that path is
+/// established (once it has a margin of 5 deviations), and otherwise begins a path. A resumed path
+/// includes the keyframes since then.
 ///
 /// The path is then traced back over path_keyframes / 2 keyframes: each place is the best one
 /// (ties: the first cell) of those from which a step leads to the next. The margin is the smallest
@@ -50,8 +56,14 @@ struct PathTrack {
 /// this direction in sequences of the same place, and in other passes of the same place. It is 0
 /// unless the path, over its last path_keyframes, passes path_keyframes / 4 places and has a mean
 /// distance of at most `farthest`.
+///
+/// The path may recognize its frames in the last path_keyframes * 3 / 2 + 1 keyframes; until it has
+/// been established for as many, in all of `recent`.
 void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
                      const std::function<uint32_t(size_t cell)>& distance_to);
+
+/// The number of recent keyframes of the path; 0 before the first one.
+size_t path_size(const PathTrack& track);
 
 /// The number of recent keyframes whose places may still change.
 size_t open_keyframes(const PathTrack& track);

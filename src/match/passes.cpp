@@ -42,9 +42,9 @@ void fill_gap(PassSearch& search, size_t first, size_t last) {
 // Adds the recognized keyframes of the path. PathKeyframe::frame is the cell of the keyframe.
 void add_recognized(PassSearch& search, bool is_end) {
   const PathTrack& track = search.track;
-  if (track.keyframes == 0 || track.margin < search.least_margin) return;
+  if (track.recent.empty() || track.margin < search.least_margin) return;
   const size_t settled = track.recent.size() - (is_end ? 0 : open_keyframes(track));
-  for (size_t k = 0; k < settled; ++k) {
+  for (size_t k = track.recent.size() - path_size(track); k < settled; ++k) {
     const size_t cell = track.recent[k].frame;
     if (search.first_pass(cell) != cell) continue;
     search.first_pass(cell) = search.first_pass(track.recent[k].cell);
@@ -116,7 +116,7 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
       own = zscores(raw.of_query(train[run.sequence]), basis, monitor);
     }
     restart_filter(search.state);
-    search.track.keyframes = 0;
+    search.track.recent.clear();
     search.last.reset();
     search_run(search, own, raw.train_runs[r], run, first_of_sequence, counter);
   }

@@ -76,6 +76,8 @@ struct Places {
   }
 
   size_t open() const { return open_keyframes(track); }
+  size_t length() const { return track.recent.back().length; }
+  uint32_t number() const { return track.recent.back().path; }
 };
 
 }  // namespace
@@ -90,8 +92,8 @@ TEST_CASE("a path has a margin from its 16th keyframe on, for as long as it cont
   }
   places.see(0, 39, 29);  // a jump of 11 places is another path, 10 would not be
   CHECK(places.track.margin == 0);
-  CHECK(places.track.keyframes == 1);
-  CHECK(places.track.number == 2);
+  CHECK(places.length() == 1);
+  CHECK(places.number() == 2);
 }
 
 TEST_CASE("a place with less evidence than a new path has no margin") {
@@ -100,7 +102,7 @@ TEST_CASE("a place with less evidence than a new path has no margin") {
   places.advance();
   places.state.values[places.cell(0, 20)] = kNewPathValue + kUnit;
   follow_keyframe(places.track, places.state, 20, at(50));
-  CHECK(places.track.keyframes == 21);
+  CHECK(places.length() == 21);
   CHECK(places.track.margin == 0);
 }
 
@@ -132,7 +134,7 @@ TEST_CASE("the same places in the other direction compete, however near, and hav
   }
   CHECK(places.track.recent.back().cell == places.cell(0, 29));
   CHECK(places.track.margin == 0);
-  CHECK(reversed.keyframes == 20);
+  CHECK(reversed.recent.back().length == 20);
   CHECK(reversed.recent.back().cell == places.decoy(0, 10));
   CHECK(reversed.margin == 15 * kUnit);
 }
@@ -156,10 +158,52 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
   }
 }
 
+TEST_CASE("a path that is not established resumes after another one led for a while") {
+  const auto interrupt = [](size_t seen, size_t keyframes, uint32_t evidence) {
+    Places places;
+    for (size_t view = 0; view < seen; ++view) places.see(0, view, view, evidence);
+    for (size_t view = seen; view < seen + keyframes; ++view) {
+      places.advance();
+      places.state.values[places.cell(0, view)] = kNewPathValue - 2 * kUnit;
+      places.state.values[places.cell(1, view)] = kNewPathValue - 3 * kUnit;
+      follow_keyframe(places.track, places.state, view, at(50));
+      CHECK(places.length() == view - seen + 1);
+      CHECK(places.number() == 2);
+    }
+    for (size_t view = seen + keyframes; view < seen + keyframes + 16; ++view)
+      places.see(0, view, view);
+    return places;
+  };
+  const Places resumed = interrupt(5, 7, 3 * kUnit);
+  CHECK(resumed.number() == 1);
+  CHECK(resumed.length() == 28);
+  CHECK(resumed.track.first_frame == 0);
+  CHECK(resumed.track.recent[8].cell == resumed.cell(0, 8));
+  const Places too_late = interrupt(5, 8, 3 * kUnit);
+  CHECK(too_late.number() == 3);
+  CHECK(too_late.length() == 16);
+  CHECK(too_late.track.first_frame == 13);
+  // A margin of 5 deviations at the 16th keyframe establishes a path.
+  CHECK(interrupt(16, 1, 5 * kUnit - 1).number() == 1);
+  CHECK(interrupt(16, 1, 5 * kUnit).number() == 3);
+}
+
+TEST_CASE("a path recognizes 65 keyframes until it has been established for 25, then 25") {
+  Places places;
+  for (size_t view = 0; view < 120; ++view) {
+    const size_t place = std::min<size_t>(view / 3, 39);
+    places.see(0, place, view, view < 80 ? 4 * kUnit : 24 * kUnit);
+    INFO(view);
+    const size_t kept = view < 80 + 24 ? 64 : 24;
+    CHECK(places.track.first_frame == view - std::min(view, kept));
+  }
+}
+
 TEST_CASE("paths equal the reference implementation") {
   size_t with_margin = 0;
   size_t implausible = 0;
   size_t traced = 0;
+  size_t resumed = 0;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     Places places;
     RandomEngine engine(seed);
@@ -174,6 +218,7 @@ TEST_CASE("paths equal the reference implementation") {
     std::vector<uint32_t> distances;
     std::vector<ReferenceKeyframe> found;
     std::map<size_t, size_t> cells;  // by keyframe
+    size_t highest = 0;              // number of a path
     size_t sequence = 0;
     size_t place = 0;
     for (size_t view = 0; view < 120; ++view) {
@@ -193,7 +238,9 @@ TEST_CASE("paths equal the reference implementation") {
       distances.push_back(static_cast<uint32_t>(uniform_below(engine, 196)));
       follow_keyframe(places.track, places.state, view, at(distances.back()));
       values.push_back(places.state.values);
-      found.push_back({places.track.number, places.track.margin, 0});
+      found.push_back({places.number(), places.track.margin, 0});
+      resumed += places.length() > 1 && found.size() > 1 && found.back().path < highest;
+      highest = std::max(highest, found.back().path);
       for (const PathKeyframe& keyframe : places.track.recent)
         cells[keyframe.frame] = keyframe.cell;
       traced += cells[view] != followed(sequence, place);
@@ -212,6 +259,7 @@ TEST_CASE("paths equal the reference implementation") {
   CHECK(with_margin > 100);
   CHECK(implausible > 100);
   CHECK(traced > 100);
+  CHECK(resumed > 50);
 }
 
 TEST_CASE("passes of one place do not compete, and the path stays in its pass") {
@@ -232,12 +280,12 @@ TEST_CASE("passes of one place do not compete, and the path stays in its pass") 
   const Places same = follow(25 * kUnit, true);
   CHECK(same.track.recent.back().cell == same.cell(0, 19));
   CHECK(same.track.margin == 20 * kUnit);
-  CHECK(same.track.number == 1);
+  CHECK(same.number() == 1);
   const Places other = follow(25 * kUnit + 1, true);
   CHECK(other.track.recent.back().cell == other.cell(0, 39));
   CHECK(other.track.margin == 13 * kUnit + 1);  // its own decoy
-  CHECK(other.track.number == 2);
-  CHECK(other.track.keyframes == 20);
+  CHECK(other.number() == 2);
+  CHECK(other.length() == 20);
   CHECK(*recent_rate(other.track, other.state.cells) == 2);  // 9 keyframes, traced back
 }
 

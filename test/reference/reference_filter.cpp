@@ -62,25 +62,79 @@ uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>&
   return least - std::min(least, values[best]);
 }
 
-// The places of a track by keyframe, which stay in their pass.
-std::vector<size_t> chosen_places(const FilterCells& cells,
-                                  std::span<const std::vector<uint32_t>> values,
-                                  const PathTrack& track) {
+// The place of a step back from a cell, at the keyframe before.
+size_t place_before(const std::vector<uint32_t>& values, size_t cell) {
+  size_t before = cell;
+  for (size_t step = 0; step <= kLongestStep; ++step)
+    if (values[cell - step] <= values[before]) before = cell - step;
+  return before;
+}
+
+/// A keyframe when it arrived, and the first keyframe of its path now.
+struct Led {
+  size_t cell = 0;
+  size_t first = 0;
+  size_t path = 0;
+  bool is_established = false;
+  bool is_resumed = false;  ///< another path led then
+};
+
+bool is_same(const FilterCells& cells, size_t a, size_t b, size_t near) {
+  return is_near(cells, a, b, near) || is_other_pass(cells, a, b, near);
+}
+
+// The best place, or one in the pass of the path.
+size_t chosen_place(const FilterCells& cells, const std::vector<uint32_t>& values, size_t best,
+                    size_t last, size_t near) {
+  if (is_near(cells, best, last, near) || !is_other_pass(cells, best, last, near)) return best;
+  const CellStretch& run = run_of(cells, last);
+  size_t in_pass = last;
+  for (size_t cell = run.first + run.count; cell-- > run.first;)
+    if (is_near(cells, cell, last, near) && values[cell] <= values[in_pass]) in_pass = cell;
+  return values[in_pass] <= values[best] + 5 * kScoreUnit ? in_pass : best;
+}
+
+// The place of keyframe k, traced back from the last keyframe at which its path led, at most
+// path_keyframes / 2 later.
+size_t traced(std::span<const Led> led, std::span<const std::vector<uint32_t>> values, size_t k,
+              const FilterSettings& settings) {
+  size_t at = std::min(k + settings.path_keyframes / 2, led.size() - 1);
+  while (at > k && (led[at].first != led[k].first || led[at].is_resumed)) --at;
+  size_t cell = led[at].cell;
+  for (; at > k; --at) cell = place_before(values[at - 1], cell);
+  return cell;
+}
+
+// Adds keyframe k, without margin; `paths`: the largest number of an earlier path.
+void lead(std::vector<Led>& led, size_t paths, const FilterCells& cells,
+          std::span<const std::vector<uint32_t>> values, const PathTrack& track) {
+  const size_t k = led.size();
   const size_t near = track.settings.near_keyframes;
-  std::vector<size_t> chosen;
-  for (const std::vector<uint32_t>& row : values) {
-    size_t best = best_of(cells, row, track.follows_decoys);
-    if (!chosen.empty() && is_other_pass(cells, best, chosen.back(), near) &&
-        !is_near(cells, best, chosen.back(), near)) {
-      const CellStretch& run = run_of(cells, chosen.back());
-      size_t in_pass = chosen.back();
-      for (size_t cell = run.first + run.count; cell-- > run.first;)
-        if (is_near(cells, cell, chosen.back(), near) && row[cell] <= row[in_pass]) in_pass = cell;
-      if (row[in_pass] <= row[best] + 5 * kScoreUnit) best = in_pass;
-    }
-    chosen.push_back(best);
+  const size_t best = best_of(cells, values[k], track.follows_decoys);
+  Led added{best, k, paths + 1, false, false};
+  size_t age = 0;  // of the keyframe from which the path continues
+  size_t place = best;
+  if (k > 0 && is_same(cells, best, led[k - 1].cell, near)) {
+    age = 1;
+    place = added.cell = chosen_place(cells, values[k], best, led[k - 1].cell, near);
   }
-  return chosen;
+  size_t led_at = age > 0 ? led[k - 1].cell : 0;
+  for (size_t a = 1; age == 0 && a <= std::min(k, track.settings.path_keyframes / 2); ++a) {
+    place = place_before(values[k - a], place);
+    led_at = traced(led, values, k - a, track.settings);
+    if (!is_same(cells, place, led_at, near)) continue;
+    if (led[k - a].is_established) break;
+    age = a;
+  }
+  if (age > 0) {
+    const Led& from = led[k - age];
+    added.first = from.first;
+    added.is_established = from.is_established;
+    if (is_near(cells, place, led_at, near)) added.path = from.path;
+    for (size_t resumed = k - age + 1; resumed < k; ++resumed)
+      led[resumed] = {led[resumed].cell, from.first, added.path, false, true};
+  }
+  led.push_back(added);
 }
 
 }  // namespace
@@ -118,49 +172,32 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
                                                std::span<const uint32_t> distances,
                                                const PathTrack& track) {
   const FilterSettings& settings = track.settings;
-  const size_t near = settings.near_keyframes;
-  const std::vector<size_t> best = chosen_places(cells, values, track);
+  std::vector<Led> led;
   std::vector<ReferenceKeyframe> keyframes(values.size());
-  size_t path = 0;
-  // The place of keyframe k, traced back from keyframe `last` or path_keyframes / 2 later.
-  const auto traced = [&](size_t k, size_t last) {
-    size_t at = std::min(k + settings.path_keyframes / 2, last);
-    size_t cell = best[at];
-    for (; at > k; --at) {
-      size_t before = cell;
-      for (size_t step = 0; step <= kLongestStep; ++step)
-        if (values[at - 1][cell - step] <= values[at - 1][before]) before = cell - step;
-      cell = before;
-    }
-    return cell;
-  };
+  size_t paths = 0;
   const auto margin_at = [&](size_t k) -> uint32_t {
     const size_t start = k + 1 - settings.path_keyframes;
     double distance = distances[start];
     double moved = 0;
     for (size_t view = start + 1; view <= k; ++view) {
       distance += distances[view];
-      const double step =
-          static_cast<double>(traced(view, k)) - static_cast<double>(traced(view - 1, k));
-      if (std::abs(step) <= static_cast<double>(near)) moved += step;
+      const double step = static_cast<double>(traced(led, values, view, settings)) -
+                          static_cast<double>(traced(led, values, view - 1, settings));
+      if (std::abs(step) <= static_cast<double>(settings.near_keyframes)) moved += step;
     }
     const auto count = static_cast<double>(settings.path_keyframes);
     return moved >= std::floor(count / 4) && distance <= track.farthest * count
-               ? reference_margin(cells, values[k], best[k], near)
+               ? reference_margin(cells, values[k], led[k].cell, settings.near_keyframes)
                : 0;
   };
-  for (size_t first = 0; first < values.size();) {
-    size_t end = first + 1;  // of the path
-    while (end < values.size() && (is_near(cells, best[end - 1], best[end], near) ||
-                                   is_other_pass(cells, best[end - 1], best[end], near)))
-      ++end;
-    for (size_t k = first; k < end; ++k) {
-      if (k == first || !is_near(cells, best[k - 1], best[k], near)) ++path;
-      keyframes[k] = {path, k + 1 - first >= settings.path_keyframes ? margin_at(k) : 0,
-                      traced(k, end - 1)};
-    }
-    first = end;
+  for (size_t k = 0; k < values.size(); ++k) {
+    lead(led, paths, cells, values, track);
+    paths = std::max(paths, led[k].path);
+    keyframes[k].path = led[k].path;
+    if (k + 1 - led[k].first >= settings.path_keyframes) keyframes[k].margin = margin_at(k);
+    if (keyframes[k].margin >= 5 * kScoreUnit) led[k].is_established = true;
   }
+  for (size_t k = 0; k < values.size(); ++k) keyframes[k].cell = traced(led, values, k, settings);
   return keyframes;
 }
 

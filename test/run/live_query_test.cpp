@@ -73,7 +73,7 @@ void check_window(const Result& live, const Result& whole, size_t window) {
 void check_path(const Result& live, const Result& whole, size_t frame) {
   REQUIRE(live.path);
   CHECK(live.path->rates[0] == whole.path->rates[frame]);
-  CHECK(live.path->numbers[0] == whole.path->numbers[frame]);
+  CHECK(live.path->numbers[0] >= whole.path->numbers[frame]);  // later frames may resume a path
   REQUIRE(live.best.size() == 1);
   CHECK(live.best[0].has_value());
 }
