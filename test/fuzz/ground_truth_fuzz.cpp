@@ -1,5 +1,5 @@
-// Any bytes as a ground truth of one format: they are refused with an Error, or yield a valid
-// ground truth.
+// Any bytes as a ground truth of every format of a file: they are refused with an Error, or yield a
+// valid ground truth.
 #include <algorithm>
 
 #include "fuzz.h"
@@ -8,9 +8,6 @@
 
 using namespace vpr;
 using fuzz::require;
-
-/// The format of this program; each program has its own.
-extern const char* const kFuzzedFormat;
 
 namespace {
 
@@ -39,32 +36,34 @@ void read(const GroundTruthArgument& argument, size_t query_frames, size_t train
   });
 }
 
-}  // namespace
-
-void fuzz::run(std::string_view input) {
-  GroundTruthArgument argument;
-  argument.format = kFuzzedFormat;
-  argument.path = memory_file(input);
-  const auto& uses = find_format(argument.format).options;
-  for (const auto& option : uses) {
-    if (option == "reference") argument.options.reference = argument.path;
-    if (option == "radius_m") argument.options.radius_m = 25;
-    if (option == "angle_deg") argument.options.angle_deg = 40;
-  }
-  refuses([&] { detect_format(argument.path); });  // any format
+// Reads with and without the options that a format uses, and by time.
+void read_as(const GroundTruthFormat& format, const std::filesystem::path& file) {
+  const auto uses = [&](std::string_view option) {
+    return std::ranges::find(format.options, option) != format.options.end();
+  };
+  GroundTruthArgument argument{std::string(format.name), file};
+  read(argument, 3, 4);
+  read(argument, kUnknownFrames, kUnknownFrames);
+  if (uses("reference")) argument.options.reference = file;
+  if (uses("radius_m")) argument.options.radius_m = 25;
+  if (uses("angle_deg")) argument.options.angle_deg = 40;
   read(argument, 3, 4);
   read(argument, 3, 3);
   read(argument, kUnknownFrames, kUnknownFrames);
-  // Other options: anchors without poses, and poses by time.
-  if (argument.format == "anchors") {
-    argument.options = {};
-    read(argument, 3, 4);
-    read(argument, kUnknownFrames, kUnknownFrames);
-  }
-  if (std::find(uses.begin(), uses.end(), "times") == uses.end()) return;
-  argument.options.query_times = argument.options.train_times = argument.path;
+  if (!uses("times")) return;
+  argument.options.query_times = argument.options.train_times = file;
   argument.options.max_difference_s = 0.5;
   read(argument, kUnknownFrames, kUnknownFrames);
-  argument.options.query_pose_times = argument.options.train_pose_times = argument.path;
+  argument.options.query_pose_times = argument.options.train_pose_times = file;
   read(argument, 3, 3);
+}
+
+}  // namespace
+
+void fuzz::run(std::string_view input) {
+  const std::filesystem::path file = memory_file(input);
+  refuses([&] { detect_format(file); });
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    if (format.name != "aligned" && format.name != "utm")  // these two read no file
+      read_as(format, file);
 }
