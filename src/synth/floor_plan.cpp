@@ -34,13 +34,7 @@ uint8_t open_at(const FloorPlan& plan, int column, int row) {
 
 // The walkable cells, in a border of solid cells, so that every ray ends.
 void lay_grid(const Floor& floor, FloorPlan& plan) {
-  double left = std::numeric_limits<double>::max(), bottom = left, right = -left, top = -left;
-  for (const Room& room : floor.rooms) {
-    left = std::min(left, room.x);
-    bottom = std::min(bottom, room.y);
-    right = std::max(right, room.x + room.width);
-    top = std::max(top, room.y + room.depth);
-  }
+  const auto [left, bottom, right, top] = extent_of(floor);
   plan.origin = {left - kPlanCellM, bottom - kPlanCellM};
   plan.columns = cell(right - left) + 2;
   plan.rows = cell(top - bottom) + 2;
@@ -150,9 +144,9 @@ Point Wall::at(double along_m, double inward_m) const {
           start.y + way.y * along_m - way.x * inward_m};
 }
 
-bool FloorPlan::is_open(Point point) const {
-  return open_at(*this, static_cast<int>(std::floor((point.x - origin.x) / kPlanCellM)),
-                 static_cast<int>(std::floor((point.y - origin.y) / kPlanCellM))) != 0;
+uint8_t FloorPlan::open_at(Point point) const {
+  return vpr::open_at(*this, static_cast<int>(std::floor((point.x - origin.x) / kPlanCellM)),
+                      static_cast<int>(std::floor((point.y - origin.y) / kPlanCellM)));
 }
 
 FloorPlan make_floor_plan(const Floor& floor) {

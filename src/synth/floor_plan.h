@@ -53,7 +53,9 @@ struct FloorPlan {
   std::vector<Wall> walls;
   std::vector<Lamp> lamps;
 
-  bool is_open(Point point) const;
+  /// As `open`; 0 outside the grid.
+  uint8_t open_at(Point point) const;
+  bool is_open(Point point) const { return open_at(point) != 0; }
 };
 
 /// The plan of a floor. A hall takes precedence over a corridor that overlaps it; pillars take

@@ -1,10 +1,10 @@
-#include "synth/people.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
+
+#include "synth/walking.h"
 
 namespace vpr {
 namespace {

@@ -13,7 +13,7 @@
 #include "base/json.h"
 #include "base/output.h"
 #include "base/parallel.h"
-#include "synth/renderer.h"
+#include "synth/scene.h"
 
 namespace vpr {
 namespace {
@@ -72,8 +72,7 @@ std::string place_truth_csv(const World& world, const RecordedWalk& query) {
   for (size_t q = 0; q < query.poses.size(); ++q)
     for (size_t p = 0; p < world.places.size(); ++p) {
       const auto meters = meters_to_place(query.walk->floor, query.poses[q], world.places[p]);
-      const auto found =
-          meters ? label(*meters, world.place_radius_m, world.place_ignore_m) : std::nullopt;
+      const auto found = meters ? label(*meters, kPlaceRadiusM, kPlaceIgnoreM) : std::nullopt;
       if (found) csv += fmt::format("{},{},{}\n", q, p, *found);
     }
   return csv;
@@ -108,7 +107,7 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
     const auto shows_any = [&](size_t i) {
       return std::any_of(world.places.begin(), world.places.end(), [&](const WorldPlace& place) {
         const auto meters = meters_to_place(recorded.walk->floor, recorded.poses[i], place);
-        return meters && *meters <= std::max(world.place_radius_m, world.place_ignore_m);
+        return meters && *meters <= kPlaceIgnoreM;
       });
     };
     size_t last = first;

@@ -27,8 +27,8 @@ std::vector<RecordedWalk> record_walks(const World& world);
 /// - a training and a query frame show the same place if they are on one floor, at most
 ///   same_place_m apart, and their headings differ by at most kSameHeadingDeg; the pair is ignored
 ///   up to ignore_m;
-/// - a query frame shows a place if it is within place_radius_m and its heading differs from that
-///   of a view by at most kSameHeadingDeg; it is ignored up to place_ignore_m;
+/// - a query frame shows a place if it is within kPlaceRadiusM and its heading differs from that
+///   of a view by at most kSameHeadingDeg; it is ignored up to kPlaceIgnoreM;
 /// - parts of pretraining walks that would show a place, or be ignored, are omitted.
 /// Walls are not considered: places on two sides of a thin wall count as near.
 std::vector<std::pair<std::string, std::string>> recording_texts(

@@ -1,5 +1,3 @@
-#include "synth/renderer.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
+
+#include "synth/scene.h"
 
 namespace vpr {
 namespace {

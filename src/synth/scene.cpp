@@ -188,10 +188,7 @@ RandomEngine slot_detail(const FloorDay& floor_day, size_t wall, int slot) {
 }
 
 bool is_in_hall(const FloorPlan& plan, const Wall& wall) {
-  const Point inside = wall.at(0.25, 0.25);
-  const auto column = static_cast<size_t>((inside.x - plan.origin.x) / kPlanCellM);
-  const auto row = static_cast<size_t>((inside.y - plan.origin.y) / kPlanCellM);
-  return plan.open[row * static_cast<size_t>(plan.columns) + column] == 2;
+  return plan.open_at(wall.at(0.25, 0.25)) == 2;
 }
 
 // The finishes of the rooms along a wall; bricks follow the room at its middle.

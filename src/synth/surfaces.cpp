@@ -248,9 +248,7 @@ size_t room_at(const Floor& floor, Point point) {
   bool in_room = false;
   for (size_t i = 0; i < floor.rooms.size(); ++i) {
     const Room& room = floor.rooms[i];
-    const bool inside = point.x >= room.x && point.x < room.x + room.width && point.y >= room.y &&
-                        point.y < room.y + room.depth;
-    if (!inside || (in_room && room.kind != RoomKind::hall)) continue;
+    if (!room.contains(point.x, point.y) || (in_room && room.kind != RoomKind::hall)) continue;
     found = i;
     in_room = true;
   }

@@ -19,6 +19,7 @@ constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kStepsPerS = 1.8;
+constexpr double kUnevenness = 0.15;  // maximum relative variation of the speed
 
 Point between_points(Point a, Point b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
@@ -246,7 +247,7 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   RandomEngine tremor_engine = named_engine(world.seed, "tremor/" + walk.name);
   const Tremor turning(tremor_engine, walk.tremor_deg), nodding(tremor_engine, walk.tremor_deg);
   const Path path(walk.path);
-  const auto variation = [&](double time_s) { return walk.unevenness * pace.at(time_s, 11); };
+  const auto variation = [&](double time_s) { return kUnevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
   const std::vector<Progress> frames = progress(world, walk, path.length_m(), variation);
   std::vector<CameraPose> poses;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -35,7 +36,7 @@ constexpr Range kRanges[] = {
     {0, 10, "window_light shake lamps daylight"},
     {-kMaxMeters, kMaxMeters, "path x y from_x from_y to_x to_y"},
     {kPlanCellM, kMaxMeters, "width depth"},
-    {0, kMaxMeters, "same_place_m ignore_m place_radius_m place_ignore_m"},
+    {0, kMaxMeters, "same_place_m ignore_m"},
     {0, 100'000, "frames from_m at_m to_m"},
     {0, 1000, "passers_by standing crossing ahead"},
     {0, 5, "tremor_deg jolt_deg exposure_lag_s"},
@@ -44,7 +45,6 @@ constexpr Range kRanges[] = {
     {0.1, 1000, "fps"},
     {0.05, 100, "speed_m_s"},
     {0, 3600, "seconds"},
-    {0, 0.8, "unevenness"},
     {0, 3, "hands"},
     {-1, 1, "warmth"},
     {0.01, 100, "exposure"},
@@ -92,13 +92,7 @@ class Checker {
 };
 
 void check_extent(const Floor& floor, const Checker& check) {
-  double left = kMaxMeters, bottom = kMaxMeters, right = -kMaxMeters, top = -kMaxMeters;
-  for (const Room& room : floor.rooms) {
-    left = std::min(left, room.x);
-    bottom = std::min(bottom, room.y);
-    right = std::max(right, room.x + room.width);
-    top = std::max(top, room.y + room.depth);
-  }
+  const auto [left, bottom, right, top] = extent_of(floor);
   check.require((right - left) * (top - bottom) <= kMaxPlanM2 && right - left <= kMaxMeters &&
                     top - bottom <= kMaxMeters,
                 fmt::format("the floor {} is {} m x {} m; the maximum is {} square meters",
@@ -127,14 +121,10 @@ void check_floor(const World& world, size_t index, const Checker& check) {
                   "lamp_spacing_m of a room must be 0, or 0.5 to 500");
   }
   check_extent(floor, check);
-  const auto in_rooms = [&](double x, double y) {
-    return std::any_of(floor.rooms.begin(), floor.rooms.end(), [&](const Room& room) {
-      return x >= room.x && y >= room.y && x < room.x + room.width && y < room.y + room.depth;
-    });
-  };
   for (const Pillar& pillar : floor.pillars) {
     check.on_grid({pillar.x, pillar.y}, "pillar");
-    check.require(in_rooms(pillar.x, pillar.y), "a pillar is outside all rooms");
+    const auto has_pillar = [&](const Room& room) { return room.contains(pillar.x, pillar.y); };
+    check.require(std::ranges::any_of(floor.rooms, has_pillar), "a pillar is outside all rooms");
   }
 }
 
@@ -190,6 +180,18 @@ World read_world(const fs::path& path) {
 
 bool is_uneven(const Walk& walk) {
   return !walk.paces.empty() || !walk.stops.empty() || !walk.cuts.empty();
+}
+
+FloorExtent extent_of(const Floor& floor) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  FloorExtent extent{kFar, kFar, -kFar, -kFar};
+  for (const Room& room : floor.rooms) {
+    extent.left = std::min(extent.left, room.x);
+    extent.bottom = std::min(extent.bottom, room.y);
+    extent.right = std::max(extent.right, room.x + room.width);
+    extent.top = std::max(extent.top, room.y + room.depth);
+  }
+  return extent;
 }
 
 size_t floor_index(const World& world, const std::string& name) {

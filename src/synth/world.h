@@ -81,7 +81,6 @@ struct Walk {
   std::vector<WalkPace> paces;            ///< by from_m; before the first one, speed_m_s applies
   std::vector<WalkStop> stops;            ///< in the order of the walk
   std::vector<WalkCut> cuts;              ///< as stops; with paces, stops or cuts, `frames` is 0
-  double unevenness = 0.15;               ///< maximum relative variation of the speed
   double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
   double tremor_deg = 0;    ///< amplitude of the hand's tremor, several times per second
   double jolt_deg = 0;      ///< amplitude of the camera's jolt at each step
@@ -92,8 +91,8 @@ struct Walk {
   uint64_t day = 0;         ///< all walks of one day share its changes and its hand
   Conditions conditions;
 };
-VPR_FIELDS(Walk, name, use, floor, path, frames, speed_m_s, paces, stops, cuts, unevenness, shake,
-           tremor_deg, jolt_deg, passers_by, standing, crossing, ahead, day, conditions)
+VPR_FIELDS(Walk, name, use, floor, path, frames, speed_m_s, paces, stops, cuts, shake, tremor_deg,
+           jolt_deg, passers_by, standing, crossing, ahead, day, conditions)
 
 /// Whether a walk has its own speeds, stops or cuts, which determine its number of frames.
 bool is_uneven(const Walk& walk);
@@ -111,6 +110,11 @@ struct Room {
   double width = 0;           ///< to the right
   double depth = 0;           ///< upward
   double lamp_spacing_m = 0;  ///< approximate distance between lamps; 0: 3 m, in halls 4 m
+
+  /// Left and bottom are inclusive, right and top exclusive.
+  bool contains(double at_x, double at_y) const {
+    return at_x >= x && at_y >= y && at_x < x + width && at_y < y + depth;
+  }
 };
 VPR_FIELDS(Room, kind, x, y, width, depth, lamp_spacing_m)
 
@@ -142,6 +146,12 @@ struct Floor {
 };
 VPR_FIELDS(Floor, name, like, resemblance, rooms, pillars, glass)
 
+/// The smallest rectangle around all rooms of a floor.
+struct FloorExtent {
+  double left, bottom, right, top;
+};
+FloorExtent extent_of(const Floor& floor);
+
 /// A place of FAB-MAP: one view per heading.
 struct WorldPlace {
   std::string name;
@@ -168,20 +178,21 @@ struct World {
   BuildingVariety variety;
   double same_place_m = 1.5;  ///< frames within this distance and angle show the same place
   double ignore_m = 3;        ///< up to this distance, pairs are ignored
-  /// a frame within this distance of a place, with the heading of a view, shows it
-  double place_radius_m = 2.5;
-  double place_ignore_m = 5;  ///< up to this distance, it is ignored
   std::vector<Floor> floors;
   std::vector<WorldPlace> places;
   std::vector<Walk> walks;
 };
 VPR_FIELDS(World, name, seed, fps, image_width, image_height, format, resemblance, variety,
-           same_place_m, ignore_m, place_radius_m, place_ignore_m, floors, places, walks)
+           same_place_m, ignore_m, floors, places, walks)
 
 /// The horizontal angle of view.
 inline constexpr double kViewDeg = 66;
 /// Frames of the same place have headings that differ by at most this angle.
 inline constexpr double kSameHeadingDeg = 40;
+/// A frame within this distance of a place, with the heading of a view, shows it; up to the second
+/// distance, it is ignored.
+inline constexpr double kPlaceRadiusM = 2.5;
+inline constexpr double kPlaceIgnoreM = 5;
 /// The cell size of floor plans, in meters.
 inline constexpr double kPlanCellM = 0.5;
 /// From floor to ceiling, in meters.

@@ -8,7 +8,6 @@
 #include "base/parallel.h"
 #include "support.h"
 #include "synth/recording.h"
-#include "synth/renderer.h"
 #include "synth/scene.h"
 #include "synth/surfaces.h"
 

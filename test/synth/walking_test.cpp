@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 
 #include "support.h"
-#include "synth/people.h"
 
 using namespace vpr;
 using namespace vpr::test;
@@ -236,25 +235,6 @@ TEST_CASE("stops and cuts that a walk does not reach are refused") {
   walk.paces = {{0, 0.05}};
   walk.stops = {{1, 3600}, {2, 3600}, {3, 3600}};
   CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "the maximum is 100000"));
-}
-
-TEST_CASE("speeds vary by the requested amount") {
-  Walk walk = straight_walk();
-  walk.frames = 101;
-  const auto spread = [&](double unevenness) {
-    walk.unevenness = unevenness;
-    const auto found = poses(corridor_world(), walk);
-    double least = 1, most = 0;
-    for (size_t i = 1; i < found.size(); ++i) {
-      least = std::min(least, step_m(found, i));
-      most = std::max(most, step_m(found, i));
-    }
-    return most / least;
-  };
-  CHECK(spread(0) == Approx(1));
-  CHECK(spread(0.15) > 1.2);
-  CHECK(spread(0.15) < 1.4);
-  CHECK(spread(0.5) > 1.8);
 }
 
 TEST_CASE("days differ by the requested amount in how the phone is held") {
