@@ -31,8 +31,7 @@ std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path,
     rows.fail("has no answers. Answer the page of vpr-eval --ask-places and save it again");
   const size_t places = result.clusters->all.size();
   std::vector<PlaceLabel> labels(places, PlaceLabel::ignore);
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     const auto place = parse_frame(rows.text("place"));
     const std::string found = fmt::format("{},{},{},{}", rows.text("place"), rows.text("query"),
                                           csv_field(rows.text("sequence")), rows.text("train"));

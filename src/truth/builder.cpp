@@ -1,8 +1,8 @@
-#include "truth/builder.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
+
+#include "truth/readers.h"
 
 namespace vpr {
 

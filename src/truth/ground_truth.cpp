@@ -9,8 +9,7 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/text.h"
-#include "truth/builder.h"
-#include "truth/formats.h"
+#include "truth/readers.h"
 
 namespace vpr {
 

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "truth/builder.h"
 #include "truth/readers.h"
 #include "truth/text_file.h"
 
@@ -67,8 +66,7 @@ std::string read_labels(GroundTruthBuilder& builder) {
   const size_t only = rows.has("sequence") ? 0 : builder.only_searched(name);
   std::map<std::pair<size_t, size_t>, RowLabels> labels;
   std::vector<std::vector<GroundTruth::Pair>> asked(builder.query().frames);
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     builder.at("line", rows.line());
     const size_t sequence =
         rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;

@@ -16,7 +16,6 @@
 #include "base/output.h"
 #include "base/text.h"
 #include "base/zip_file.h"
-#include "truth/builder.h"
 #include "truth/readers.h"
 #include "truth/text_file.h"
 

@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "sequence/sequence_source.h"
-#include "truth/builder.h"
 #include "truth/ground_truth.h"
 #include "truth/readers.h"
 #include "truth/text_file.h"
@@ -22,16 +21,16 @@ namespace {
 constexpr uint64_t kMaxLines = uint64_t{1} << 30;
 constexpr size_t kPieceBytes = size_t{1} << 20;  // a query may have a line for every reference
 
-/// One side of a pair. `names` is read when the first name occurs.
-struct PairSide {
+/// A column of frames of one sequence. `names` is read when the first name occurs.
+struct FrameColumn {
   std::string_view what;
   const FrameCount& frames;
   const NameReader& reader;
-  std::optional<FrameNames>& names;
+  std::optional<FrameNames> names = {};
   bool digits_are_names = false;
 };
 
-size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const std::string& text) {
+size_t find_name(const GroundTruthBuilder& builder, FrameColumn& side, const std::string& text) {
   if (!side.reader)
     builder.fail(
         fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, pass the "
@@ -54,7 +53,7 @@ size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const 
 // Nullopt if the frame is out of range, which is reported, or outside `range`, which applies to
 // numbers only.
 std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
-                                 const PairSide& side, const FrameRange& range) {
+                                 FrameColumn& side, const FrameRange& range) {
   const auto frame = parse_frame(text);
   if (!frame || side.digits_are_names) return find_name(builder, side, text);
   if (frame->in_range) return frame_in_range(range, frame->value);
@@ -62,29 +61,18 @@ std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string&
   return std::nullopt;
 }
 
-/// Names of the frames of a sequence, and whether a cell of digits is one of them.
-struct SideNames {
-  std::optional<FrameNames> names;
-  bool digits_are_names = false;
-};
-
-struct PairNames {
-  SideNames query;
-  std::map<size_t, SideNames> train;
-};
-
 // Digits are names if every cell of the column is the name of a frame. Warns if they are also
 // numbers of other frames.
 void decide_digits(const GroundTruthBuilder& builder, const std::vector<std::string>& cells,
-                   const FrameCount& frames, const NameReader& reader, SideNames& side) {
+                   FrameColumn& side) {
   const auto is_number = [](const std::string& cell) { return parse_frame(cell).has_value(); };
-  if (!reader || cells.empty() || !std::ranges::all_of(cells, is_number)) return;
+  if (!side.reader || cells.empty() || !std::ranges::all_of(cells, is_number)) return;
   try {
-    side.names.emplace(reader());
+    side.names.emplace(side.reader());
   } catch (const Error&) {  // the frames have moved, or have no names
     return;
   }
-  if (!frames.grows && side.names->count().value_or(0) != frames.frames) return;
+  if (!side.frames.grows && side.names->count().value_or(0) != side.frames.frames) return;
   const std::string* other = nullptr;  // the number of another frame
   bool are_surely_names = false;
   for (const std::string& cell : cells) {
@@ -101,22 +89,11 @@ void decide_digits(const GroundTruthBuilder& builder, const std::vector<std::str
         builder.argument().path.string(), *other, *side.names->find(*other)));
 }
 
-// Whether the query frame of the current row is in the range. `only_sequence`: of a file without a
-// column for sequences.
-bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, size_t only_sequence,
-              const FrameRange& range, PairNames& names) {
-  const size_t sequence =
-      rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence;
-  const GroundTruthScope& scope = builder.scope();
-  const auto query = read_frame(builder, rows.text("query"),
-                                {"query", builder.query(), scope.query_names, names.query.names,
-                                 names.query.digits_are_names},
-                                range);
-  const auto reference =
-      read_frame(builder, rows.text("reference"),
-                 {"reference", builder.train(sequence), scope.sequences[sequence].names,
-                  names.train[sequence].names, names.train[sequence].digits_are_names},
-                 {});
+// Whether the query frame of the current row is in the range.
+bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, const FrameRange& range,
+              FrameColumn& queries, size_t sequence, FrameColumn& references) {
+  const auto query = read_frame(builder, rows.text("query"), queries, range);
+  const auto reference = read_frame(builder, rows.text("reference"), references, {});
   const std::string& label = rows.text("label");
   if (label != "same" && label != "ignore" && !label.empty())
     builder.fail(fmt::format("label \"{}\" is neither same nor ignore", label));
@@ -133,8 +110,7 @@ void warn_of_anchors(const GroundTruthBuilder& builder, NamedRows& rows) {
       rows.size() * kFramesPerPair > builder.query().frames)
     return;
   std::optional<size_t> last;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     const auto frame = parse_frame(rows.text("query"));
     if (!frame || (last && frame->value <= *last)) return;
     last = frame->value;
@@ -164,8 +140,7 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
   const size_t only = has_sequences ? 0 : builder.only_searched(name);
   if (rows.size() == 0) rows.fail("has no anchors. Set at least one");
   Anchors anchors;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     builder.at("line", rows.line());
     const size_t sequence = has_sequences ? builder.find_sequence(rows.text("sequence")) : only;
     const Anchor anchor{rows.frame("query"), rows.frame(column)};
@@ -282,25 +257,28 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
       rows.has("sequence")
           ? 0
           : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
-  PairNames names;
+  const auto sequence_of_row = [&] {
+    return rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence;
+  };
   std::vector<std::string> queries;
   std::map<size_t, std::vector<std::string>> references;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     queries.push_back(rows.text("query"));
-    references[rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence]
-        .push_back(rows.text("reference"));
+    references[sequence_of_row()].push_back(rows.text("reference"));
   }
   const GroundTruthScope& scope = builder.scope();
-  decide_digits(builder, queries, builder.query(), scope.query_names, names.query);
-  for (const auto& [sequence, cells] : references)
-    decide_digits(builder, cells, builder.train(sequence), scope.sequences[sequence].names,
-                  names.train[sequence]);
+  FrameColumn query{"query", builder.query(), scope.query_names};
+  decide_digits(builder, queries, query);
+  std::map<size_t, FrameColumn> train;
+  for (const auto& [s, cells] : references) {
+    const FrameColumn column{"reference", builder.train(s), scope.sequences[s].names};
+    decide_digits(builder, cells, train.emplace(s, column).first->second);
+  }
   size_t pairs = 0;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     builder.at("line", rows.line());
-    pairs += read_row(builder, rows, only_sequence, source.range, names) ? 1 : 0;
+    const size_t sequence = sequence_of_row();
+    pairs += read_row(builder, rows, source.range, query, sequence, train.at(sequence)) ? 1 : 0;
   }
   if (builder.argument().format.empty()) warn_of_anchors(builder, rows);
   const std::string text = "pairs: " + counted(pairs, "labeled pair");

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "sequence/sequence_source.h"
-#include "truth/builder.h"
 #include "truth/formats.h"
 #include "truth/positions.h"
 #include "truth/readers.h"

@@ -110,8 +110,7 @@ void read_fixes_by_name(NamedRows& rows, const GpsColumns& columns, const std::s
   const auto frames = frames_by_name(images);
   found.poses.resize(frames.size());
   std::set<size_t> named;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     const std::string name = fs::path(rows.text(name_column)).filename().string();
     const auto frame = frames.find(name);
     if (frame == frames.end()) rows.fail(fmt::format("{} has no image {}", images.string(), name));
@@ -125,8 +124,7 @@ void read_fixes_by_name(NamedRows& rows, const GpsColumns& columns, const std::s
 void read_fixes_in_order(NamedRows& rows, const GpsColumns& columns, const std::string& time_column,
                          const FrameRange& range, Trajectory& found) {
   TimeReader times;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  for (size_t row = 0; rows.next(); ++row) {
     const auto pose = read_pose(rows, columns);
     if (!frame_in_range(range, row)) continue;
     found.poses.push_back(pose);
@@ -200,8 +198,7 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
   found.has_heights = rows.has("z");
   found.poses.resize(rules.frames.value_or(0));
   std::set<size_t> listed;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     const std::string& text = rows.text("frame");
     const auto number = parse_frame(text);
     if (!number || !number->in_range) rows.fail(fmt::format("\"{}\" is not a frame number", text));
@@ -298,8 +295,7 @@ std::vector<RoutePoint> read_place_positions(const fs::path& path) {
   rows.allow({"place", "view", "x", "y", "heading", "floor"});
   std::vector<RoutePoint> places;
   std::set<std::string> seen;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     if (seen.insert(rows.text("place")).second)
       places.push_back({rows.real("x"), rows.real("y"), rows.text("floor")});
   }
@@ -310,8 +306,7 @@ std::vector<WallLine> read_walls(const fs::path& path) {
   NamedRows rows(path, path.string(), {"x0", "y0", "x1", "y1"});
   rows.allow({"x0", "y0", "x1", "y1", "floor", "kind"});
   std::vector<WallLine> walls;
-  for (size_t row = 0; row < rows.size(); ++row) {
-    rows.go_to(row);
+  while (rows.next()) {
     const std::string floor = rows.text("floor");
     walls.push_back(
         {{rows.real("x0"), rows.real("y0"), floor}, {rows.real("x1"), rows.real("y1"), floor}});

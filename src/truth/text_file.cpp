@@ -92,11 +92,16 @@ NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,
     if (!has(column)) fail(fmt::format("its header has no column {}", column));
 }
 
-void NamedRows::go_to(size_t row) {
-  row_ = &rows_[row + 1];
+bool NamedRows::next() {
+  if (next_ == rows_.size()) {
+    next_ = 1;
+    return false;
+  }
+  row_ = &rows_[next_++];
   location_.at("line", row_->line);
   if (row_->fields.size() != rows_[0].fields.size())
     fail(fmt::format("expected {} columns, found {}", rows_[0].fields.size(), row_->fields.size()));
+  return true;
 }
 
 bool NamedRows::has(std::string_view column) const {

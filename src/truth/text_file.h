@@ -60,9 +60,9 @@ class NamedRows {
 
   /// The number of rows after the header.
   size_t size() const { return rows_.size() - 1; }
-  /// Makes `row` the current row. Throws Error(data) if its number of fields differs from the
-  /// header.
-  void go_to(size_t row);
+  /// Goes to the next row, at first to the first one. Returns false after the last one; the next
+  /// call then begins again. Throws Error(data) if the number of fields differs from the header.
+  bool next();
   bool has(std::string_view column) const;
   /// Throws Error(data) for a column that is not among these.
   void allow(const std::vector<std::string>& columns) const;
@@ -82,6 +82,7 @@ class NamedRows {
  private:
   FileLocation location_;
   std::vector<CsvRow> rows_;
+  size_t next_ = 1;
   const CsvRow* row_ = nullptr;
 };
 

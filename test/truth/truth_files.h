@@ -11,9 +11,9 @@
 #include "base/npy.h"
 #include "base/output.h"
 #include "support.h"
-#include "truth/builder.h"
 #include "truth/formats.h"
 #include "truth/ground_truth.h"
+#include "truth/readers.h"
 
 namespace vpr::test {
 
