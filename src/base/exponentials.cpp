@@ -1,12 +1,10 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
+#include "base/exponentials.h"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <limits>
-
-#include "base/exponentials.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/exponentials.cpp"

@@ -1,5 +1,5 @@
-#include "base/highway.h"
-// Highway's list of generated targets requires the settings above.
+#include "base/simd.h"
+
 #include <algorithm>
 #include <cstdint>
 
@@ -8,7 +8,6 @@
 #include <hwy/highway.h>
 
 #include "base/error.h"
-#include "base/simd.h"
 
 namespace vpr {
 namespace {
@@ -17,7 +16,7 @@ namespace {
 std::vector<int64_t> target_bits() {
   static const std::vector<int64_t> kBits = [] {
     std::vector<int64_t> bits = hwy::SupportedAndGeneratedTargets();
-    std::sort(bits.begin(), bits.end());
+    std::ranges::sort(bits);
     return bits;
   }();
   return kBits;

@@ -1,7 +1,5 @@
 // Mean absolute differences of images. Compiled once per SIMD target: see Highway's
 // foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
 #include <algorithm>
 #include <array>
 #include <cassert>

@@ -1,10 +1,9 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
+#include "match/hamming_kernels.h"
+
 #include <cstring>
 
 #include "describe/descriptor_rows.h"
-#include "match/hamming_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/hamming_kernels.cpp"

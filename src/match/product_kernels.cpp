@@ -1,13 +1,11 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
+#include "match/product_kernels.h"
+
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include <hwy/cache_control.h>
-
-#include "match/product_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/product_kernels.cpp"

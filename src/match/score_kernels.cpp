@@ -1,6 +1,4 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
 #include "match/score_kernels.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,6 +1,6 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
+#include "words/chow_liu.h"
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "words/chow_liu.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "words/chow_liu.cpp"

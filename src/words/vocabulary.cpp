@@ -1,6 +1,6 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above must come first.
+#include "words/vocabulary.h"
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -11,8 +11,6 @@
 #include <numeric>
 
 #include <opencv2/core/mat.hpp>
-
-#include "words/vocabulary.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "words/vocabulary.cpp"
