@@ -17,7 +17,7 @@
 #include "files/run_info.h"
 #include "match/row_kernels.h"
 #include "parser.h"
-#include "sequence/process_settings.h"
+#include "sequence/frames.h"
 #include "settings/setting_rows.h"
 
 namespace vpr {

@@ -28,8 +28,8 @@ bool is_opencv_yaml(const fs::path& path, std::string_view start) {
 bool is_image(const fs::path&, std::string_view start) {
   constexpr std::array<std::string_view, 6> kSignatures = {"\x89PNG", "\xff\xd8", "BM",
                                                            "P5",      "II*",      "MM"};
-  return std::any_of(kSignatures.begin(), kSignatures.end(),
-                     [&](std::string_view signature) { return start.starts_with(signature); });
+  return std::ranges::any_of(
+      kSignatures, [&](std::string_view signature) { return start.starts_with(signature); });
 }
 
 constexpr Converter kConverters[] = {

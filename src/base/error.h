@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,12 +36,20 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-int exit_code(ErrorKind kind);
+constexpr int exit_code(ErrorKind kind) {
+  constexpr int kCodes[] = {2, 3, 3, 4, 5, 130, 1};  // in the order of ErrorKind
+  return kCodes[static_cast<size_t>(kind)];
+}
 
 /// Throws Error(usage), which names the setting, unless low <= value <= high.
-void require_range(std::string_view setting, double value, double low, double high);
+inline void require_range(std::string_view setting, double value, double low, double high) {
+  if (!(value >= low && value <= high))
+    throw Error(ErrorKind::usage, "{} must be from {} to {}, found {}", setting, low, high, value);
+}
 
 /// The system's text for an errno value, such as "No space left on device". Thread-safe.
-std::string system_error_text(int error_number);
+inline std::string system_error_text(int error_number) {
+  return std::generic_category().message(error_number);
+}
 
 }  // namespace vpr

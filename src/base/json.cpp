@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 
 #include <fmt/ranges.h>
@@ -140,11 +139,9 @@ void read_value(const Json& json, std::string& value, const JsonSource& source,
 }
 
 size_t number_of_key(const std::string& key, const JsonSource& source) {
-  size_t number = 0;
-  const char* end = key.data() + key.size();
-  const auto [stop, error] = std::from_chars(key.data(), end, number);
-  if (error != std::errc{} || stop != end) source.fail(fmt::format("\"{}\" is not a number", key));
-  return number;
+  const auto number = parse_number<size_t>(key);
+  if (!number) source.fail(fmt::format("\"{}\" is not a number", key));
+  return *number;
 }
 
 }  // namespace detail

@@ -184,8 +184,7 @@ void NpyArray::require(std::string_view type, size_t dimensions) const {
 }
 
 const NumberType* find_number_type(std::string_view name) {
-  const auto found = std::find_if(kTypes.begin(), kTypes.end(),
-                                  [&](const NumberType& type) { return type.name == name; });
+  const auto found = std::ranges::find(kTypes, name, &NumberType::name);
   return found == kTypes.end() ? nullptr : &*found;
 }
 

@@ -217,7 +217,7 @@ std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
 bool holds_only_files(const fs::path& folder,
                       const std::function<bool(const std::string& name)>& is_ours) {
   const auto entries = entries_of(folder);
-  return std::all_of(entries.begin(), entries.end(), [&](const fs::directory_entry& entry) {
+  return std::ranges::all_of(entries, [&](const fs::directory_entry& entry) {
     std::error_code error;
     return entry.is_regular_file(error) && !entry.is_symlink(error) &&
            is_ours(entry.path().filename().string());
@@ -452,8 +452,7 @@ std::string Outputs::with_targets(std::string sentence) const {
 }
 
 bool Outputs::has_outputs() const {
-  return std::any_of(claims_.begin(), claims_.end(),
-                     [](const Claim& claim) { return claim.is_requested; });
+  return std::ranges::any_of(claims_, [](const Claim& claim) { return claim.is_requested; });
 }
 
 void Outputs::commit() {

@@ -36,7 +36,7 @@ double poisson_mean(uint64_t most, double probability) {
 
 double quantile(std::vector<double> values, double p) {
   assert(!values.empty() && p >= 0 && p <= 1);
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const double position = p * static_cast<double>(values.size() - 1);
   const auto below = static_cast<size_t>(std::floor(position));
   const size_t above = std::min(below + 1, values.size() - 1);

@@ -1,8 +1,6 @@
 #include "base/text.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -36,7 +34,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Removes the leading digits from `text`. No number type is involved, so any length works.
 std::string_view consume_digits(std::string_view& text) {
-  const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
+  const auto end = std::ranges::find_if_not(text, is_digit);
   const std::string_view digits(text.data(), static_cast<size_t>(end - text.begin()));
   text.remove_prefix(digits.size());
   return digits;
@@ -201,10 +199,8 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& names) {
-  return *std::min_element(names.begin(), names.end(),
-                           [&](const std::string& a, const std::string& b) {
-                             return edit_distance(word, a) < edit_distance(word, b);
-                           });
+  return *std::ranges::min_element(
+      names, {}, [&](const std::string& name) { return edit_distance(word, name); });
 }
 
 bool is_utf8(const std::string& text) {
@@ -301,11 +297,7 @@ std::string_view name_prefix(std::string_view name) {
 std::optional<double> name_value(std::string_view name) {
   const size_t begin = name_prefix(name).size();
   name = name.substr(0, name.rfind('.')).substr(begin);
-  double value = 0;
-  const char* const last = name.data() + name.size();
-  const auto [end, error] = std::from_chars(name.data(), last, value, std::chars_format::fixed);
-  if (error != std::errc{} || end != last || !std::isfinite(value)) return std::nullopt;
-  return value;
+  return parse_number<double>(name);
 }
 
 std::optional<double> decimal_name(std::string_view name) {

@@ -1,12 +1,14 @@
 // Functions that split, quote, escape, compare and print strings, and CSV.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace vpr {
@@ -24,6 +26,16 @@ std::vector<std::string_view> split_words(std::string_view text);
 
 /// A word of a shell command line, quoted if necessary.
 std::string shell_word(const std::string& word);
+
+/// The number that is the whole text, with a decimal point in any locale; nullopt for other text,
+/// and for a number out of range of T.
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+  T value{};
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, value);
+  return error == std::errc{} && end == last ? std::optional(value) : std::nullopt;
+}
 
 /// The number of insertions, deletions, replacements and swaps of adjacent characters between two
 /// words, for "did you mean".

@@ -94,8 +94,7 @@ DescriptorSet DescriptorKind::describe(const SequenceSource& sequence,
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
 
 const DescriptorKind* find_descriptor_kind(std::string_view name) {
-  const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
-                                 [&](const DescriptorKind& row) { return row.name == name; });
+  const auto kind = std::ranges::find(kKinds, name, &DescriptorKind::name);
   return kind == kKinds.end() ? nullptr : &*kind;
 }
 

@@ -23,7 +23,7 @@ namespace {
 constexpr std::array<std::string_view, 5> kTypes = {"<f2", "<f4", "<f8", "|u1", "|b1"};
 
 const NumberType& number_type(const std::string& type, const std::string& path) {
-  if (std::find(kTypes.begin(), kTypes.end(), type) == kTypes.end())
+  if (std::ranges::find(kTypes, type) == kTypes.end())
     throw Error(ErrorKind::data,
                 "{}: holds numbers of type {}; descriptors are float16, float32 or float64, or "
                 "uint8 or bool (bits)",
@@ -62,7 +62,7 @@ void store_numbers(std::span<const double> row, std::span<uint8_t> out) {
 
 // Values of 8 bits, least significant first, or of 1 bit.
 void store_bits(std::span<const double> row, size_t bits_per_value, std::span<uint8_t> out) {
-  std::fill(out.begin(), out.end(), uint8_t{0});
+  std::ranges::fill(out, uint8_t{0});
   for (size_t i = 0; i < row.size(); ++i) {
     if (bits_per_value == 8)
       out[i] = static_cast<uint8_t>(row[i]);
@@ -269,20 +269,19 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
 }
 
 bool is_missing_vector(std::span<const double> vector) {
-  return std::all_of(vector.begin(), vector.end(),
-                     [](double number) { return std::isnan(number); });
+  return std::ranges::all_of(vector, [](double number) { return std::isnan(number); });
 }
 
 void check_numbers(std::span<const double> vector, const std::string& where) {
-  const auto bad = std::find_if(vector.begin(), vector.end(),
-                                [](double number) { return !std::isfinite(number); });
+  const auto bad =
+      std::ranges::find_if(vector, [](double number) { return !std::isfinite(number); });
   if (bad != vector.end())
     throw Error(ErrorKind::data, "{}: value {} is {}", where, bad - vector.begin(), *bad);
 }
 
 void check_vector(std::span<const double> vector, const std::string& where) {
   check_numbers(vector, where);
-  if (std::all_of(vector.begin(), vector.end(), [](double number) { return number == 0; }))
+  if (std::ranges::all_of(vector, [](double number) { return number == 0; }))
     throw Error(ErrorKind::data, "{}: is a vector of zeros, which has no direction", where);
 }
 
@@ -320,7 +319,7 @@ double coordinate_unit(std::string_view kind, std::span<const SequenceSource> se
     for (size_t i = 0; i < lengths.size(); ++i)
       if (!std::isfinite(2 * lengths[i]))
         throw Error(ErrorKind::data, "{}: is too long for Euclidean distances", rows.where(i));
-    const double longest = *std::max_element(lengths.begin(), lengths.end());
+    const double longest = *std::ranges::max_element(lengths);
     unit = std::max(unit, 2 * longest / longest_point(rows.length()));
   }
   return unit > 0 ? unit : 1;

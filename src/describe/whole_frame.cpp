@@ -220,7 +220,7 @@ cv::Mat shrink(const cv::Mat& gray, int width, int height) {
   cv::Mat out(height, width, CV_8U);
   std::vector<int64_t> sums(static_cast<size_t>(width));
   for (int y = 0; y < height; ++y) {
-    std::fill(sums.begin(), sums.end(), 0);
+    std::ranges::fill(sums, 0);
     for (const Share& row : rows[static_cast<size_t>(y)]) {
       const uint8_t* from = gray.ptr<uint8_t>(row.from);
       for (size_t x = 0; x < sums.size(); ++x) {

@@ -1,7 +1,6 @@
 #include "files/report_json.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -52,12 +51,9 @@ void read_number_words(const Fields& fields, const std::string& key, Outcomes& o
   if (words.size() != outcomes.queries.size()) fields.fail("its outcomes do not fit each other");
   for (size_t q = 0; q < words.size(); ++q) {
     if (words[q] == "-") continue;
-    T number{};
-    const char* end = words[q].data() + words[q].size();
-    const auto [stop, error] = std::from_chars(words[q].data(), end, number);
-    if (error != std::errc{} || stop != end)
-      fields.fail(fmt::format("one of its {} is not a number", key));
-    set(outcomes.queries[q], number);
+    const auto number = parse_number<T>(words[q]);
+    if (!number) fields.fail(fmt::format("one of its {} is not a number", key));
+    set(outcomes.queries[q], *number);
   }
 }
 

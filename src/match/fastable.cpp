@@ -1,14 +1,15 @@
 #include "match/fastable.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 
-#include "base/aligned_vector.h"
+#include <oneapi/tbb/cache_aligned_allocator.h>
+
 #include "base/error.h"
+#include "base/text.h"
 #include "match/zscores.h"
 
 namespace vpr {
@@ -17,6 +18,7 @@ namespace {
 // The number of values in whole cache lines.
 template <class T>
 size_t in_lines(size_t values) {
+  constexpr size_t kCacheLineBytes = 64;
   return round_up(values, kCacheLineBytes / sizeof(T));
 }
 
@@ -27,7 +29,7 @@ struct Ring {
   size_t rows = 0;
   size_t front = 0;
   size_t stride = 0;
-  AlignedVector<T> values;
+  std::vector<T, oneapi::tbb::cache_aligned_allocator<T>> values;
 
   Ring(size_t row_count, size_t zeros, size_t frames)
       : rows(row_count),
@@ -189,10 +191,8 @@ std::optional<ScoreRow> best_of_rates(std::span<WindowSums> windows, const Frame
 }
 
 uint32_t parse_side(std::string_view text) {
-  uint32_t value = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool is_number = read.ec == std::errc() && read.ptr == text.data() + text.size();
-  return is_number && value <= kMostRateFrames ? value : 0;
+  const uint32_t value = parse_number<uint32_t>(text).value_or(0);
+  return value <= kMostRateFrames ? value : 0;
 }
 
 }  // namespace

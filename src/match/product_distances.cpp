@@ -7,7 +7,8 @@
 #include <mutex>
 #include <optional>
 
-#include "base/aligned_vector.h"
+#include <oneapi/tbb/cache_aligned_allocator.h>
+
 #include "base/error.h"
 #include "describe/imported.h"
 #include "match/frame_distances.h"
@@ -72,7 +73,7 @@ struct Training {
   ProductKernel<T> kernel = nullptr;
   SizeOf size = nullptr;
   size_t padded_length = 0;
-  AlignedVector<T> rows;  ///< padded
+  std::vector<T, oneapi::tbb::cache_aligned_allocator<T>> rows;  ///< padded
   std::vector<double> sizes;
 };
 

@@ -74,7 +74,7 @@ Json database_json(const SequenceDatabase& database, const RunInfo& run) {
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
   for (size_t s = 0; s < database.sequences.size(); ++s) {
-    Sequence sequence = without_frame_names(database.sequences[s].sequence);
+    Sequence sequence = database.sequences[s].sequence;
     Json item = value_to_json(NestedObject{[&](auto&& visit) {
                                 visit_sequence(sequence, visit, [&] {
                                   visit("unreadable", Derived{sequence.unreadable.size()});

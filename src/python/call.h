@@ -10,7 +10,7 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "files/run_info.h"
-#include "sequence/process_settings.h"
+#include "sequence/frames.h"
 
 namespace vpr {
 

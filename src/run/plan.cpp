@@ -53,7 +53,8 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
   bool any = false;
   for (size_t s = 0; s < plan.train.size(); ++s) {
     ComparedSequence& compared = plan.sequences.emplace_back();
-    compared.sequence = without_frame_names(sequences[s].sequence);
+    compared.sequence = sequences[s].sequence;
+    compared.sequence.frame_names.clear();
     compared.windows = count_windows(readable_runs(plan.train[s]), length);
     compared.searched = is_searched(settings, compared.sequence.name);
     if (!compared.searched) continue;

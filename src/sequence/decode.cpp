@@ -16,7 +16,6 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
-#include "sequence/image_header.h"
 
 namespace vpr {
 

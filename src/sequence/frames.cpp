@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_pipeline.h>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -16,7 +18,6 @@
 #include "base/mapped_file.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "sequence/image_header.h"
 
 namespace vpr {
 namespace {
@@ -215,6 +216,13 @@ cv::Mat rotated(const cv::Mat& image, int rotation) {
   return upright.empty() ? image : upright;
 }
 
+size_t checked_threads(uint64_t threads) {
+  constexpr uint64_t kMostThreads = 1024;
+  if (threads > kMostThreads)
+    throw Error(ErrorKind::usage, "--threads must be at most {}, found {}", kMostThreads, threads);
+  return threads;
+}
+
 }  // namespace
 
 VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
@@ -332,6 +340,24 @@ std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Mo
   if (fps > 1e-3 && fps < 1e6) return by_rate;
   throw Error(ErrorKind::input, "{}: has neither times of its frames nor a frame rate",
               argument.path.string());
+}
+
+ProcessScope::ProcessScope(const ProcessSettings& settings)
+    : threads(checked_threads(settings.threads)),
+      pixels(settings.max_megapixels),
+      order(settings.order),
+      cv_threads(cv::getNumThreads()),
+      is_cv_optimized(cv::useOptimized()),
+      cv_log_level(cv::utils::logging::getLogLevel()) {
+  cv::setNumThreads(1);        // one frame per thread, instead of one frame in parallel
+  cv::setUseOptimized(false);  // otherwise features depend on AVX2
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
+
+ProcessScope::~ProcessScope() {
+  cv::utils::logging::setLogLevel(static_cast<cv::utils::logging::LogLevel>(cv_log_level));
+  cv::setUseOptimized(is_cv_optimized);
+  cv::setNumThreads(cv_threads);
 }
 
 }  // namespace vpr

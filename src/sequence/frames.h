@@ -1,4 +1,5 @@
-// Decodes the frames of a sequence, one by one or in parallel, without keeping them.
+// Decodes the frames of a sequence, one by one or in parallel, without keeping them, and sets up
+// the process for it.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,9 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
+#include "base/parallel.h"
 #include "sequence/decode.h"
 #include "sequence/sequence_source.h"
 
@@ -84,5 +87,31 @@ class VideoReader {
 /// times in the video or, if those do not increase, from its frame rate. Throws Error(input) for a
 /// file that is not a video, and for a video with neither.
 std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Monitor& monitor);
+
+/// Settings that belong to the whole process: of every program and of every call from Python.
+struct ProcessSettings {
+  uint64_t threads = 0;  ///< 0: all cores
+  uint64_t seed = 1;
+  uint64_t max_megapixels = kDefaultMegapixels;
+  FrameOrder order = FrameOrder::automatic;
+};
+VPR_FIELDS(ProcessSettings, threads, seed, max_megapixels, order)
+
+/// Applies settings to the process during its lifetime, and has OpenCV work on one thread per
+/// frame, silently, without code that depends on the processor. Throws Error(usage) for settings
+/// out of range.
+struct ProcessScope {
+  explicit ProcessScope(const ProcessSettings& settings);
+  ~ProcessScope();
+  ProcessScope(const ProcessScope&) = delete;
+  ProcessScope& operator=(const ProcessScope&) = delete;
+
+  ThreadLimit threads;
+  MegapixelLimit pixels;
+  FrameOrderScope order;
+  int cv_threads;
+  bool is_cv_optimized;
+  int cv_log_level;
+};
 
 }  // namespace vpr

@@ -1,10 +1,10 @@
-#include "sequence/image_header.h"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <optional>
+
+#include "sequence/decode.h"
 
 namespace vpr {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -85,7 +84,7 @@ std::vector<size_t> stretch_order(size_t stretches, RandomEngine& engine) {
   const auto follows = [](size_t a, size_t b) { return b == a + 1; };
   do {
     for (size_t i = stretches; i > 1; --i) std::swap(order[i - 1], order[uniform_below(engine, i)]);
-  } while (std::adjacent_find(order.begin(), order.end(), follows) != order.end());
+  } while (std::ranges::adjacent_find(order, follows) != order.end());
   return order;
 }
 
@@ -112,14 +111,6 @@ constexpr std::array kRules = {
     SpeedRule{"kidnap", "parts of 40 frames in random order; no part follows its predecessor",
               kKidnapStretch + 1, kidnap}};
 
-std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value);
-  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
-  return value;
-}
-
 const SpeedRule* find_rule(const std::string& speed) {
   const auto found = std::ranges::find(kRules, std::string_view(speed), &SpeedRule::name);
   return found == kRules.end() ? nullptr : &*found;
@@ -127,7 +118,7 @@ const SpeedRule* find_rule(const std::string& speed) {
 
 // In thousandths.
 uint64_t parse_pace(const std::string& speed) {
-  const std::optional<double> pace = number(speed);
+  const auto pace = parse_number<double>(speed);
   if (!pace) refuse_name("speed", speed, names_of(kRules));
   if (!(*pace >= kSlowestPace && *pace <= kFastestPace))
     throw Error(ErrorKind::usage, "the pace of a speed must be from {} to {}, found {}",
@@ -137,10 +128,9 @@ uint64_t parse_pace(const std::string& speed) {
 
 // Nullopt for an empty text. Throws if the number, which has only digits, is too large.
 std::optional<uint64_t> parse_frame_number(std::string_view text, const std::string& argument) {
-  uint64_t value = 0;
   if (text.empty()) return std::nullopt;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc::result_out_of_range || value > (uint64_t{1} << 62))
+  const auto value = parse_number<uint64_t>(text);
+  if (!value || *value > (uint64_t{1} << 62))
     throw Error(ErrorKind::usage, "{}: a frame number is too large", argument);
   return value;
 }
@@ -165,7 +155,8 @@ std::string selection_text(const Selection& selection) {
     text = fmt::format("resampled to {} frames per second", selection.selected_fps);
   if (selection.speed.empty()) return text;
   if (!text.empty()) text += ", ";
-  if (number(selection.speed)) return text + fmt::format("at speed {}", selection.speed);
+  if (parse_number<double>(selection.speed))
+    return text + fmt::format("at speed {}", selection.speed);
   return text + fmt::format("at speed {}, seed {}", selection.speed, selection.seed);
 }
 
@@ -286,12 +277,6 @@ std::optional<double> median_fps(std::span<const int64_t> times_ns) {
   for (size_t i = 1; i < times_ns.size(); ++i)
     steps.push_back(static_cast<double>(times_ns[i] - times_ns[i - 1]));
   return 1e9 / median(std::move(steps));
-}
-
-Sequence without_frame_names(const Sequence& sequence) {
-  Sequence copy = sequence;
-  copy.frame_names.clear();
-  return copy;
 }
 
 Sequence selected(Sequence sequence, const Selection& selection) {

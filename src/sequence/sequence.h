@@ -90,7 +90,6 @@ struct SpeedRule {
   std::vector<uint32_t> (*sources)(size_t frames, RandomEngine& engine) = nullptr;
 };
 
-/// The rules with names; other speeds are numbers.
 std::span<const SpeedRule> speed_rules();
 
 /// One name and sentence per line, for help texts.
@@ -146,7 +145,6 @@ Selection resampled(std::span<const int64_t> times_ns, double fps);
 /// The median rate of frames with these times, in frames per second; nullopt for fewer than two.
 std::optional<double> median_fps(std::span<const int64_t> times_ns);
 
-/// The size of images, in pixels.
 struct ImageSize {
   uint32_t width = 0;
   uint32_t height = 0;
@@ -168,9 +166,6 @@ struct Sequence {
 
   size_t recorded_frames() const { return selection.is_all() ? frames : selection.recorded_frames; }
 };
-
-/// A copy without the names of frames.
-Sequence without_frame_names(const Sequence& sequence);
 
 /// The selected frames of `sequence`; the result's selection refers to the recording.
 Sequence selected(Sequence sequence, const Selection& selection);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <set>
 
 #include <fmt/format.h>
@@ -261,7 +260,7 @@ std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arg
     for (size_t i = 0; i < names.size(); ++i) equal[name_text(names[i])].push_back(i);
     bool is_unique = true;
     for (const auto& [text, group] : equal) {
-      if (group.size() == 1 && std::find(taken.begin(), taken.end(), text) == taken.end()) continue;
+      if (group.size() == 1 && std::ranges::find(taken, text) == taken.end()) continue;
       is_unique = false;
       if (!distinguish(names, group))
         throw Error(ErrorKind::usage,
@@ -310,7 +309,7 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
                   "{}: the folder contains no images (subfolders are not searched)", path.string());
   } else if (has_extension(path, kListExtensions)) {
     for (const std::string& name : read_list(path)) files.push_back(path.parent_path() / name);
-    if (std::none_of(files.begin(), files.end(), is_there))
+    if (std::ranges::none_of(files, is_there))
       throw Error(ErrorKind::input,
                   "{}: is not a list with one image path per line: no line names an existing file "
                   "(the first is {})",
@@ -331,7 +330,7 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
     sequence.kind = SequenceKind::video;
     return sequence;
   }
-  if (std::all_of(files.begin(), files.end(), is_array)) sequence.kind = SequenceKind::descriptors;
+  if (std::ranges::all_of(files, is_array)) sequence.kind = SequenceKind::descriptors;
   files = apply_range(files, argument);
   const Selection& selection = argument.sequence.selection;
   if (!selection.is_all() && selection.recorded_frames != files.size())
@@ -395,10 +394,8 @@ std::optional<size_t> FrameNames::count() const {
 std::optional<size_t> FrameNames::find(std::string_view path) const {
   if (names_.empty()) {
     constexpr size_t kMostFrames = 10'000'000;
-    size_t number = 0;
-    const auto [end, error] = std::from_chars(path.data(), path.data() + path.size(), number);
-    const bool is_number = error == std::errc{} && end == path.data() + path.size();
-    return is_number && number < kMostFrames ? std::optional(number) : std::nullopt;
+    const auto number = parse_number<size_t>(path);
+    return number && *number < kMostFrames ? number : std::nullopt;
   }
   const auto found = by_file_name_.find(file_name(path));
   if (found == by_file_name_.end()) {

@@ -9,7 +9,6 @@
 
 #include "sequence/decode.h"
 #include "sequence/frames.h"
-#include "sequence/image_header.h"
 #include "sequence/sequence_source.h"
 #include "support.h"
 
