@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -67,6 +68,14 @@ void write_image(const fs::path& path, uint64_t seed, int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) image.at<uint8_t>(y, x) = static_cast<uint8_t>(engine());
   cv::imwrite(path.string(), image);
+}
+
+void write_video(const fs::path& path, int width, int height, const std::vector<int>& levels,
+                 double fps) {
+  cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps, {width, height});
+  REQUIRE(writer.isOpened());
+  for (const int level : levels)
+    writer.write(cv::Mat(height, width, CV_8UC3, cv::Scalar::all(level)));
 }
 
 std::vector<LdbCode> random_codes(size_t count, uint64_t seed) {

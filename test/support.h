@@ -63,6 +63,10 @@ std::vector<T> read_array(const std::filesystem::path& path) {
 /// Writes a gray image with seeded content.
 void write_image(const std::filesystem::path& path, uint64_t seed, int width = 40, int height = 30);
 
+/// Writes a Motion JPEG video (.avi) with one frame of a single gray level per level.
+void write_video(const std::filesystem::path& path, int width, int height,
+                 const std::vector<int>& levels, double fps = 10);
+
 /// Descriptors of any kind, one after the other.
 struct Vectors {
   DescriptorShape shape;

@@ -29,7 +29,7 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
   std::optional<bool> is_on_earth;
   std::optional<LocalPlane> plane;  // tangent at the first frame
   const auto read = [&](const std::filesystem::path& path, const GroundTruthOptions& times) {
-    TrainPoses train = read_train_poses(path, times, monitor);
+    Trajectory train = read_train_poses(path, times, monitor);
     if (train.poses.empty()) return train.poses;
     if (is_on_earth.value_or(train.is_on_earth) != train.is_on_earth)
       throw Error(ErrorKind::data,

@@ -55,7 +55,7 @@ void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings
 void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 
 /// The query of --query, --query-npy or --dataset, with its rate and selection. An endless source
-/// is not selected. Throws Error(usage) without a query; also throws as with_rate.
+/// is not selected. Throws Error(usage) without a query; also throws as selected.
 NamedSequence find_query(const QueryOptions& options, bool is_endless, const Session& session);
 
 QueryResources resources_of(const QueryOptions& options, const Session& session);

@@ -28,12 +28,11 @@ std::optional<double> recorded_fps(const QueryOptions& options) {
 struct NamedSource {
   std::string name;
   std::optional<double> fps;
-  std::unique_ptr<LiveSource> source;
+  LiveSource source;
 };
 
 // Selects frames of an endless source as they arrive; those of other sources are selected already.
-std::unique_ptr<LiveSource> resampled_source(std::unique_ptr<LiveSource> source,
-                                             const QueryOptions& options) {
+LiveSource resampled_source(LiveSource source, const QueryOptions& options) {
   check_rates(options.selection);
   if (!options.selection.fps) return source;
   return open_resampled_source(std::move(source), *options.selection.fps, recorded_fps(options));
@@ -86,7 +85,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
     if (!session.options.quiet) fmt::print(stderr, "{}\n", latency_text(times_ms));
   };
   try {
-    while (const auto frame = query.source->next(silent)) {
+    while (const auto frame = query.source.next(silent)) {
       const Stopwatch watch;
       session.print_line(lines.take(*frame, silent));
       times_ms.push_back(static_cast<float>(1e3 * watch.elapsed_s()));

@@ -6,13 +6,11 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 
 #include <opencv2/videoio.hpp>
 
 #include "base/monitor.h"
-#include "base/text.h"
 #include "sequence/frames.h"
 
 namespace vpr {
@@ -36,24 +34,23 @@ struct LiveSource {
   std::function<std::optional<LiveFrame>(const Monitor& monitor)> next;
 };
 
-/// Opens a source. A folder has no end: first its existing files, then new ones (GrowingFolder). A
+/// Opens a source. A folder has no end: first its existing files, then new ones (follow_folder). A
 /// character device has no end either: it must be a camera of Video4Linux (follow_camera). A list
 /// and a video end. `unreadable`: for a video that ends too early, as in for_each_frame. Throws as
 /// open_sequence does, Error(input) for a device that is busy or not a camera, and Error(usage) for
 /// its frames if they are too large, and for a range of a folder.
-std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
-                                             Unreadable unreadable);
+LiveSource open_live_source(const SequenceArgument& argument, Unreadable unreadable);
 
 /// Image paths, one per line, from a file descriptor that stays open: relative to the working
 /// directory; empty lines and those that start with # are skipped. Ends at the end of the input.
-std::unique_ptr<LiveSource> open_live_pipe(int descriptor);
+LiveSource open_live_pipe(int descriptor);
 
 /// A source for an open capture of any kind. Frames are counted as they arrive: a range skips the
 /// first ones, selects every STEP-th, and ends before LAST. next() waits for the next frame; a
 /// signal ends a wait for Video4Linux. It throws Error(input) if there are no more frames: the
 /// camera was unplugged, or did not respond for the ten seconds that OpenCV waits.
-std::unique_ptr<LiveSource> follow_camera(std::unique_ptr<cv::VideoCapture> capture,
-                                          const SequenceArgument& argument);
+LiveSource follow_camera(std::unique_ptr<cv::VideoCapture> capture,
+                         const SequenceArgument& argument);
 
 /// The images of a folder in the order of their names, each as soon as it is complete: it was
 /// renamed into the folder, or it can be decoded after its writer closed it or after it has not
@@ -61,54 +58,9 @@ std::unique_ptr<LiveSource> follow_camera(std::unique_ptr<cv::VideoCapture> capt
 /// read every second). Later images wait for an incomplete one until it has not changed for ten
 /// times that time. An image that arrives after a later one was returned is omitted, with a warning
 /// if there are events.
-class GrowingFolder {
- public:
-  /// `rest`: how long a size must be stable. Throws Error(input) for an unreadable folder.
-  explicit GrowingFolder(const std::filesystem::path& folder,
+/// `rest`: how long a size must be stable. next() waits without a time limit; it throws
+/// Error(input) once the folder no longer exists. Throws Error(input) for an unreadable folder.
+LiveSource follow_folder(const std::filesystem::path& folder,
                          std::chrono::milliseconds rest = std::chrono::seconds(1));
-  ~GrowingFolder();
-  GrowingFolder(const GrowingFolder&) = delete;
-  GrowingFolder& operator=(const GrowingFolder&) = delete;
-
-  /// Waits for the next image without a time limit. Throws Error(interrupted) once the user wants
-  /// to stop, Error(input) if the folder no longer exists.
-  std::filesystem::path next(const Monitor& monitor);
-
- private:
-  using Clock = std::chrono::steady_clock;
-  struct NameLess {
-    bool operator()(const std::string& a, const std::string& b) const {
-      return frame_name_less(a, b);
-    }
-  };
-  /// The stability of the first pending file: its size, and since when it has not changed.
-  struct Rest {
-    std::string name;
-    uintmax_t size = 0;
-    Clock::time_point since;
-  };
-
-  void read_folder();
-  void read_events(const Monitor& monitor);
-  void handle_event(const std::string& name, uint32_t event, const Monitor& monitor);
-  bool is_later(const std::string& name) const;
-  void observe(const std::string& name);
-  bool has_rested(const std::string& name, Clock::duration time) const;
-  bool can_be_decoded(const std::string& name, const Monitor& monitor);
-  bool is_complete(const std::string& name, const Monitor& monitor);
-
-  std::filesystem::path folder_;
-  Clock::duration rest_for_;
-  int events_ = -1;  ///< events of the folder; -1: none
-  std::optional<Clock::time_point> read_at_;
-  std::filesystem::file_time_type changed_;  ///< at the last check
-  std::set<std::string, NameLess> pending_;  ///< names that were not returned yet
-  std::set<std::string> renamed_;            ///< pending names that were renamed into the folder
-  std::set<std::string> closed_;             ///< pending names whose writer closed them
-  std::string last_;                         ///< the last returned name
-  std::optional<Rest> resting_;
-  std::optional<Rest> refused_;  ///< could not be decoded, and has not been closed since
-  std::string incomplete_;       ///< named in a warning
-};
 
 }  // namespace vpr

@@ -62,14 +62,13 @@ size_t GroundTruthBuilder::find_sequence(const std::string& name) {
     }
     return scope_.sequences.size() - 1;
   }
-  fail(fmt::format("the result has no training sequence \"{}\"", name));
+  fail("the result has no training sequence \"{}\"", name);
 }
 
 void GroundTruthBuilder::require_frames(FrameCount& side, std::string_view name, size_t frames) {
   if (side.grows ? frames > kMaxGrownFrames : frames != side.frames)
-    fail(fmt::format(
-        "is for {} {} frames, {}", frames, name,
-        side.grows ? "which is too many" : fmt::format("but there are {}", side.frames)));
+    fail("is for {} {} frames, {}", frames, name,
+         side.grows ? "which is too many" : fmt::format("but there are {}", side.frames));
   side = {frames, false};
 }
 
@@ -107,7 +106,7 @@ bool GroundTruthBuilder::accept(size_t index, FrameCount& side, std::string_view
     side.frames = index + 1;
     return true;
   }
-  if (side.grows) fail(fmt::format("{} {} is too large; pass the numbers of frames", what, index));
+  if (side.grows) fail("{} {} is too large; pass the numbers of frames", what, index);
   report_out_of_range(what, std::to_string(index), side);
   return false;
 }
@@ -124,8 +123,7 @@ void GroundTruthBuilder::append(size_t query, const GroundTruth::Pair& pair) {
     }
   }
   if (++runs_ > kMaxRuns)
-    fail(fmt::format("labels more than {} runs of frames. Use fewer frames, or check the format",
-                     kMaxRuns));
+    fail("labels more than {} runs of frames. Use fewer frames, or check the format", kMaxRuns);
   pairs.push_back(pair);
 }
 
@@ -191,9 +189,9 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
                      std::ranges::any_of(train_, [](const FrameCount& side) { return side.grows; });
   if (grows && train_.size() > kMaxGrownRows / std::max<size_t>(query_.frames, 1))
     fail(
-        fmt::format("names {} query frames and {} training sequences, which is too many. Pass the "
-                    "sequences with --query and --train",
-                    query_.frames, train_.size()));
+        "names {} query frames and {} training sequences, which is too many. Pass the "
+        "sequences with --query and --train",
+        query_.frames, train_.size());
   for (size_t query = 0; query < pairs_.size(); ++query) {
     check_stop();
     join(query);

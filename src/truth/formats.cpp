@@ -18,7 +18,7 @@ namespace vpr {
 namespace {
 
 constexpr size_t kStartBytes = 65536;
-constexpr std::string_view kAll = "-all";
+constexpr std::string_view kAllPresets = "nordland-all";
 
 bool uses(const GroundTruthFormat& format, std::string_view option) {
   return std::ranges::find(format.options, option) != format.options.end();
@@ -32,11 +32,6 @@ constexpr std::array<GroundTruthPreset, 4> kPresets = {{
     {"nordland-patch-netvlad", 2, 1, "Patch-NetVLAD, SelaVPR: two frames"},
     {"nordland-25m", 10, 1, "VPR-datasets-downloader: 25 m, which is ten frames"},
 }};
-
-bool is_of_data_set(const GroundTruthPreset& preset, std::string_view group) {
-  return group.ends_with(kAll) && group.size() > kAll.size() &&
-         preset.name.starts_with(group.substr(0, group.size() - kAll.size() + 1));
-}
 
 uint32_t step_for(const GroundTruthPreset& preset, const GroundTruthScope& scope) {
   for (const auto& sequence : scope.sequences)
@@ -207,10 +202,10 @@ std::vector<const GroundTruthPreset*> find_presets(const std::string& text) {
   for (const std::string_view name : split(text, ',')) {
     const size_t before = found.size();
     for (const GroundTruthPreset& preset : kPresets)
-      if (preset.name == name || is_of_data_set(preset, name)) found.push_back(&preset);
+      if (preset.name == name || name == kAllPresets) found.push_back(&preset);
     if (found.size() > before) continue;
     std::vector<std::string> names = names_of(kPresets);
-    names.insert(names.begin(), "nordland-all");
+    names.emplace(names.begin(), kAllPresets);
     refuse_name("protocol", name, names);
   }
   return found;

@@ -84,8 +84,8 @@ std::span<const GroundTruthPreset> ground_truth_presets();
 /// The preset with this name, or null.
 const GroundTruthPreset* find_preset(std::string_view name);
 
-/// The presets in `text`: names separated by commas, or DATASET-all for all of a data set
-/// ("nordland-all"). Throws Error(usage) with the nearest name.
+/// The presets in `text`: names separated by commas, or "nordland-all" for all of them. Throws
+/// Error(usage) with the nearest name.
 std::vector<const GroundTruthPreset*> find_presets(const std::string& text);
 
 /// The ground truth of a preset, with the other options of `argument`. Throws Error(usage) if the

@@ -23,8 +23,8 @@ void require_consistent(const GroundTruthBuilder& builder, size_t query, const R
   for (const size_t reference : labels.different)
     for (const LabelStretch& run : labels.same)
       if (run.first <= reference && reference <= run.last)
-        builder.fail(fmt::format("query {} and reference {} are labeled both same and different",
-                                 query, reference));
+        builder.fail("query {} and reference {} are labeled both same and different", query,
+                     reference);
 }
 
 // Adds the pairs of the same place, and all pairs without a label as pairs to ignore.
@@ -87,7 +87,7 @@ std::string read_labels(GroundTruthBuilder& builder) {
     else if (label == "different")
       known.different.push_back(reference);
     else
-      rows.fail(fmt::format("label \"{}\" is neither same nor different", label));
+      rows.fail("label \"{}\" is neither same nor different", label);
     require_consistent(builder, query, known);
     asked[query].push_back({static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
   }

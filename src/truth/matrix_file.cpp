@@ -34,7 +34,7 @@ bool is_zip(std::string_view bytes) {
 }
 
 std::optional<size_t> find_name(const ZipFile& archive, std::string_view name) {
-  const auto found = std::find(archive.names().begin(), archive.names().end(), name);
+  const auto found = std::ranges::find(archive.names(), name);
   if (found == archive.names().end()) return std::nullopt;
   return static_cast<size_t>(found - archive.names().begin());
 }
@@ -56,20 +56,64 @@ Fill fill_from(const std::filesystem::path& path) {
 class NpyStream {
  public:
   /// `name`: the file in errors. Throws Error(data) if it is not a matrix of numbers.
-  NpyStream(const std::string& name, Fill fill);
+  NpyStream(const std::string& name, Fill fill) : location_{name}, fill_(std::move(fill)) {
+    std::vector<std::byte> start(kMaxNpyHeader);
+    start.resize(read_some(start));
+    start_ = std::move(start);
+    const auto header =
+        parse_npy_header({reinterpret_cast<const char*>(start_.data()), start_.size()});
+    type_ = header ? find_number_type(header->type) : nullptr;
+    if (type_ == nullptr || header->shape.size() != 2)
+      location_.fail("is not a little-endian matrix of bool, integers or floats (.npy)");
+    header_ = *header;
+    used_ = header_.offset;
+  }
 
-  size_t rows() const { return rows_; }
-  size_t cols() const { return cols_; }
+  size_t rows() const { return header_.shape[header_.is_column_major ? 1 : 0]; }
+  size_t cols() const { return header_.shape[header_.is_column_major ? 0 : 1]; }
   /// Whether the rows in the file are columns of the matrix.
   bool is_transposed() const { return header_.is_column_major; }
+
   /// Writes the values of the next row, 0 or 1. Throws Error(data) for other values or if the file
   /// ends early.
-  void next_row(std::span<uint8_t> values);
+  void next_row(std::span<uint8_t> values) {
+    row_.resize(cols() * type_->bytes);
+    numbers_.resize(cols());
+    if (read_some(row_) < row_.size())
+      location_.fail("ends early; the file is truncated or damaged");
+    location_.at("row", row_number_++);
+    try {
+      type_->read(row_.data(), type_->bytes, cols(), numbers_.data(), 1);
+    } catch (const Error&) {  // an integer that double cannot represent
+      location_.fail("has values other than 0 and 1; check that it is a ground truth");
+    }
+    for (size_t i = 0; i < cols(); ++i) {
+      if (numbers_[i] != 0 && numbers_[i] != 1)
+        location_.fail("column {} is neither 0 nor 1; check that it is a ground truth", i);
+      values[i] = numbers_[i] != 0 ? 1 : 0;
+    }
+  }
+
   /// Throws Error(data) if there are more bytes.
-  void require_end();
+  void require_end() {
+    std::byte more{};
+    location_.at({}, 0);
+    if (read_some({&more, 1}) != 0) location_.fail("is longer than its shape");
+  }
 
  private:
-  size_t read_some(std::span<std::byte> bytes);
+  // Fills `bytes` as far as the file reaches. Returns the number of bytes.
+  size_t read_some(std::span<std::byte> bytes) {
+    size_t done = std::min(bytes.size(), start_.size() - used_);
+    std::copy_n(start_.begin() + static_cast<ptrdiff_t>(used_), done, bytes.begin());
+    used_ += done;
+    while (done < bytes.size()) {
+      const size_t count = fill_(bytes.subspan(done));
+      if (count == 0) break;
+      done += count;
+    }
+    return done;
+  }
 
   FileLocation location_;
   Fill fill_;
@@ -77,64 +121,10 @@ class NpyStream {
   size_t used_ = 0;               ///< bytes of `start_`
   NpyHeader header_;
   const NumberType* type_ = nullptr;
-  size_t rows_ = 0;
-  size_t cols_ = 0;
   std::vector<std::byte> row_;
   std::vector<double> numbers_;
   size_t row_number_ = 0;
 };
-
-NpyStream::NpyStream(const std::string& name, Fill fill) : location_{name}, fill_(std::move(fill)) {
-  std::vector<std::byte> start(kMaxNpyHeader);
-  start.resize(read_some(start));
-  start_ = std::move(start);
-  const auto header =
-      parse_npy_header({reinterpret_cast<const char*>(start_.data()), start_.size()});
-  type_ = header ? find_number_type(header->type) : nullptr;
-  if (type_ == nullptr || header->shape.size() != 2)
-    location_.fail("is not a little-endian matrix of bool, integers or floats (.npy)");
-  header_ = *header;
-  used_ = header_.offset;
-  rows_ = header_.shape[header_.is_column_major ? 1 : 0];
-  cols_ = header_.shape[header_.is_column_major ? 0 : 1];
-}
-
-// Fills `bytes` as far as the file reaches. Returns the number of bytes.
-size_t NpyStream::read_some(std::span<std::byte> bytes) {
-  size_t done = std::min(bytes.size(), start_.size() - used_);
-  std::copy_n(start_.begin() + static_cast<ptrdiff_t>(used_), done, bytes.begin());
-  used_ += done;
-  while (done < bytes.size()) {
-    const size_t count = fill_(bytes.subspan(done));
-    if (count == 0) break;
-    done += count;
-  }
-  return done;
-}
-
-void NpyStream::next_row(std::span<uint8_t> values) {
-  row_.resize(cols_ * type_->bytes);
-  numbers_.resize(cols_);
-  if (read_some(row_) < row_.size()) location_.fail("ends early; the file is truncated or damaged");
-  location_.at("row", row_number_++);
-  try {
-    type_->read(row_.data(), type_->bytes, cols_, numbers_.data(), 1);
-  } catch (const Error&) {  // an integer that double cannot represent
-    location_.fail("has values other than 0 and 1; check that it is a ground truth");
-  }
-  for (size_t i = 0; i < cols_; ++i) {
-    if (numbers_[i] != 0 && numbers_[i] != 1)
-      location_.fail(
-          fmt::format("column {} is neither 0 nor 1; check that it is a ground truth", i));
-    values[i] = numbers_[i] != 0 ? 1 : 0;
-  }
-}
-
-void NpyStream::require_end() {
-  std::byte more{};
-  location_.at({}, 0);
-  if (read_some({&more, 1}) != 0) location_.fail("is longer than its shape");
-}
 
 // Whether the rows are query frames: as the argument's matrix_rows states; otherwise `usually`,
 // unless only the transposed shape fits the numbers of frames. Throws Error(data) if neither fits.
@@ -151,9 +141,8 @@ bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t r
   bool rows_are_query = usually ? fits_query || !fits_reference : fits_query && !fits_reference;
   if (stated != MatrixRows::automatic) rows_are_query = stated == MatrixRows::query;
   if (!(rows_are_query ? fits_query : fits_reference))
-    builder.fail(
-        fmt::format("is a matrix of {} x {}, but there are {} query and {} training frames", rows,
-                    cols, query.frames, train.frames));
+    builder.fail("is a matrix of {} x {}, but there are {} query and {} training frames", rows,
+                 cols, query.frames, train.frames);
   builder.require_query_frames(rows_are_query ? rows : cols);
   builder.require_train_frames(sequence, rows_are_query ? cols : rows);
   return rows_are_query;
@@ -213,8 +202,8 @@ std::string read_archive(GroundTruthBuilder& builder) {
     return read_streams(builder, only, nullptr, true);
   }
   if (!hard)
-    builder.fail(fmt::format("expected the matrices GThard and GTsoft, found {}",
-                             fmt::join(archive.names(), ", ")));
+    builder.fail("expected the matrices GThard and GTsoft, found {}",
+                 fmt::join(archive.names(), ", "));
   NpyStream hard_stream = open(*hard);
   if (!soft) return read_streams(builder, hard_stream, nullptr, false);
   NpyStream soft_stream = open(*soft);

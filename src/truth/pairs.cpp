@@ -33,20 +33,19 @@ struct FrameColumn {
 size_t find_name(const GroundTruthBuilder& builder, FrameColumn& side, const std::string& text) {
   if (!side.reader)
     builder.fail(
-        fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, pass the "
-                    "sequences: --query and --train",
-                    side.what, shortened(text)));
+        "{} \"{}\" is not a frame number. To use file names with vpr-eval, pass the "
+        "sequences: --query and --train",
+        side.what, shortened(text));
   if (!side.names) side.names.emplace(side.reader());
   const size_t count = side.names->count().value_or(0);
   if (!side.frames.grows && count != side.frames.frames)
-    builder.fail(fmt::format(
+    builder.fail(
         "{} \"{}\" is one of {}, but the result has {}. Use the sequence that was evaluated",
-        side.what, shortened(text), counted(count, "name"), counted(side.frames.frames, "frame")));
+        side.what, shortened(text), counted(count, "name"), counted(side.frames.frames, "frame"));
   const auto frame = side.names->find(text);
   if (!frame)
-    builder.fail(
-        fmt::format("{} \"{}\" is neither a frame number nor the name of exactly one of {}",
-                    side.what, shortened(text), counted(count, "frame")));
+    builder.fail("{} \"{}\" is neither a frame number nor the name of exactly one of {}", side.what,
+                 shortened(text), counted(count, "frame"));
   return *frame;
 }
 
@@ -83,10 +82,10 @@ void decide_digits(const GroundTruthBuilder& builder, const std::vector<std::str
   }
   side.digits_are_names = true;
   if (other != nullptr && !are_surely_names)
-    builder.warn_user(fmt::format(
-        "{}: {} is read as the name of frame {}, because every cell of its column is a name. If "
-        "it is the number of a frame, use numbers that are not names, or other names",
-        builder.argument().path.string(), *other, *side.names->find(*other)));
+    warn(builder.monitor(),
+         "{}: {} is read as the name of frame {}, because every cell of its column is a name. If "
+         "it is the number of a frame, use numbers that are not names, or other names",
+         builder.argument().path.string(), *other, *side.names->find(*other));
 }
 
 // Whether the query frame of the current row is in the range.
@@ -96,7 +95,7 @@ bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, const FrameRan
   const auto reference = read_frame(builder, rows.text("reference"), references, {});
   const std::string& label = rows.text("label");
   if (label != "same" && label != "ignore" && !label.empty())
-    builder.fail(fmt::format("label \"{}\" is neither same nor ignore", label));
+    builder.fail("label \"{}\" is neither same nor ignore", label);
   if (query && reference)
     builder.add(*query, sequence, *reference, *reference,
                 label == "ignore" ? PlaceLabel::ignore : PlaceLabel::same);
@@ -115,11 +114,11 @@ void warn_of_anchors(const GroundTruthBuilder& builder, NamedRows& rows) {
     if (!frame || (last && frame->value <= *last)) return;
     last = frame->value;
   }
-  builder.warn_user(fmt::format(
-      "{} labels {} of {}, and recognitions of the other frames count as incorrect. If the pairs "
-      "are anchors of a route, name the column anchor instead of reference",
-      builder.argument().path.string(), rows.size(),
-      counted(builder.query().frames, "query frame")));
+  warn(builder.monitor(),
+       "{} labels {} of {}, and recognitions of the other frames count as incorrect. If the pairs "
+       "are anchors of a route, name the column anchor instead of reference",
+       builder.argument().path.string(), rows.size(),
+       counted(builder.query().frames, "query frame"));
 }
 
 struct Anchor {
@@ -146,14 +145,14 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
     const Anchor anchor{rows.frame("query"), rows.frame(column)};
     const FrameCount& train = builder.train(sequence);
     if (!train.grows && anchor.reference >= train.frames)
-      rows.fail(fmt::format("reference {} is out of range; there are {} frames", anchor.reference,
-                            train.frames));
+      rows.fail("reference {} is out of range; there are {} frames", anchor.reference,
+                train.frames);
     auto& known = anchors[sequence];
     if (!known.empty() && anchor.query <= known.back().query)
       rows.fail(
-          fmt::format("query {} is not after the previous anchor, {}; list anchors in the order of "
-                      "query frames",
-                      anchor.query, known.back().query));
+          "query {} is not after the previous anchor, {}; list anchors in the order of "
+          "query frames",
+          anchor.query, known.back().query);
     known.push_back(anchor);
   }
   return anchors;
@@ -170,9 +169,9 @@ void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& a
     const auto query = frame_in_range(range, recorded);
     if (!query) continue;
     if (!builder.query().grows && *query >= builder.query().frames)
-      builder.fail(fmt::format("query {} is out of range; there are {} frames{}", recorded,
-                               builder.query().frames,
-                               range.is_all() ? range_hint(builder.argument().path) : ""));
+      builder.fail("query {} is out of range; there are {} frames{}", recorded,
+                   builder.query().frames,
+                   range.is_all() ? range_hint(builder.argument().path) : "");
     const Anchor& b = anchors[next];
     auto position = static_cast<double>(b.reference);
     if (b.query != recorded) {
@@ -247,8 +246,8 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   NamedRows rows(source.path, path.string(), {});
   const auto in_range = frame_count(source.range);
   if (in_range && !builder.query().grows && *in_range != builder.query().frames)
-    builder.fail(fmt::format("its range has {}, but the query has {}", counted(*in_range, "frame"),
-                             builder.query().frames));
+    builder.fail("its range has {}, but the query has {}", counted(*in_range, "frame"),
+                 builder.query().frames);
   if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
   if (!rows.has("query") || !rows.has("reference"))
     rows.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");

@@ -70,8 +70,7 @@ struct SortedPoses {
 SortedPoses sort_poses(const Poses& poses) {
   const std::array<double, 3> extents = extents_of(poses);
   SortedPoses sorted;
-  sorted.axis =
-      static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
+  sorted.axis = static_cast<size_t>(std::ranges::max_element(extents) - extents.begin());
   for (size_t i = 0; i < poses.size(); ++i) {
     auto& unknown = sorted.unknown;
     if (poses[i])
@@ -97,9 +96,9 @@ bool is_everything_near(const Poses& query, const Poses& train, const Nearness& 
 
 [[noreturn]] void refuse_pairs(const GroundTruthBuilder& builder, const Nearness& nearness) {
   builder.fail(
-      fmt::format("more than {} pairs of frames lie within {} m. Use a smaller --radius, "
-                  "or fewer frames (vpr-query --fps)",
-                  kMaxPairs, nearness.radius_m));
+      "more than {} pairs of frames lie within {} m. Use a smaller --radius, "
+      "or fewer frames (vpr-query --fps)",
+      kMaxPairs, nearness.radius_m);
 }
 
 /// A training frame near a query frame.
@@ -182,18 +181,17 @@ std::string read_gps(GroundTruthBuilder& builder) {
     const SideOptions options = side_options(argument, side);
     Poses poses =
         poses_of_side(argument, side, read_fixes(options.poses, options.images, count.known()),
-                      builder.monitor(), kFixDifference);
+                      builder.monitor());
     const size_t missing = count_unknown(poses);
     if (!options.times.empty()) return poses;  // poses_of_side has checked them
     if (missing == poses.size())
       throw Error(ErrorKind::data, "{}: has no fix for any frame", options.poses.string());
     if (missing * 2 > poses.size())
-      builder.warn_user(fmt::format("{}: {} of {} have no fix and are ignored",
-                                    options.poses.string(), missing,
-                                    counted(poses.size(), "frame")));
+      warn(builder.monitor(), "{}: {} of {} have no fix and are ignored", options.poses.string(),
+           missing, counted(poses.size(), "frame"));
     return poses;
   });
-  return fmt::format("gps positions{}: {}", describe_times(argument, kFixDifference), matched);
+  return fmt::format("gps positions{}: {}", describe_times(argument, true), matched);
 }
 
 std::optional<Pose> parse_utm_name(std::string_view file_name) {
@@ -229,19 +227,19 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
       const auto pose = parse_utm_name(text);
       if (!pose)
         builder.fail(
-            fmt::format("{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
-                        "positions of JPEG images",
-                        text));
+            "{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
+            "positions of JPEG images",
+            text);
       if (!pose->area.empty()) {
         const double zone = *parse_real(pose->area);
         zones.emplace(zone, text);
         for (const double next :
              {zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})
           if (const auto touching = zones.find(next); touching != zones.end())
-            builder.fail(fmt::format(
+            builder.fail(
                 "{} lies in UTM zone {}, and {} in zone {}, which touches it. Distances "
                 "between them are unknown; use latitudes and longitudes (gps)",
-                text, zone, touching->second, next));
+                text, zone, touching->second, next);
       }
       poses.push_back(pose);
     }
@@ -287,11 +285,11 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
   }
   const auto pairs = static_cast<double>(known * sorted.known.size());
   if (static_cast<double>(same) > kLargeShare * pairs)
-    builder.warn_user(
-        fmt::format("{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is "
-                    "correct. Use a smaller --radius",
-                    builder.argument().path.string(), nearness.radius_m,
-                    100 * static_cast<double>(same) / pairs));
+    warn(builder.monitor(),
+         "{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is "
+         "correct. Use a smaller --radius",
+         builder.argument().path.string(), nearness.radius_m,
+         100 * static_cast<double>(same) / pairs);
   std::string protocol = fmt::format("within {} m", nearness.radius_m);
   if (nearness.angle_deg) protocol += fmt::format(" and {} degrees", *nearness.angle_deg);
   if (nearness.ignore_radius_m)

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <set>
 
-#include <fmt/format.h>
-
 #include "base/converters.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -51,9 +49,8 @@ std::optional<GpsColumns> find_gps_columns(const std::vector<std::string>& heade
 double read_degrees(const NamedRows& rows, const char* what, const std::string& column) {
   const auto value = parse_real(rows.text(column));
   if (!value)
-    rows.fail(
-        fmt::format("the {} \"{}\" is not a number in degrees. Leave both empty if there is no fix",
-                    what, rows.text(column)));
+    rows.fail("the {} \"{}\" is not a number in degrees. Leave both empty if there is no fix", what,
+              rows.text(column));
   return *value;
 }
 
@@ -66,11 +63,10 @@ std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& colu
   const Geographic place{read_degrees(rows, "latitude", columns.latitude),
                          read_degrees(rows, "longitude", columns.longitude)};
   if (std::abs(place.latitude_deg) > 90)
-    rows.fail(fmt::format(
-        "the latitude {} is beyond 90 degrees{}", latitude,
-        std::abs(place.longitude_deg) <= 90 ? "; are latitude and longitude swapped?" : ""));
+    rows.fail("the latitude {} is beyond 90 degrees{}", latitude,
+              std::abs(place.longitude_deg) <= 90 ? "; are latitude and longitude swapped?" : "");
   if (!(place.longitude_deg >= -180 && place.longitude_deg <= 360))
-    rows.fail(fmt::format("the longitude {} is not within -180 and 180 degrees", longitude));
+    rows.fail("the longitude {} is not within -180 and 180 degrees", longitude);
   return place;
 }
 
@@ -113,9 +109,8 @@ void read_fixes_by_name(NamedRows& rows, const GpsColumns& columns, const std::s
   while (rows.next()) {
     const std::string name = fs::path(rows.text(name_column)).filename().string();
     const auto frame = frames.find(name);
-    if (frame == frames.end()) rows.fail(fmt::format("{} has no image {}", images.string(), name));
-    if (!named.insert(frame->second).second)
-      rows.fail(fmt::format("the image {} is listed twice", name));
+    if (frame == frames.end()) rows.fail("{} has no image {}", images.string(), name);
+    if (!named.insert(frame->second).second) rows.fail("the image {} is listed twice", name);
     found.poses[frame->second] = read_pose(rows, columns);
   }
 }
@@ -182,16 +177,14 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
   std::optional<GpsColumns> gps;
   if (!rows.has("x") || !rows.has("y")) {
     gps = find_gps_columns(rows.header());
-    if (!gps)
-      rows.fail(
-          fmt::format("its header has no column {} (or lat and lon)", rows.has("x") ? "y" : "x"));
+    if (!gps) rows.fail("its header has no column {} (or lat and lon)", rows.has("x") ? "y" : "x");
   } else {
     rows.allow({"frame", "time", "timestamp", "x", "y", "z", "heading", "floor"});
   }
   const auto in_range = frame_count(source.range);
   if (in_range && rules.frames && *in_range != *rules.frames)
-    rows.fail(fmt::format("its range has {}, but the sequence has {}", counted(*in_range, "frame"),
-                          *rules.frames));
+    rows.fail("its range has {}, but the sequence has {}", counted(*in_range, "frame"),
+              *rules.frames);
   Trajectory found;
   found.name = path.string();
   found.is_on_earth = gps.has_value();
@@ -201,15 +194,15 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
   while (rows.next()) {
     const std::string& text = rows.text("frame");
     const auto number = parse_frame(text);
-    if (!number || !number->in_range) rows.fail(fmt::format("\"{}\" is not a frame number", text));
+    if (!number || !number->in_range) rows.fail("\"{}\" is not a frame number", text);
     const auto frame = frame_in_range(source.range, number->value);
     if (!frame) continue;
     if (!rules.frames && *frame >= rules.most_frames)
       rows.fail("the frame is too large; pass the number of frames");
     if (rules.frames && *frame >= *rules.frames)
-      rows.fail(fmt::format("frame {} is out of range; there are {} frames{}", text, *rules.frames,
-                            source.range.is_all() ? range_hint(source.path) : ""));
-    if (!listed.insert(*frame).second) rows.fail(fmt::format("frame {} is listed twice", text));
+      rows.fail("frame {} is out of range; there are {} frames{}", text, *rules.frames,
+                source.range.is_all() ? range_hint(source.path) : "");
+    if (!listed.insert(*frame).second) rows.fail("frame {} is listed twice", text);
     found.poses.resize(std::max<size_t>(found.poses.size(), *frame + 1));
     found.poses[*frame] = read_pose(rows, gps);
   }

@@ -72,9 +72,12 @@ class GroundTruthBuilder {
   void check_stop() const { vpr::check_stop(monitor_); }
   void at_file(const std::filesystem::path& path) { location_ = {path.string()}; }
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
+  template <class First, class... Rest>
+  [[noreturn]] void fail(fmt::format_string<First, Rest...> what, First&& first,
+                         Rest&&... rest) const {
+    location_.fail(fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   const Monitor& monitor() const { return monitor_; }
-  /// Reports a warning, one sentence.
-  void warn_user(const std::string& sentence) const { warn(monitor_, sentence); }
   /// Additional text for errors about query frames out of range.
   void set_query_hint(std::string hint) { query_hint_ = std::move(hint); }
 

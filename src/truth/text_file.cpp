@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -24,19 +23,14 @@ std::optional<FrameText> parse_frame(std::string_view text) {
   if (negative) text.remove_prefix(1);
   if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos)
     return std::nullopt;
-  FrameText frame;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame.value);
-  frame.in_range = error == std::errc{} && (!negative || frame.value == 0);
-  return frame;
+  const auto value = parse_number<size_t>(text);
+  return FrameText{value && (!negative || *value == 0), value.value_or(0)};
 }
 
 std::optional<double> parse_real(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
+  const auto value = parse_number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 bool is_missing(std::string_view cell) {
@@ -89,7 +83,7 @@ NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,
   if (rows_.empty()) rows_.emplace_back();  // a file without a header
   for (std::string& column : rows_[0].fields) column = lower_case(column);
   for (const std::string& column : needed)
-    if (!has(column)) fail(fmt::format("its header has no column {}", column));
+    if (!has(column)) fail("its header has no column {}", column);
 }
 
 bool NamedRows::next() {
@@ -100,7 +94,7 @@ bool NamedRows::next() {
   row_ = &rows_[next_++];
   location_.at("line", row_->line);
   if (row_->fields.size() != rows_[0].fields.size())
-    fail(fmt::format("expected {} columns, found {}", rows_[0].fields.size(), row_->fields.size()));
+    fail("expected {} columns, found {}", rows_[0].fields.size(), row_->fields.size());
   return true;
 }
 
@@ -116,14 +110,14 @@ const std::string& NamedRows::text(std::string_view column) const {
 
 double NamedRows::real(std::string_view column) const {
   const auto value = parse_real(text(column));
-  if (!value) fail(fmt::format("\"{}\" is not a number", text(column)));
+  if (!value) fail("\"{}\" is not a number", text(column));
   return *value;
 }
 
 size_t NamedRows::frame(std::string_view column) const {
   const auto number = parse_frame(text(column));
   if (!number || !number->in_range || number->value > kMaxGrownFrames)
-    fail(fmt::format("{} \"{}\" is not a frame number", column, text(column)));
+    fail("{} \"{}\" is not a frame number", column, text(column));
   return number->value;
 }
 

@@ -5,7 +5,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "base/mapped_file.h"
 #include "base/text.h"
@@ -24,6 +27,11 @@ struct FileLocation {
   }
   /// Throws Error(data): "poses.csv, line 3: WHAT".
   [[noreturn]] void fail(std::string_view what) const;
+  template <class First, class... Rest>
+  [[noreturn]] void fail(fmt::format_string<First, Rest...> what, First&& first,
+                         Rest&&... rest) const {
+    fail(fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
 };
 
 /// A frame number: digits, optionally after a minus sign. Nullopt if `text` is not an integer.
@@ -78,6 +86,11 @@ class NamedRows {
   size_t frame(std::string_view column) const;
   /// Throws Error(data) with the current line.
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
+  template <class First, class... Rest>
+  [[noreturn]] void fail(fmt::format_string<First, Rest...> what, First&& first,
+                         Rest&&... rest) const {
+    location_.fail(fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
 
  private:
   FileLocation location_;

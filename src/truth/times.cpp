@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <regex>
@@ -32,11 +31,7 @@ constexpr double kClearlyAbove = 1.05;
 
 // Digits as an integer; 0 if empty. Nullopt if there are too many.
 std::optional<int64_t> parse_digits(std::string_view digits) {
-  int64_t value = 0;
-  if (digits.empty()) return value;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
-  return value;
+  return digits.empty() ? 0 : parse_number<int64_t>(digits);
 }
 
 /// The index of the time column in the header; 0 if there is none.
@@ -56,9 +51,9 @@ std::vector<int64_t> times_of_names(const SequenceSource& sequence) {
     const std::string name = file.stem().string();
     if (times.empty() && !unit_of_time(name))
       location.fail(
-          fmt::format("its name \"{}\" is not a time. scripts/convert/exif.py lists the times at "
-                      "which JPEG images were taken",
-                      name));
+          "its name \"{}\" is not a time. scripts/convert/exif.py lists the times at "
+          "which JPEG images were taken",
+          name);
     times.push_back(reader.read_next(location, name));
   }
   return times;
@@ -82,30 +77,32 @@ size_t count_frames(const SequenceSource& sequence) {
 
 // The times of the frames of a sequence, or nullopt if unknown.
 std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
-                                               const RateSource& source, const Monitor& monitor) {
-  if (!source.times.empty()) return read_frame_times(source.times, monitor);
+                                               const std::filesystem::path& file,
+                                               std::optional<double> recorded_fps,
+                                               const Monitor& monitor) {
+  if (!file.empty()) return read_frame_times(file, monitor);
   const SequenceArgument& argument = sequence.argument;
   if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
   if (!sequence.is_one_array() && is_named_by_time(sequence.files.front()))
     return times_of_names(sequence);
-  if (!source.recorded_fps) return std::nullopt;
+  if (!recorded_fps) return std::nullopt;
   std::vector<int64_t> times;
   for (size_t i = 0; i < count_frames(sequence); ++i)
-    times.push_back(even_time(i, *source.recorded_fps / static_cast<double>(argument.range.step)));
+    times.push_back(even_time(i, *recorded_fps / static_cast<double>(argument.range.step)));
   return times;
 }
 
 // For a video, the rate that it states: its frames are not read.
-std::optional<double> stated_rate(const SequenceSource& sequence, const RateSource& source,
-                                  const Monitor& monitor) {
+std::optional<double> stated_rate(const SequenceSource& sequence, const std::filesystem::path& file,
+                                  std::optional<double> recorded_fps, const Monitor& monitor) {
   const SequenceArgument& argument = sequence.argument;
-  if (source.times.empty() && sequence.kind == SequenceKind::video) {
+  if (file.empty() && sequence.kind == SequenceKind::video) {
     const double fps = VideoReader(argument, PixelFormat::gray).frames_per_second();
     if (!(fps > 0 && fps <= kMaxFps)) return std::nullopt;
     return fps / static_cast<double>(argument.range.step);
   }
   try {
-    const auto times = find_times(sequence, source, monitor);
+    const auto times = find_times(sequence, file, recorded_fps, monitor);
     return times ? median_fps(*times) : std::nullopt;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::data) throw;
@@ -198,16 +195,15 @@ std::optional<int64_t> parse_calendar_time(std::string_view text) {
 
 int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit unit) {
   const auto time = parse_time(text, unit);
-  if (!time) location.fail(fmt::format("\"{}\" is not a valid time", text));
+  if (!time) location.fail("\"{}\" is not a valid time", text);
   return *time;
 }
 
 void refuse_time_order(const FileLocation& location, int64_t before, int64_t time) {
-  location.fail(fmt::format(
-      "its time {} {}; times must increase", time_text(time),
-      time == before
-          ? "equals the time of the previous frame"
-          : fmt::format("is before the time of the previous frame, {}", time_text(before))));
+  location.fail("its time {} {}; times must increase", time_text(time),
+                time == before ? "equals the time of the previous frame"
+                               : fmt::format("is before the time of the previous frame, {}",
+                                             time_text(before)));
 }
 
 int64_t TimeReader::read(const FileLocation& location, std::string_view text) {
@@ -274,31 +270,27 @@ void check_rates(const SelectionSettings& settings) {
 }
 
 SequenceArgument selected(SequenceArgument argument, const SelectionSettings& settings,
-                          const std::filesystem::path& times, uint64_t seed,
+                          const std::filesystem::path& file, uint64_t seed,
                           const Monitor& monitor) {
   check_rates(settings);
+  const SequenceSource sequence = open_sequence(argument);
   argument.speed = settings.speed;
   argument.seed = seed;
-  const auto recorded = settings.recorded_fps ? settings.recorded_fps : settings.fallback_fps;
-  return with_rate(std::move(argument), {times, recorded}, settings.fps, monitor);
-}
-
-SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
-                           std::optional<double> fps, const Monitor& monitor) {
-  const SequenceSource sequence = open_sequence(argument);
+  const auto& fps = settings.fps;
+  const auto& recorded_fps = settings.recorded_fps ? settings.recorded_fps : settings.fallback_fps;
   if (!fps) {
-    argument.sequence.fps = stated_rate(sequence, source, monitor);
+    argument.sequence.fps = stated_rate(sequence, file, recorded_fps, monitor);
     return argument;
   }
-  const auto times = find_times(sequence, source, monitor);
+  const auto times = find_times(sequence, file, recorded_fps, monitor);
   if (!times)
     throw Error(ErrorKind::usage,
                 "{}: the times of its frames are unknown, but --fps needs them. Use "
                 "--recorded-fps, a video, images with times as names, or a data set with \"fps\"",
                 text_of(argument));
-  if (!source.times.empty() && sequence.kind != SequenceKind::video)
+  if (!file.empty() && sequence.kind != SequenceKind::video)
     if (const size_t frames = count_frames(sequence); frames != times->size())
-      throw Error(ErrorKind::data, "{}: has {}, but {} has {}", source.times.string(),
+      throw Error(ErrorKind::data, "{}: has {}, but {} has {}", file.string(),
                   counted(times->size(), "time"), text_of(argument), counted(frames, "frame"));
   const std::optional<double> own = median_fps(*times);
   if (own && *fps > kClearlyAbove * *own)
@@ -314,10 +306,10 @@ SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
   return argument;
 }
 
-std::unique_ptr<LiveSource> open_resampled_source(std::unique_ptr<LiveSource> source, double fps,
-                                                  std::optional<double> recorded_fps) {
+LiveSource open_resampled_source(LiveSource source, double fps,
+                                 std::optional<double> recorded_fps) {
   struct State {
-    std::unique_ptr<LiveSource> source;
+    LiveSource source;
     Thinner thinner;
     TimeReader names = TimeReader();
     bool is_named = false;
@@ -337,18 +329,17 @@ std::unique_ptr<LiveSource> open_resampled_source(std::unique_ptr<LiveSource> so
                   frame.file.string());
     return even_time(index, *recorded_fps);
   };
-  return std::make_unique<LiveSource>(
-      LiveSource{[=](const Monitor& monitor) -> std::optional<LiveFrame> {
-        for (;;) {
-          std::optional<LiveFrame> frame = state->source->next(monitor);
-          const bool is_kept =
-              frame ? state->thinner.keeps_before(time_of(*frame)) : state->thinner.keeps_last();
-          const bool is_end = !frame;
-          std::optional<LiveFrame> before = std::exchange(state->last, std::move(frame));
-          if (is_kept) return before;
-          if (is_end) return std::nullopt;
-        }
-      }});
+  return {[=](const Monitor& monitor) -> std::optional<LiveFrame> {
+    for (;;) {
+      std::optional<LiveFrame> frame = state->source.next(monitor);
+      const bool is_kept =
+          frame ? state->thinner.keeps_before(time_of(*frame)) : state->thinner.keeps_last();
+      const bool is_end = !frame;
+      std::optional<LiveFrame> before = std::exchange(state->last, std::move(frame));
+      if (is_kept) return before;
+      if (is_end) return std::nullopt;
+    }
+  }};
 }
 
 }  // namespace vpr

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -85,12 +84,6 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const M
 /// at least ten digits.
 bool is_named_by_time(const std::filesystem::path& file);
 
-/// Sources of the times of frames other than the sequence itself.
-struct RateSource {
-  std::filesystem::path times = {};         ///< a file for read_frame_times; empty: none
-  std::optional<double> recorded_fps = {};  ///< used if neither times nor sequence state it
-};
-
 /// The selection of frames of a sequence, by the names of flags.
 struct SelectionSettings {
   std::string speed;                   ///< simulated speed; empty: as recorded
@@ -103,26 +96,21 @@ VPR_FIELDS(SelectionSettings, speed, fps, recorded_fps)
 /// Throws Error(usage) for rates out of range.
 void check_rates(const SelectionSettings& settings);
 
-/// The sequence with its rate (with_rate) and its selection. `times`: a file with the times of its
-/// frames; empty: none. `seed`: of the speed, which is checked when the frames are known.
+/// Returns the argument with its rate, if known: from `times` (a file for read_frame_times; empty:
+/// none), from times as file names (is_named_by_time), from a video, or from the stated rates,
+/// which refer to all frames of the recording. With settings.fps, selects only the frames that
+/// Thinner keeps; warns if it is above the rate of the sequence. `seed`: of the speed, which is
+/// checked when the frames are known. Throws Error(usage) for rates out of range, and for
+/// settings.fps without known times; Error(data) if times do not increase or their number differs
+/// from the number of frames.
 SequenceArgument selected(SequenceArgument argument, const SelectionSettings& settings,
                           const std::filesystem::path& times, uint64_t seed,
                           const Monitor& monitor);
-
-/// Returns the argument with its rate, if known: from the times of `source`, from times as file
-/// names (is_named_by_time), from a video, or from `recorded_fps`, which refers to all frames of
-/// the recording. With `fps`, which must pass check_fps, selects only the frames that Thinner
-/// keeps; warns if it is above the rate of the sequence. Throws Error(usage) for `fps` without
-/// known times; Error(data) if times do not increase or their number differs from the number of
-/// frames.
-SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
-                           std::optional<double> fps, const Monitor& monitor);
 
 /// The frames of `source` that Thinner keeps at `fps`, which must pass check_fps. The time of a
 /// frame is the name of its image (is_named_by_time); for other names, frames have the constant
 /// rate `recorded_fps`. Each frame is returned when the next one has arrived. Throws Error(usage)
 /// for the first frame if neither is known; Error(data) for times that do not increase.
-std::unique_ptr<LiveSource> open_resampled_source(std::unique_ptr<LiveSource> source, double fps,
-                                                  std::optional<double> recorded_fps);
+LiveSource open_resampled_source(LiveSource source, double fps, std::optional<double> recorded_fps);
 
 }  // namespace vpr

@@ -25,6 +25,11 @@ namespace {
 /// Tolerance for the products of a matrix's rows: files with three digits have errors of 0.002.
 constexpr double kRotationError = 0.01;
 constexpr double kMaxSeconds = 2e9;  // 63 years
+/// evo's maximum distance between a frame and its nearest pose, in seconds.
+constexpr double kEvoDifference = 0.02;
+/// The same for GPS. Receivers report one fix per second, so a frame is at most half a second from
+/// the nearest fix, or one second if a fix is missing.
+constexpr double kFixDifference = 1;
 
 // A quaternion x, y, z, w as a matrix.
 std::array<double, 9> rotation_of(const FileLocation& location, std::array<double, 4> q) {
@@ -178,10 +183,11 @@ int64_t nanoseconds(double seconds, const char* flag) {
 }
 
 AssociationRules rules_of(const GroundTruthArgument& argument, const SideOptions& side,
-                          double default_difference_s) {
+                          bool are_fixes) {
+  const double default_s = are_fixes ? kFixDifference : kEvoDifference;
   AssociationRules rules;
-  rules.max_difference_ns = nanoseconds(
-      argument.options.max_difference_s.value_or(default_difference_s), "--max-difference");
+  rules.max_difference_ns =
+      nanoseconds(argument.options.max_difference_s.value_or(default_s), "--max-difference");
   if (rules.max_difference_ns < 0)
     throw Error(ErrorKind::usage, "--max-difference must not be negative");
   rules.offset_ns = nanoseconds(side.offset_s.value_or(0), side.offset_flag);
@@ -295,14 +301,13 @@ Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view f
     if (words.empty() || words.front().starts_with('#')) continue;
     location.at("line", line_number);
     if (words.size() < format.columns || (!format.may_have_more && words.size() > format.columns))
-      location.fail(fmt::format("expected {} numbers, found {}", format.columns, words.size()));
+      location.fail("expected {} numbers, found {}", format.columns, words.size());
     std::vector<double> values;
     bool is_known = true;
     for (const std::string_view word : std::span(words).first(format.columns)) {
       const auto value = parse_real(word);
       const bool is_time = format.has_times && values.empty();
-      if (!value && (is_time || !is_missing(word)))
-        location.fail(fmt::format("\"{}\" is not a number", word));
+      if (!value && (is_time || !is_missing(word))) location.fail("\"{}\" is not a number", word);
       is_known = is_known && value;
       values.push_back(value.value_or(0));
     }
@@ -383,11 +388,11 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side) {
           options.train_offset_s};
 }
 
-std::string describe_times(const GroundTruthArgument& argument, double default_difference_s) {
+std::string describe_times(const GroundTruthArgument& argument, bool are_fixes) {
   const GroundTruthOptions& options = argument.options;
   if (options.query_times.empty() && options.train_times.empty()) return "";
   const AssociationRules rules =
-      rules_of(argument, side_options(argument, PoseSide::query), default_difference_s);
+      rules_of(argument, side_options(argument, PoseSide::query), are_fixes);
   std::string words = fmt::format(" at the times of {}frames, the nearest within {} s",
                                   options.train_times.empty()   ? "query "
                                   : options.query_times.empty() ? "training "
@@ -400,7 +405,7 @@ std::string describe_times(const GroundTruthArgument& argument, double default_d
 }
 
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Trajectory trajectory,
-                    const Monitor& monitor, double default_difference_s) {
+                    const Monitor& monitor) {
   const SideOptions side = side_options(argument, pose_side);
   if (side.times.empty()) {
     const GroundTruthOptions& options = argument.options;
@@ -421,16 +426,15 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
   require_rising_times(trajectory);
   remove_unknown(trajectory);
   return associate(trajectory, read_frame_times(side.times, monitor),
-                   rules_of(argument, side, default_difference_s), side.times.string(), monitor);
+                   rules_of(argument, side, trajectory.is_on_earth), side.times.string(), monitor);
 }
 
-TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+Trajectory read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
                             const Monitor& monitor) {
-  Trajectory trajectory = read_any(path);
-  const bool is_on_earth = trajectory.is_on_earth;
-  return {poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(trajectory), monitor,
-                        is_on_earth ? kFixDifference : kEvoDifference),
-          is_on_earth};
+  Trajectory read = read_any(path);
+  Trajectory found{.name = read.name, .is_on_earth = read.is_on_earth};
+  found.poses = poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(read), monitor);
+  return found;
 }
 
 }  // namespace vpr

@@ -63,12 +63,13 @@ std::optional<PlaceLabel> label_of(const Pose& a, const Pose& b, const Nearness&
 
 /// The poses of one file, by frame.
 struct Trajectory {
-  std::string name;           ///< of the file, for errors
-  Poses poses;                ///< nullopt if the file has no pose for a frame
-  std::vector<size_t> lines;  ///< line of each pose in the file, counted from 1; empty for a CSV
-  std::vector<int64_t> times_ns;  ///< one per pose, or empty if the file has no times
-  bool is_on_earth = false;       ///< positions are those of earth_position()
-  bool has_heights = true;        ///< false: a CSV without a column z
+  std::string name = {};  ///< of the file, for errors
+  Poses poses = {};       ///< nullopt if the file has no pose for a frame
+  std::vector<size_t> lines =
+      {};  ///< line of each pose in the file, counted from 1; empty for a CSV
+  std::vector<int64_t> times_ns = {};  ///< one per pose, or empty if the file has no times
+  bool is_on_earth = false;            ///< positions are those of earth_position()
+  bool has_heights = true;             ///< false: a CSV without a column z
 };
 
 /// The format of a file with one pose per line and this first line; empty for other files.
@@ -130,34 +131,21 @@ struct SideOptions {
 /// References to parts of `argument`, which must outlive the result.
 SideOptions side_options(const GroundTruthArgument& argument, PoseSide side);
 
-/// evo's maximum distance between a frame and its nearest pose, in seconds.
-inline constexpr double kEvoDifference = 0.02;
-/// The same for GPS. Receivers report one fix per second, so a frame is at most half a second from
-/// the nearest fix, or one second if a fix is missing.
-inline constexpr double kFixDifference = 1;
-
-/// ", by time within 0.02 s" for a protocol; empty without times of frames. `default_difference_s`:
-/// the default of --max-difference.
-std::string describe_times(const GroundTruthArgument& argument,
-                           double default_difference_s = kEvoDifference);
+/// ", by time within 0.02 s" for a protocol; empty without times of frames. `are_fixes`: the poses
+/// are GPS fixes, whose default of --max-difference is larger.
+std::string describe_times(const GroundTruthArgument& argument, bool are_fixes = false);
 
 /// The poses of the frames of one side: by time if the options have the times of frames (as
 /// associate() does; poses without a position are removed first); otherwise pose i belongs to frame
 /// i. Throws as associate() and the readers of times do, and Error(usage) for options that lack a
 /// required option or have invalid values.
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide side, Trajectory trajectory,
-                    const Monitor& monitor, double default_difference_s = kEvoDifference);
-
-/// The poses of training frames.
-struct TrainPoses {
-  Poses poses;
-  bool is_on_earth = false;  ///< positions are those of earth_position()
-};
+                    const Monitor& monitor);
 
 /// The pose of each training frame, from `path` in any format of read_trajectory, by time if the
-/// options have the times of frames. Fixes keep their positions on the earth. Throws as
-/// poses_of_side does.
-TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+/// options have the times of frames; without lines and times. Fixes keep their positions on the
+/// earth. Throws as poses_of_side does.
+Trajectory read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
                             const Monitor& monitor);
 
 }  // namespace vpr

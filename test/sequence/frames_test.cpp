@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
 #include <sys/resource.h>
 
 #include "base/parallel.h"
@@ -42,12 +41,17 @@ bool same_pixels(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && cv::countNonZero(a != b) == 0;
 }
 
+std::string encoded(const std::string& extension, const cv::Mat& image,
+                    const std::vector<int>& options = {}) {
+  std::vector<uint8_t> bytes;
+  REQUIRE(cv::imencode(extension, image, bytes, options));
+  return {bytes.begin(), bytes.end()};
+}
+
 std::string jpeg_bytes(int width, int height) {
   cv::Mat image(height, width, CV_8UC1);
   cv::randu(image, 0, 256);
-  std::vector<uint8_t> bytes;
-  cv::imencode(".jpg", image, bytes);
-  return {bytes.begin(), bytes.end()};
+  return encoded(".jpg", image);
 }
 
 uint32_t png_checksum(std::string_view bytes) {
@@ -67,9 +71,7 @@ std::string big_endian(uint32_t value) {
 
 /// A small PNG whose header claims a large size.
 std::string png_that_claims(uint32_t width, uint32_t height) {
-  std::vector<uint8_t> bytes;
-  cv::imencode(".png", cv::Mat(8, 8, CV_8UC3, cv::Scalar(1, 2, 3)), bytes);
-  std::string png(bytes.begin(), bytes.end());
+  std::string png = encoded(".png", cv::Mat(8, 8, CV_8UC3, cv::Scalar(1, 2, 3)));
   png.replace(16, 8, big_endian(width) + big_endian(height));
   png.replace(29, 4, big_endian(png_checksum(std::string_view(png).substr(12, 17))));
   return png;
@@ -135,11 +137,6 @@ TEST_CASE("images are accepted by their first bytes, not by their names") {
     write_text("1.png", bytes);
     return error_text([&] { read_all({".", {}}); });
   };
-  const auto encoded = [](const std::string& extension, const cv::Mat& image) {
-    std::vector<uint8_t> bytes;
-    REQUIRE(cv::imencode(extension, image, bytes));
-    return std::string(bytes.begin(), bytes.end());
-  };
   cv::Mat image(128, 128, CV_8UC3);  // OpenJPEG cannot compress much smaller images
   cv::randu(image, 0, 256);
   for (const char* extension : {".jpg", ".png", ".tiff", ".bmp", ".ppm", ".webp"})
@@ -162,9 +159,7 @@ TEST_CASE("images are accepted by their first bytes, not by their names") {
 TEST_CASE("a progressive JPEG is decoded, and refused with thousands of scans") {
   cv::Mat image(48, 64, CV_8UC3);
   cv::randu(image, 0, 256);
-  std::vector<uint8_t> bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
-  std::string jpeg(bytes.begin(), bytes.end());
+  std::string jpeg = encoded(".jpg", image, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
   write_text("1.jpg", jpeg);
   CHECK(read_all({".", {}}).images.size() == 1);
   const size_t last = jpeg.rfind("\xff\xda");
@@ -255,18 +250,12 @@ TEST_CASE("a stop request ends the pass") {
 
 TEST_CASE("a video is read frame by frame, within its range") {
   const std::string path = "walk.avi";
-  {
-    cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {32, 24});
-    REQUIRE(writer.isOpened());
-    for (int i = 0; i < 12; ++i) {
-      const int gray = 20 * i + 5;
-      writer.write(cv::Mat(24, 32, CV_8UC3, cv::Scalar(gray, gray, gray)));
-    }
-  }
+  std::vector<int> levels;
+  for (int i = 0; i < 12; ++i) levels.push_back(20 * i + 5);
+  write_video(path, 32, 24, levels);
   const Pass all = read_all({path, {}});
   REQUIRE(all.images.size() == 12);
-  for (size_t i = 0; i < 12; ++i)
-    CHECK(std::abs(cv::mean(all.images.at(i))[0] - (20.0 * static_cast<double>(i) + 5)) < 4);
+  for (size_t i = 0; i < 12; ++i) CHECK(std::abs(cv::mean(all.images.at(i))[0] - levels[i]) < 4);
   const Pass part = read_all({path, {3, 10, 3}});
   CHECK(part.sequence.frame_names == std::vector<std::string>{"#3", "#6", "#9"});
   for (size_t i = 0; i < 3; ++i) CHECK(same_pixels(part.images.at(i), all.images.at(3 + 3 * i)));
@@ -276,11 +265,7 @@ TEST_CASE("a video is read frame by frame, within its range") {
 
 TEST_CASE("a video with frames above the limit is refused before decoding") {
   const std::string path = "walk.avi";
-  {
-    cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {1280, 1024});
-    REQUIRE(writer.isOpened());
-    writer.write(cv::Mat(1024, 1280, CV_8UC3, cv::Scalar(9, 9, 9)));
-  }
+  write_video(path, 1280, 1024, {9});
   CHECK(read_all({path, {}}).images.size() == 1);
   const MegapixelLimit limit(1);
   for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip})

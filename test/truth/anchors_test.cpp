@@ -6,6 +6,7 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
+using test::by_positions;
 using test::read_labels;
 using test::write_text;
 
@@ -29,7 +30,7 @@ TEST_CASE("frames between two anchors are interpolated, and frames outside have 
                     Catch::Contains("has no anchors"));
 }
 
-TEST_CASE("anchors are detected by the file's name, and are pairs under any other name") {
+TEST_CASE("a file with a column anchor has anchors, and one with references has pairs") {
   write_text("anchors.csv", "query,anchor\n0,0\n2,2\n");
   write_text("pairs.csv", "query,reference\n0,0\n2,2\n");
   CHECK(read_labels("anchors.csv", 3, 3) == "S.. .S. ..S");
@@ -64,9 +65,7 @@ TEST_CASE("a tolerance of anchors in meters uses the poses of the training seque
   write_text("anchors.csv", "query,anchor\n0,0\n2,3\n");
   // Half a meter between 1 and 2, so the middle, 1.5, is at 1.25 meters.
   write_text("r.csv", "frame,x,y\n0,0,0\n1,1,0\n2,1.5,0\n3,4,0\n5,1.25,0.25\n");
-  GroundTruthArgument argument{"", "anchors.csv"};
-  argument.options.reference = "r.csv";
-  argument.options.radius_m = 0.25;
+  GroundTruthArgument argument = by_positions("anchors.csv", "r.csv", 0.25);
   CHECK(read_labels(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
   // The same places as a trajectory of another rate, with half of its poses between frames.
   write_text("r.tum",
@@ -97,9 +96,7 @@ TEST_CASE("anchors may name several sequences and have the query's range") {
   CHECK(truth.label(2, 1, 0) == PlaceLabel::different);
   // A radius needs one searched sequence, and uses only its anchors.
   write_text("a.poses", "frame,x,y\n0,0,0\n1,1,0\n2,2,0\n");
-  GroundTruthArgument near{"", "anchors.csv"};
-  near.options.reference = "a.poses";
-  near.options.radius_m = 0;
+  GroundTruthArgument near = by_positions("anchors.csv", "a.poses", 0);
   CHECK(test::draw(read_ground_truth(near, {{"", 3}, {{{"a", 3}}, {{"b", 3}, false}}}), 3, 3) ==
         "S.. .S. ..S");
   write_text("all.csv", "query,reference\n0,0\n10,5\n");
@@ -110,10 +107,7 @@ TEST_CASE("anchors may name several sequences and have the query's range") {
 TEST_CASE("anchors that decrease, repeat or are out of range are refused with the line") {
   const auto refused = [&](const std::string& lines, const std::string& words) {
     write_text("anchors.csv", "query,anchor\n" + lines);
-    CHECK(test::error_kind([&] { read_labels("anchors.csv", 5, 5); }) == ErrorKind::data);
-    const std::string text = test::error_text([&] { read_labels("anchors.csv", 5, 5); });
-    INFO(text);
-    CHECK(test::has(text, words));
+    test::check_refused([&] { read_labels("anchors.csv", 5, 5); }, words);
   };
   refused("2,2\n1,3\n", "line 3: query 1 is not after the previous anchor, 2");
   refused("2,2\n2,3\n", "line 3");

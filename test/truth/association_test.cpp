@@ -12,6 +12,7 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
+using test::by_positions;
 using test::read_labels;
 using test::write_text;
 
@@ -159,9 +160,7 @@ TEST_CASE("a trajectory with another rate than the images is ground truth by tim
   write_text("r.txt", train);
   write_text("q.times", "# image time\n1000\n1000.25\n1000.5\n1000.75\n");
   write_text("r.times", "0\n0.5\n1\n");
-  GroundTruthArgument argument{"", "q.txt"};
-  argument.options.reference = "r.txt";
-  argument.options.radius_m = 2.5;
+  GroundTruthArgument argument = by_positions("q.txt", "r.txt", 2.5);
   argument.options.query_times = "q.times";
   argument.options.train_times = "r.times";
   argument.options.max_difference_s = 0.05;
@@ -194,9 +193,7 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   write_text("k.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 8 0 1 0 0 0 0 1 0\n");
   write_text("k.times", "1.5e+00\n2.5e+00\n");
   write_text("frames.csv", "time\n1.5\n2\n2.5\n");
-  GroundTruthArgument argument{"", "k.txt"};
-  argument.options.reference = "k.txt";
-  argument.options.radius_m = 4;
+  GroundTruthArgument argument = by_positions("k.txt", "k.txt", 4);
   argument.options.max_difference_s = 0.5;
   argument.options.query_times = "frames.csv";
   CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 2); }), "--query-pose-times"));
@@ -209,8 +206,7 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
              "#timestamp [ns],x,y,z,qw,qx,qy,qz\n1403636580000000000,0,0,0,1,0,0,0\n"
              "1403636581000000000,8,0,0,1,0,0,0\n");
   write_text("e.times", "1403636580000000000,a.png\n1403636580500000000,b.png\n");
-  GroundTruthArgument euroc{"", "e.csv"};
-  euroc.options = argument.options;
+  GroundTruthArgument euroc{"", "e.csv", 0, argument.options};
   euroc.options.reference = "e.csv";
   euroc.options.query_times = "e.times";
   // two sources of times

@@ -1,6 +1,5 @@
 // Ground truth by latitude and longitude.
 #include <cmath>
-#include <functional>
 
 #include <catch2/catch.hpp>
 
@@ -10,44 +9,27 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
+using test::by_positions;
+using test::check_refused;
 using test::read_labels;
 using test::write_text;
 
-namespace {
-
-/// 0.0001 degrees are 11.13 m of latitude and 6.87 m of longitude there.
-GroundTruthArgument fixes(const std::string& query, const std::string& reference, double radius) {
-  GroundTruthArgument argument{"", query};
-  argument.options.reference = reference;
-  argument.options.radius_m = radius;
-  return argument;
-}
-
-void check_refused(const std::function<void()>& work, const std::string& words,
-                   ErrorKind kind = ErrorKind::data) {
-  CHECK(test::error_kind(work) == kind);
-  const std::string text = test::error_text(work);
-  INFO(text);
-  CHECK(test::has(text, words));
-}
-
-}  // namespace
-
+// 0.0001 degrees are 11.13 m of latitude and 6.87 m of longitude there.
 TEST_CASE("fixes of frames are compared in meters") {
   write_text("q.csv", "frame,lat,lon\n0,52,13\n2,52.0001,13\n");
   write_text("r.csv", "\"Longitude\",frame,\"Latitude\"\n13.0001,0,52\n13,1,52.0001\n13,2,-52\n");
-  CHECK(read_labels(fixes("q.csv", "r.csv", 12), 4, 3) == "SS. iii .S. iii");
-  CHECK(read_labels(fixes("q.csv", "r.csv", 11), 4, 3) == "S.. iii .S. iii");
-  CHECK(read_labels(fixes("q.csv", "r.csv", 6.86), 4, 3) == "... iii .S. iii");
+  CHECK(read_labels(by_positions("q.csv", "r.csv", 12), 4, 3) == "SS. iii .S. iii");
+  CHECK(read_labels(by_positions("q.csv", "r.csv", 11), 4, 3) == "S.. iii .S. iii");
+  CHECK(read_labels(by_positions("q.csv", "r.csv", 6.86), 4, 3) == "... iii .S. iii");
   write_text("m.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
-  check_refused([&] { read_labels(fixes("q.csv", "m.csv", 1), 3, 3); }, "in meters");
-  check_refused([&] { read_labels(fixes("m.csv", "r.csv", 1), 3, 3); }, "format gps");
+  check_refused([&] { read_labels(by_positions("q.csv", "m.csv", 1), 3, 3); }, "in meters");
+  check_refused([&] { read_labels(by_positions("m.csv", "r.csv", 1), 3, 3); }, "format gps");
 }
 
 TEST_CASE("fixes on both sides of the antimeridian are near each other") {
   write_text("q.csv", "latitude,longitude\n0,179.99999\n0,-0.5\n");
   write_text("r.csv", "latitude,longitude\n0,-179.99999\n0,359.5\n");
-  CHECK(read_labels(fixes("q.csv", "r.csv", 3), 2, 2) == "S. .S");
+  CHECK(read_labels(by_positions("q.csv", "r.csv", 3), 2, 2) == "S. .S");
 }
 
 TEST_CASE("with fixes by image names, other images have no place") {
@@ -57,7 +39,7 @@ TEST_CASE("with fixes by image names, other images have no place") {
   }
   write_text("q.csv", "image,lat,lng,heading\nwalk/a10.jpg,52,13,90\na1.jpg,52.001,13,0\n");
   write_text("r.csv", "lat,lon,heading\n52.001,13,10\n52,13,270\n,,\n");
-  GroundTruthArgument argument = fixes("q.csv", "r.csv", 2);
+  GroundTruthArgument argument = by_positions("q.csv", "r.csv", 2);
   check_refused([&] { read_labels(argument, 3, 3); }, "--query-images", ErrorKind::usage);
   argument.options.query_images = "walk";
   CHECK(read_labels(argument, 3, 3) == "S.i iii .Si");
@@ -73,7 +55,7 @@ TEST_CASE("invalid positions are refused with the line") {
   write_text("r.csv", "lat,lon\n52,13\n");
   const auto refused = [&](const std::string& rows, const std::string& words) {
     write_text("q.csv", "lat,lon\n" + rows);
-    check_refused([&] { read_labels(fixes("q.csv", "r.csv", 1), 2, 1); }, words);
+    check_refused([&] { read_labels(by_positions("q.csv", "r.csv", 1), 2, 1); }, words);
   };
   refused("52,13\n103.8,1.3\n",
           "line 3: the latitude 103.8 is beyond 90 degrees; are latitude and");
@@ -87,7 +69,7 @@ TEST_CASE("invalid positions are refused with the line") {
 TEST_CASE("a side without fixes for most frames causes a warning") {
   write_text("q.csv", "lat,lon\n52,13\n,\n,\n");
   write_text("r.csv", "lat,lon\n52,13\n60,13\n61,13\n62,13\n");
-  GroundTruthArgument argument = fixes("q.csv", "r.csv", 1);
+  GroundTruthArgument argument = by_positions("q.csv", "r.csv", 1);
   test::Warnings warnings;
   read_ground_truth(argument, {{"", 3}, {{"ref", 4}}}, warnings.monitor);
   REQUIRE_FALSE(warnings.said.empty());
@@ -101,7 +83,7 @@ TEST_CASE("frames are located on a track by time") {
   write_text("q.times", "1714564800\n1714564801\n1714564900\n");
   write_text("r.csv",
              "lat,lon,time\n52.0001,13,2024-05-01T12:00:01Z\n52,13,2024-05-01T12:00:05Z\n");
-  GroundTruthArgument argument = fixes("t.csv", "r.csv", 1);
+  GroundTruthArgument argument = by_positions("t.csv", "r.csv", 1);
   argument.options.query_times = "q.times";
   CHECK(read_labels(argument, 3, 2) == ".S S. ii");
   GroundTruthOptions train;
@@ -119,7 +101,7 @@ TEST_CASE("times of fixes that decrease, repeat or are missing are refused") {
   write_text("q.times", "1714564800\n");
   const auto refused = [&](const std::string& rows, const std::string& words) {
     write_text("t.csv", "time,lat,lon\n" + rows);
-    GroundTruthArgument argument = fixes("t.csv", "r.csv", 1);
+    GroundTruthArgument argument = by_positions("t.csv", "r.csv", 1);
     argument.options.query_times = "q.times";
     check_refused([&] { read_labels(argument, 1, 1); }, words);
   };
@@ -137,7 +119,7 @@ TEST_CASE("formats that scripts convert are refused with the script") {
   std::filesystem::create_directories("photos");
   write_text("photos/IMG_1.jpg", "\xff\xd8\xff");
   const auto refused = [&](const std::string& query, const std::string& script, ErrorKind kind) {
-    GroundTruthArgument argument = fixes(query, "r.csv", 1);
+    GroundTruthArgument argument = by_positions(query, "r.csv", 1);
     check_refused([&] { read_labels(argument, 1, 1); }, "scripts/convert/" + script, kind);
     std::swap(argument.path, argument.options.reference);
     check_refused([&] { read_labels(argument, 1, 1); }, "scripts/convert/" + script,

@@ -3,10 +3,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/error.h"
-#include "base/output.h"
-#include "support.h"
-#include "truth/formats.h"
+#include "truth/truth_files.h"
 
 using namespace vpr;
 
@@ -85,9 +82,7 @@ TEST_CASE("the number of nearby poses is limited before the comparison") {
   for (int i = 0; i < 20000; ++i) poses += fmt::format("{},{},0\n", i, i % 2);
   test::write_text("p.csv", poses);
   const auto error = [&](double radius) {
-    GroundTruthArgument argument{"poses", "p.csv"};
-    argument.options.reference = "p.csv";
-    argument.options.radius_m = radius;
+    GroundTruthArgument argument = test::by_positions("p.csv", "p.csv", radius);
     return test::error_text([&] { read_ground_truth(argument, {{"", 20000}, {{"", 20000}}}); });
   };
   CHECK(test::has(error(1), "more than 134217728 pairs of frames lie within 1 m"));
@@ -196,12 +191,8 @@ TEST_CASE("a resampled frame has the labels of its recorded frame, in every form
   test::write_text("poses.csv", poses);
   const GroundTruthScope scope = {{"", 60}, {{"ref", 60}}};
   const InspectedGroundTruth truth = inspect_ground_truth({"pairs", "pairs.csv", 0}, scope);
-  Outputs outputs(Existing::refuse);
-  for (const char* name : {"matrix.npy", "matrix.npz"}) {
-    outputs.claim_file(name);
-    find_format("matrix").write(truth, outputs.file(name), {});
-  }
-  outputs.commit();
+  for (const char* name : {"matrix.npy", "matrix.npz"})
+    test::write_truth(find_format("matrix"), truth, name);
   for (const char* name : {"pairs.csv", "poses.csv", "matrix.npy", "matrix.npz"})
     check_replayed(name, 1);
   check_replayed("aligned", 1);

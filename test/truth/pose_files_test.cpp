@@ -10,15 +10,14 @@
 #include "truth/truth_files.h"
 
 using namespace vpr;
+using test::by_positions;
 using test::read_labels;
 using test::write_text;
 
 TEST_CASE("poses within a radius are the same place, unknown ones are ignored") {
   write_text("q.csv", "frame,x,y\n0,0,0\n2,3,4\n");
   write_text("r.csv", "frame,x,y\n1,0,5\n0,0,5.001\n3,1e300,-1e300\n");
-  GroundTruthArgument argument{"", "q.csv"};
-  argument.options.reference = "r.csv";
-  argument.options.radius_m = 5;
+  GroundTruthArgument argument = by_positions("q.csv", "r.csv", 5);
   // Query 1 and reference 2 have no pose. (0,0)-(0,5) is 5 m: the bound is inclusive.
   CHECK(read_labels(argument, 3, 4) == ".Si. iiii SSi.");
   argument.options.radius_m = 0;
@@ -33,9 +32,7 @@ TEST_CASE("poses within a radius are the same place, unknown ones are ignored") 
 TEST_CASE("headings are circular, and both bounds are inclusive") {
   write_text("q.csv", "frame,x,y,heading\n0,0,0,350\n1,0,0,-170\n");
   write_text("r.csv", "frame,x,y,heading\n0,0,0,10\n1,0,0,170\n2,0,0,11\n");
-  GroundTruthArgument argument{"poses", "q.csv"};
-  argument.options.reference = "r.csv";
-  argument.options.radius_m = 25;
+  GroundTruthArgument argument = by_positions("q.csv", "r.csv", 25);
   argument.options.angle_deg = 20;
   CHECK(read_labels(argument, 2, 3) == "S.. .S.");
   write_text("r.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
@@ -83,9 +80,7 @@ TEST_CASE("lines that begin with # may precede a header") {
   write_text("p.csv", "# made by hand\n#\nframe,x,y\n0,0,0\n1,one,0\n");
   write_text("g.csv", "# made by hand\nquery,reference\n0,1\n");
   CHECK(read_labels("g.csv", 1, 2) == ".S");
-  GroundTruthArgument argument{"", "p.csv"};
-  argument.options.reference = "p.csv";
-  argument.options.radius_m = 1;
+  GroundTruthArgument argument = by_positions("p.csv", "p.csv", 1);
   CHECK(test::has(test::error_text([&] { read_labels(argument, 2, 2); }), "line 5"));
 }
 
@@ -105,9 +100,7 @@ TEST_CASE("near poses equal those of comparing all pairs") {
     write_text(side == 0 ? "q.csv" : "r.csv", text);
   }
   for (const double radius : {0.0, 0.25, 2.0, 5.0, 40.0}) {
-    GroundTruthArgument argument{"poses", "q.csv"};
-    argument.options.reference = "r.csv";
-    argument.options.radius_m = radius;
+    GroundTruthArgument argument = by_positions("q.csv", "r.csv", radius);
     std::string expected;
     for (const auto& q : sides[0]) {
       for (const auto& r : sides[1]) {
@@ -127,9 +120,7 @@ TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orien
   write_text("q.tum", "# time x y z qx qy qz qw\n1.5 0 0 0 0 0 0 1\n");
   write_text("r.tum",
              fmt::format("1 3 0 4 0 0 0 2\n2 0 0 0 0 0 {} {}\n\n3 0 0 5.01 0 0 0 1\n", half, half));
-  GroundTruthArgument argument{"", "q.tum"};
-  argument.options.reference = "r.tum";
-  argument.options.radius_m = 5;
+  GroundTruthArgument argument = by_positions("q.tum", "r.tum", 5);
   CHECK(read_labels(argument, 1, 3) == "SS.");
   argument.options.angle_deg = 89.9;
   CHECK(read_labels(argument, 1, 3) == "S..");
@@ -138,19 +129,15 @@ TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orien
   // The same poses as matrices, with the position in the last column.
   write_text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   write_text("r.kitti", "1 0 0 3 0 1 0 0 0 0 1 4\n0 -1 0 0 1 0 0 0 0 0 1 0\n");
-  argument = {"", "q.kitti"};
-  argument.options.reference = "r.kitti";
+  argument = by_positions("q.kitti", "r.kitti", 5);
   argument.options.angle_deg = 89.9;
-  argument.options.radius_m = 5;
   CHECK(read_labels(argument, 1, 2) == "S.");
   CHECK(test::error_kind([&] { read_labels(argument, 2, 2); }) == ErrorKind::data);
 }
 
 TEST_CASE("a KITTI matrix that is not a rotation is refused with the line") {
   write_text("r.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
-  GroundTruthArgument argument{"", "q.kitti"};
-  argument.options.reference = "r.kitti";
-  argument.options.radius_m = 5;
+  GroundTruthArgument argument = by_positions("q.kitti", "r.kitti", 5);
   const auto refusal = [&](const std::string& matrix) {
     write_text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n" + matrix + "\n");
     return test::error_text([&] { read_labels(argument, 2, 1); });
@@ -165,9 +152,7 @@ TEST_CASE("a KITTI matrix that is not a rotation is refused with the line") {
 
 TEST_CASE("a byte order mark before a trajectory is not part of a number") {
   write_text("q.tum", "\xef\xbb\xbf\x31 0 0 0 0 0 0 1\n");
-  GroundTruthArgument argument{"", "q.tum"};
-  argument.options.reference = "q.tum";
-  argument.options.radius_m = 5;
+  GroundTruthArgument argument = by_positions("q.tum", "q.tum", 5);
   CHECK(read_labels(argument, 1, 1) == "S");
 }
 

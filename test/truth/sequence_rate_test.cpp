@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "sequence/frames.h"
 #include "sequence/live_source.h"
@@ -27,9 +26,14 @@ struct Recording {
   SequenceArgument argument(const std::string& range = "") const {
     return parse_sequence_argument(folder.path().string() + range);
   }
-  SequenceArgument rated(const RateSource& source, std::optional<double> fps,
+  /// Other sources of times than the images.
+  struct Times {
+    std::filesystem::path file = {};
+    std::optional<double> recorded_fps = {};
+  };
+  SequenceArgument rated(const Times& times, std::optional<double> fps,
                          const std::string& range = "") {
-    return with_rate(argument(range), source, fps, monitor);
+    return selected(argument(range), {"", fps, times.recorded_fps, {}}, times.file, 1, monitor);
   }
 };
 
@@ -113,13 +117,10 @@ TEST_CASE("frames with unknown times, or times that do not increase, cannot be r
 TEST_CASE("a video is resampled by its own times, and frames keep their numbers") {
   Recording recording;
   const std::string path = recording.folder / "walk.avi";
-  cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, {64, 48});
-  REQUIRE(writer.isOpened());
-  for (int i = 0; i < 12; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar(20 * i, 0, 0)));
-  writer.release();
+  test::write_video(path, 64, 48, std::vector<int>(12, 90), 20);
   const auto names = [&](const std::string& range, std::optional<double> fps) {
-    const SequenceArgument argument =
-        with_rate(parse_sequence_argument(path + range), {}, fps, recording.monitor);
+    const SequenceArgument argument = selected(parse_sequence_argument(path + range),
+                                               {"", fps, {}, {}}, {}, 1, recording.monitor);
     const Sequence frames =
         for_each_frame(open_sequence(argument), PixelFormat::gray, Unreadable::fail,
                        recording.monitor, [](size_t, const cv::Mat&) {});
@@ -134,7 +135,7 @@ TEST_CASE("a video is resampled by its own times, and frames keep their numbers"
   CHECK(names("@2:10", 5) == Names{"#2", "#6"});
   CHECK(names("@2:", 10) == Names{"#2", "#4", "#6", "#8", "#10"});
   CHECK(names("", {}).size() == 12);
-  CHECK(with_rate({path, {}}, {}, {}, {}).sequence.fps == Approx(20));
+  CHECK(selected({path, {}}, {}, {}, 1, {}).sequence.fps == Approx(20));
 }
 
 TEST_CASE("live frames are resampled like those of a complete recording") {
@@ -153,7 +154,7 @@ TEST_CASE("live frames are resampled like those of a complete recording") {
     auto source = open_resampled_source(
         open_live_source({walk.folder / "list.txt", {}}, Unreadable::fail), fps, {});
     Names came;
-    while (const auto frame = source->next({})) came.push_back(frame->file.stem().string());
+    while (const auto frame = source.next({})) came.push_back(frame->file.stem().string());
     CHECK(came == names_of(walk.rated({}, fps)));
   }
   Recording named({"a.png", "b.png"});
@@ -162,6 +163,6 @@ TEST_CASE("live frames are resampled like those of a complete recording") {
     return open_resampled_source(
         open_live_source({named.folder / "list.txt", {}}, Unreadable::fail), 5, recorded_fps);
   };
-  CHECK(test::error_kind([&] { open({})->next({}); }) == ErrorKind::usage);
-  CHECK(open(10)->next({})->name == "a.png");
+  CHECK(test::error_kind([&] { open({}).next({}); }) == ErrorKind::usage);
+  CHECK(open(10).next({})->name == "a.png");
 }

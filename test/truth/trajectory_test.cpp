@@ -3,10 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "loops/loops.h"
-#include "support.h"
 #include "truth/times.h"
+#include "truth/truth_files.h"
 
 using namespace vpr;
 
@@ -97,9 +96,8 @@ TEST_CASE("trajectories of TUM, EuRoC and KITTI are detected, with their times i
 TEST_CASE("times that decrease or repeat are refused with the line") {
   const TextFiles file;
   const auto falls = file("t.txt", std::string("2") + kNoTurn + "\n1" + kNoTurn);
-  const std::string text = test::error_text([&] { read_trajectory(falls, {}); });
-  CHECK(test::has(text, "t.txt, line 3"));
-  CHECK(test::has(text, "before the time of the previous frame, 2"));
+  test::check_refused([&] { read_trajectory(falls, {}); },
+                      "t.txt, line 3: its time 1 is before the time of the previous frame, 2");
   const auto repeats = file("r.txt", "1\n1\n");
   CHECK(test::error_kind([&] { read_time_list(repeats); }) == ErrorKind::data);
   CHECK(test::error_kind([&] { read_time_list(file("w.txt", "1\nx\n")); }) == ErrorKind::data);
@@ -154,11 +152,7 @@ TEST_CASE("unknown frames, loops to later frames and missing scores are refused 
   for (const char* time : {"100.00", "100.10", "100.20"}) poses += time + std::string(kNoTurn);
   const Trajectory trajectory = read_trajectory(file("t.txt", poses), {});
   const auto refused = [&](const std::string& content, const std::string& words) {
-    const auto path = file("l.csv", content);
-    CHECK(test::error_kind([&] { read_loops(path, trajectory); }) == ErrorKind::data);
-    const std::string text = test::error_text([&] { read_loops(path, trajectory); });
-    INFO(text);
-    CHECK(test::has(text, words));
+    test::check_refused([&] { read_loops(file("l.csv", content), trajectory); }, words);
   };
   refused("2,0\n3,0\n", "l.csv, line 2: there is no frame 3; the trajectory has 3 (0 to 2)");
   refused("1,-1\n", "line 1: there is no frame -1");

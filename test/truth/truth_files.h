@@ -40,6 +40,24 @@ inline std::string read_labels(const std::string& name, size_t query, size_t tra
   return read_labels(GroundTruthArgument{"", name}, query, train);
 }
 
+/// Ground truth by the positions of two files, of a detected format.
+inline GroundTruthArgument by_positions(const std::string& query, const std::string& train,
+                                        std::optional<double> radius_m) {
+  GroundTruthArgument argument{"", query};
+  argument.options.reference = train;
+  argument.options.radius_m = radius_m;
+  return argument;
+}
+
+/// Requires an error of this kind whose message has these words.
+template <class Work>
+void check_refused(Work&& work, std::string_view words, ErrorKind kind = ErrorKind::data) {
+  CHECK(error_kind(work) == kind);
+  const std::string text = error_text(work);
+  INFO(text);
+  CHECK(has(text, words));
+}
+
 template <class T>
 void write_matrix(const std::string& name, const std::vector<T>& values, size_t rows, size_t cols,
                   std::string_view type) {
