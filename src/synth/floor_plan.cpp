@@ -51,7 +51,7 @@ void lay_grid(const Floor& floor, FloorPlan& plan) {
 }
 
 bool is_glass(const Floor& floor, Point p) {
-  return std::any_of(floor.glass.begin(), floor.glass.end(), [&](const GlassFront& line) {
+  return std::ranges::any_of(floor.glass, [&](const GlassFront& line) {
     const double dx = line.to_x - line.from_x, dy = line.to_y - line.from_y;
     const double square = dx * dx + dy * dy;
     const double along = (p.x - line.from_x) * dx + (p.y - line.from_y) * dy;

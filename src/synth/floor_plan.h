@@ -36,7 +36,6 @@ struct Wall {
   Point at(double along_m, double inward_m = 0) const;
 };
 
-/// A lamp on the ceiling.
 struct Lamp {
   Point at;
   size_t room = 0;   ///< index in the floor's rooms
@@ -72,7 +71,6 @@ struct WallHit {
 /// inside a wall.
 std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point direction);
 
-/// Whether there is no wall between two points.
 bool can_see(const FloorPlan& plan, Point from, Point to);
 
 }  // namespace vpr

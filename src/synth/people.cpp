@@ -84,6 +84,90 @@ cv::Mat draw_person(const Wardrobe& clothes, double stride_cm) {
   return picture;
 }
 
+// Along the path; across it; or ahead of the camera, at its speed.
+enum class Motion { along, crosses, leads };
+
+struct Member {
+  double path_m = 0;     // position on the path at time 0; leads: distance ahead of the camera
+  double speed_m_s = 0;  // along the path; 0: stands
+  double aside_m = 0;    // offset to the left of the path
+  size_t person = 0;
+  Motion motion = Motion::along;
+  double from_s = 0;  // leads: start of visibility
+  double to_s = 0;    // leads: its end; crosses: reaches the middle of the path at from_s
+};
+
+std::vector<Member> draw_members(const World& world, const Walk& walk, const FloorPlan& plan,
+                                 const Path& path, const std::vector<CameraPose>& poses,
+                                 size_t people_count) {
+  std::vector<Member> members;
+  RandomEngine engine = named_engine(world.seed, "people/" + walk.name);
+  // They pass the camera at some time of the walk: most come toward it, some overtake it.
+  for (size_t group = 0; group < walk.passers_by; ++group) {
+    const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
+    const double pace = between(engine, 0.9, 1.5);
+    const double speed = pace * (uniform_unit(engine) < 0.8 ? -1 : 1.4);
+    const double distance = between(engine, 0.35, 0.7);
+    const double aside = distance * (uniform_unit(engine) < 0.5 ? -1 : 1);
+    const size_t size = 1 + uniform_below(engine, 3);
+    for (size_t i = 0; i < size; ++i) {
+      const double ahead = meeting.path_m + between(engine, -0.4, 0.4);
+      members.push_back({ahead - speed * meeting.time_s, speed,
+                         aside + (static_cast<double>(i) - 0.5) * between(engine, 0.3, 0.5),
+                         uniform_below(engine, people_count)});
+    }
+  }
+  for (size_t group = 0; group < walk.standing; ++group) {
+    const double path_m = path.length_m() * uniform_unit(engine);
+    const double side = uniform_unit(engine) < 0.5 ? -1 : 1;
+    const double normal = (path.heading_at(path_m) + 90 * side) * std::numbers::pi / 180;
+    const auto wall = cast_ray(plan, path.at(path_m), {std::cos(normal), std::sin(normal)});
+    const double room = wall ? std::min(wall->distance, 2.5) : 1;
+    const size_t size = 1 + uniform_below(engine, 4);
+    for (size_t i = 0; i < size; ++i)
+      members.push_back({path_m + static_cast<double>(i) * between(engine, 0.35, 0.6), 0,
+                         side * std::max(0.4, room - between(engine, 0.3, 0.6)),
+                         uniform_below(engine, people_count)});
+  }
+  // They cross the path a few meters ahead of the camera.
+  for (size_t group = 0; group < walk.crossing; ++group) {
+    const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
+    const double path_m = meeting.path_m + between(engine, 1.2, 4);
+    const double pace = between(engine, 0.7, 1.3);
+    const double speed = pace * (uniform_unit(engine) < 0.5 ? -1 : 1);
+    const size_t size = 1 + uniform_below(engine, 2);
+    for (size_t i = 0; i < size; ++i)
+      members.push_back({path_m + static_cast<double>(i) * between(engine, -0.3, 0.3), speed, 0,
+                         uniform_below(engine, people_count), Motion::crosses,
+                         meeting.time_s + static_cast<double>(i) * between(engine, 0.3, 0.8), 0});
+  }
+  // They walk a few meters ahead of the camera for a while.
+  for (size_t group = 0; group < walk.ahead; ++group) {
+    const double from = poses[uniform_below(engine, poses.size())].time_s;
+    const double to = from + between(engine, 5, 20), gap = between(engine, 1.3, 4);
+    const double aside = between(engine, -0.5, 0.3);
+    const size_t size = 1 + uniform_below(engine, 3);
+    for (size_t i = 0; i < size; ++i)
+      members.push_back({gap + between(engine, 0, 0.3), between(engine, 0.02, 0.15),
+                         aside + static_cast<double>(i) * between(engine, 0.45, 0.6),
+                         uniform_below(engine, people_count), Motion::leads, from, to});
+  }
+  return members;
+}
+
+// The position of a member at this pose; beyond the path if the member is not visible.
+Member moved(const Member& member, const CameraPose& pose) {
+  const double since_s = pose.time_s - member.from_s;
+  Member now = member;
+  if (member.motion == Motion::along) now.path_m += member.speed_m_s * pose.time_s;
+  if (member.motion == Motion::crosses) now.aside_m = member.speed_m_s * since_s;
+  if (member.motion == Motion::leads) {
+    now.path_m += pose.path_m + member.speed_m_s * since_s;
+    if (pose.time_s < member.from_s || pose.time_s > member.to_s) now.path_m = -1;
+  }
+  return now;
+}
+
 }  // namespace
 
 std::vector<PersonImages> make_people(uint64_t seed) {
@@ -98,92 +182,26 @@ std::vector<PersonImages> make_people(uint64_t seed) {
   return people;
 }
 
-Crowd::Crowd(const World& world, const Walk& walk, const FloorPlan& plan,
-             const std::vector<CameraPose>& poses, size_t people_count)
-    : plan_(plan), path_(walk.path), fps_(world.fps) {
-  for (const CameraPose& pose : poses) camera_path_m_.push_back(pose.path_m);
-  RandomEngine engine = named_engine(world.seed, "people/" + walk.name);
-  // They pass the camera at some time of the walk: most come toward it, some overtake it.
-  for (size_t group = 0; group < walk.passers_by; ++group) {
-    const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
-    const double pace = between(engine, 0.9, 1.5);
-    const double speed = pace * (uniform_unit(engine) < 0.8 ? -1 : 1.4);
-    const double distance = between(engine, 0.35, 0.7);
-    const double aside = distance * (uniform_unit(engine) < 0.5 ? -1 : 1);
-    const size_t size = 1 + uniform_below(engine, 3);
-    for (size_t i = 0; i < size; ++i) {
-      const double ahead = meeting.path_m + between(engine, -0.4, 0.4);
-      members_.push_back({ahead - speed * meeting.time_s, speed,
-                          aside + (static_cast<double>(i) - 0.5) * between(engine, 0.3, 0.5),
-                          uniform_below(engine, people_count)});
+std::vector<std::vector<Figure>> people_on_walk(const World& world, const Walk& walk,
+                                                const FloorPlan& plan,
+                                                const std::vector<CameraPose>& poses,
+                                                size_t people_count) {
+  const Path path(walk.path);
+  const auto members = draw_members(world, walk, plan, path, poses, people_count);
+  std::vector<std::vector<Figure>> figures(poses.size());
+  for (size_t i = 0; i < poses.size(); ++i)
+    for (const Member& member_before : members) {
+      const Member member = moved(member_before, poses[i]);
+      const double path_m = member.path_m;
+      if (path_m < 0 || path_m > path.length_m()) continue;
+      const Point place = path.at(path_m, member.aside_m);
+      if (!plan.is_open(place)) continue;
+      const bool walks = member.speed_m_s != 0;
+      const double walked = member.motion == Motion::crosses ? std::abs(member.aside_m) : path_m;
+      const bool second_half = std::fmod(walked / 1.3, 1.0) > 0.5;
+      figures[i].push_back(
+          {place, member.person, walks ? 1 + static_cast<size_t>(second_half) : size_t{0}});
     }
-  }
-  for (size_t group = 0; group < walk.standing; ++group) {
-    const double path_m = path_.length_m() * uniform_unit(engine);
-    const double side = uniform_unit(engine) < 0.5 ? -1 : 1;
-    const double normal = (path_.heading_at(path_m) + 90 * side) * std::numbers::pi / 180;
-    const auto wall = cast_ray(plan_, path_.at(path_m), {std::cos(normal), std::sin(normal)});
-    const double room = wall ? std::min(wall->distance, 2.5) : 1;
-    const size_t size = 1 + uniform_below(engine, 4);
-    for (size_t i = 0; i < size; ++i)
-      members_.push_back({path_m + static_cast<double>(i) * between(engine, 0.35, 0.6), 0,
-                          side * std::max(0.4, room - between(engine, 0.3, 0.6)),
-                          uniform_below(engine, people_count)});
-  }
-  // They cross the path a few meters ahead of the camera.
-  for (size_t group = 0; group < walk.crossing; ++group) {
-    const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
-    const double path_m = meeting.path_m + between(engine, 1.2, 4);
-    const double pace = between(engine, 0.7, 1.3);
-    const double speed = pace * (uniform_unit(engine) < 0.5 ? -1 : 1);
-    const size_t size = 1 + uniform_below(engine, 2);
-    for (size_t i = 0; i < size; ++i)
-      members_.push_back({path_m + static_cast<double>(i) * between(engine, -0.3, 0.3), speed, 0,
-                          uniform_below(engine, people_count), Motion::crosses,
-                          meeting.time_s + static_cast<double>(i) * between(engine, 0.3, 0.8), 0});
-  }
-  // They walk a few meters ahead of the camera for a while.
-  for (size_t group = 0; group < walk.ahead; ++group) {
-    const double from = poses[uniform_below(engine, poses.size())].time_s;
-    const double to = from + between(engine, 5, 20), gap = between(engine, 1.3, 4);
-    const double aside = between(engine, -0.5, 0.3);
-    const size_t size = 1 + uniform_below(engine, 3);
-    for (size_t i = 0; i < size; ++i)
-      members_.push_back({gap + between(engine, 0, 0.3), between(engine, 0.02, 0.15),
-                          aside + static_cast<double>(i) * between(engine, 0.45, 0.6),
-                          uniform_below(engine, people_count), Motion::leads, from, to});
-  }
-}
-
-// The position of a member at this time; beyond the path if the member is not visible.
-Crowd::Member Crowd::moved(const Member& member, double time_s) const {
-  const double since_s = time_s - member.from_s;
-  Member now = member;
-  if (member.motion == Motion::along) now.path_m += member.speed_m_s * time_s;
-  if (member.motion == Motion::crosses) now.aside_m = member.speed_m_s * since_s;
-  if (member.motion == Motion::leads) {
-    const auto frame = static_cast<size_t>(std::max(0.0, std::round(time_s * fps_)));
-    const double camera_m = camera_path_m_[std::min(frame, camera_path_m_.size() - 1)];
-    now.path_m += camera_m + member.speed_m_s * since_s;
-    if (time_s < member.from_s || time_s > member.to_s) now.path_m = -1;
-  }
-  return now;
-}
-
-std::vector<Figure> Crowd::at(double time_s) const {
-  std::vector<Figure> figures;
-  for (const Member& member_before : members_) {
-    const Member member = moved(member_before, time_s);
-    const double path_m = member.path_m;
-    if (path_m < 0 || path_m > path_.length_m()) continue;
-    const Point place = path_.at(path_m, member.aside_m);
-    if (!plan_.is_open(place)) continue;
-    const bool walks = member.speed_m_s != 0;
-    const double walked = member.motion == Motion::crosses ? std::abs(member.aside_m) : path_m;
-    const bool second_half = std::fmod(walked / 1.3, 1.0) > 0.5;
-    figures.push_back(
-        {place, member.person, walks ? 1 + static_cast<size_t>(second_half) : size_t{0}});
-  }
   return figures;
 }
 

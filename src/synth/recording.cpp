@@ -34,10 +34,9 @@ std::string poses_csv(const RecordedWalk& recorded) {
 /// views.
 std::optional<double> meters_to_place(const std::string& floor, const CameraPose& pose,
                                       const WorldPlace& place) {
-  const bool looks_alike =
-      std::any_of(place.headings.begin(), place.headings.end(), [&](double heading) {
-        return heading_difference(pose.heading_deg, heading) <= kSameHeadingDeg;
-      });
+  const bool looks_alike = std::ranges::any_of(place.headings, [&](double heading) {
+    return heading_difference(pose.heading_deg, heading) <= kSameHeadingDeg;
+  });
   if (floor != place.floor || !looks_alike) return std::nullopt;
   return distance(pose.position, {place.x, place.y});
 }
@@ -105,7 +104,7 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
   const size_t frames = recorded.poses.size();
   for (size_t first = 0; first < frames;) {
     const auto shows_any = [&](size_t i) {
-      return std::any_of(world.places.begin(), world.places.end(), [&](const WorldPlace& place) {
+      return std::ranges::any_of(world.places, [&](const WorldPlace& place) {
         const auto meters = meters_to_place(recorded.walk->floor, recorded.poses[i], place);
         return meters && *meters <= kPlaceIgnoreM;
       });
@@ -181,11 +180,12 @@ void render_walk(const RenderInputs& inputs, const Scene& scene, const RecordedW
                  const fs::path& folder) {
   const Walk& walk = *recorded.walk;
   make_part_folder(folder);
-  const Crowd crowd(inputs.world, walk, scene.plan, recorded.poses, inputs.people.size());
+  const auto figures =
+      people_on_walk(inputs.world, walk, scene.plan, recorded.poses, inputs.people.size());
   parallel_for(recorded.poses.size(), inputs.monitor, [&](size_t i) {
     const CameraPose& pose = recorded.poses[i];
     render_frame(inputs,
-                 {scene, inputs.people, crowd.at(pose.time_s), pose, walk.conditions,
+                 {scene, inputs.people, figures[i], pose, walk.conditions,
                   metered_poses(inputs.world, walk, recorded.poses, i)},
                  fmt::format("noise/{}/{}", walk.name, i), folder / fmt::format("{:05}", i));
   });

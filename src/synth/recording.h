@@ -39,7 +39,6 @@ struct RecordingSize {
   size_t views = 0;   ///< of places
 };
 
-/// The report about a rendered world (vpr.world-info/3).
 Json recording_json(const World& world, const RecordingSize& size);
 
 /// Renders a world into an existing folder:

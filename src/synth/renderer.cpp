@@ -75,8 +75,8 @@ double meters_per_pixel(const Canvas& canvas, const Wall& wall, const Column& co
 // the depth of both paths together.
 void cast_through_glass(const Canvas& canvas, const Scene& scene, const WallHit& hit,
                         Column& column) {
-  if (std::none_of(column.strip.begin(), column.strip.end(),
-                   [](const Texel& texel) { return texel[3] >= kGlassDaylight; }))
+  if (std::ranges::none_of(column.strip,
+                           [](const Texel& texel) { return texel[3] >= kGlassDaylight; }))
     return;
   if (scene.far_view > 0)
     panorama_strip(scene.outside, column.ray, 1 / canvas.focal, column.outside);
@@ -412,8 +412,7 @@ void paint_figures(Canvas& canvas, const std::vector<Column>& columns, const Vie
     order.emplace_back((figure.position.x - canvas.position.x) * canvas.forward.x +
                            (figure.position.y - canvas.position.y) * canvas.forward.y,
                        &figure);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [depth, figure] : order)
     paint_figure(canvas, columns, view.people[figure->person].postures[figure->posture],
                  figure->position, light);

@@ -44,10 +44,8 @@ struct Camera {
   double focal_px = 493;
 };
 
-/// The camera of all sequences of a world.
 Camera make_camera(const World& world);
 
-/// The visible world at one moment.
 struct View {
   const Scene& scene;
   const std::vector<PersonImages>& people;

@@ -103,7 +103,6 @@ struct FloorNames {
   std::string plan;
 };
 
-/// The finish of walls, floor and ceiling.
 struct Finish {
   cv::Scalar plaster;
   cv::Scalar dado;    ///< the lower part of a wall

@@ -58,7 +58,6 @@ std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
 /// Degrees between two headings, 0 to 180.
 double heading_difference(double a_deg, double b_deg);
 
-/// An angle and its rate of change.
 struct Swing {
   double angle_deg = 0;
   double rate_deg_s = 0;
@@ -89,34 +88,10 @@ struct Figure {
   size_t posture = 0;
 };
 
-/// All people on one walk.
-class Crowd {
- public:
-  Crowd(const World& world, const Walk& walk, const FloorPlan& plan,
-        const std::vector<CameraPose>& poses, size_t people_count);
-  /// All visible people at a time of the walk, in seconds.
-  std::vector<Figure> at(double time_s) const;
-
- private:
-  // Along the path; across it; or ahead of the camera, at its speed.
-  enum class Motion { along, crosses, leads };
-  struct Member {
-    double path_m = 0;     // position on the path at time 0; leads: distance ahead of the camera
-    double speed_m_s = 0;  // along the path; 0: stands
-    double aside_m = 0;    // offset to the left of the path
-    size_t person = 0;
-    Motion motion = Motion::along;
-    double from_s = 0;  // leads: start of visibility
-    double to_s = 0;    // leads: its end; crosses: reaches the middle of the path at from_s
-  };
-
-  Member moved(const Member& member, double time_s) const;
-
-  const FloorPlan& plan_;
-  Path path_;
-  std::vector<Member> members_;
-  std::vector<double> camera_path_m_;  // of the frames
-  double fps_;
-};
+/// The visible people at each pose of a walk; `people_count`: size of the set of people.
+std::vector<std::vector<Figure>> people_on_walk(const World& world, const Walk& walk,
+                                                const FloorPlan& plan,
+                                                const std::vector<CameraPose>& poses,
+                                                size_t people_count);
 
 }  // namespace vpr

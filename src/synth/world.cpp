@@ -103,8 +103,7 @@ void check_floor(const World& world, size_t index, const Checker& check) {
   const Floor& floor = world.floors[index];
   if (!floor.like.empty()) {
     const auto end = world.floors.begin() + static_cast<std::ptrdiff_t>(index);
-    const auto twin = std::find_if(world.floors.begin(), end,
-                                   [&](const Floor& other) { return other.name == floor.like; });
+    const auto twin = std::ranges::find(world.floors.begin(), end, floor.like, &Floor::name);
     check.require(twin != end && twin->like.empty(),
                   fmt::format("the floor {} is like {}, which is not an earlier floor with rooms",
                               floor.name, floor.like));

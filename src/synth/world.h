@@ -30,13 +30,11 @@ struct BuildingVariety {
 VPR_FIELDS(BuildingVariety, finishes, bareness, wear, window_light, far_view, reflections, changes,
            hands)
 
-/// The purpose of a walk's frames.
 enum class WalkUse { train, query, pretrain };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<WalkUse> = {"train", "query",
                                                                         "pretrain"};
 
-/// Light and camera quality.
 struct Conditions {
   double lamps = 1;     ///< artificial light; 1: all lamps on
   double daylight = 1;  ///< 0: night, 1: noon
@@ -56,7 +54,6 @@ struct WalkPace {
 };
 VPR_FIELDS(WalkPace, from_m, speed_m_s)
 
-/// A point at which the person stands for a while.
 struct WalkStop {
   double at_m = 0;  ///< along the path
   double seconds = 5;
@@ -70,7 +67,6 @@ struct WalkCut {
 };
 VPR_FIELDS(WalkCut, at_m, to_m)
 
-/// A path that a person walks along with a phone.
 struct Walk {
   std::string name;
   WalkUse use = WalkUse::train;
@@ -166,7 +162,6 @@ enum class FrameFormat { jpg, png };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<FrameFormat> = {"jpg", "png"};
 
-/// The complete input of a recording.
 struct World {
   std::string name;
   uint64_t seed = 1;

@@ -54,6 +54,7 @@ struct Scenery {
   World world;
   FloorPlan plan;
   std::vector<CameraPose> poses;
+  std::vector<std::vector<Figure>> people;  ///< at each pose
 
   // A walk of 20 s along x through a corridor 3 m wide.
   explicit Scenery(const Walk& settings) {
@@ -71,9 +72,7 @@ struct Scenery {
     world.walks = {walk};
     plan = make_floor_plan(floor);
     poses = walk_poses(world, walk, plan);
-  }
-  std::vector<Figure> at(const CameraPose& pose) const {
-    return Crowd(world, world.walks[0], plan, poses, 14).at(pose.time_s);
+    people = people_on_walk(world, walk, plan, poses, 14);
   }
 };
 
@@ -381,16 +380,16 @@ TEST_CASE("the exposure follows the frames within its lag, back to a cut") {
 
 TEST_CASE("there are no people unless requested") {
   const Scenery empty{Walk()};
-  for (const CameraPose& pose : empty.poses) CHECK(empty.at(pose).empty());
+  for (const auto& figures : empty.people) CHECK(figures.empty());
 }
 
 TEST_CASE("people walk ahead of the camera for a while, in its path") {
   const Scenery scenery(with(&Walk::ahead, 1));
   size_t seen = 0;
   double most = 0;
-  for (const CameraPose& pose : scenery.poses)
-    for (const Figure& figure : scenery.at(pose)) {
-      const double ahead = figure.position.x - pose.position.x;
+  for (size_t i = 0; i < scenery.poses.size(); ++i)
+    for (const Figure& figure : scenery.people[i]) {
+      const double ahead = figure.position.x - scenery.poses[i].position.x;
       CHECK(ahead > 1);
       most = std::max(most, ahead);
       CHECK(std::abs(figure.position.y - 1.5) <= 1.5);
@@ -403,11 +402,12 @@ TEST_CASE("people walk ahead of the camera for a while, in its path") {
 TEST_CASE("people cross the path from one side to the other, in front of the camera") {
   const Scenery scenery(with(&Walk::crossing, 1));
   std::vector<double> sideways, ahead;
-  for (const CameraPose& pose : scenery.poses) {
-    const std::vector<Figure> figures = scenery.at(pose);
+  for (size_t i = 0; i < scenery.poses.size(); ++i) {
+    const std::vector<Figure>& figures = scenery.people[i];
     if (figures.empty()) continue;
     sideways.push_back(figures[0].position.y - 1.5);
-    if (std::abs(sideways.back()) < 0.2) ahead.push_back(figures[0].position.x - pose.position.x);
+    if (std::abs(sideways.back()) < 0.2)
+      ahead.push_back(figures[0].position.x - scenery.poses[i].position.x);
   }
   REQUIRE_FALSE(sideways.empty());
   CHECK(std::abs(sideways.front() - sideways.back()) > 2);  // from wall to wall
