@@ -139,17 +139,15 @@ std::vector<ThresholdTable> read_thresholds(const Fields& manifest,
   return tables;
 }
 
-std::vector<std::pair<size_t, size_t>> read_shared_places(const Fields& manifest,
-                                                          size_t sequences) {
+std::vector<std::pair<size_t, size_t>> read_overlapping_sequences(const Fields& manifest,
+                                                                  size_t sequences) {
   std::vector<std::array<size_t, 2>> lists;
   manifest.read("overlapping_sequences", lists);
   std::vector<std::pair<size_t, size_t>> pairs;
-  for (const auto& [first, second] : lists) {
-    const std::pair pair(first, second);
-    if (pair.first >= pair.second || pair.second >= sequences ||
-        (!pairs.empty() && pair <= pairs.back()))
+  for (const auto& [a, b] : lists) {
+    if (a >= b || b >= sequences || (!pairs.empty() && std::pair(a, b) <= pairs.back()))
       manifest.fail("its \"overlapping_sequences\" are out of range or order");
-    pairs.push_back(pair);
+    pairs.emplace_back(a, b);
   }
   return pairs;
 }
@@ -227,11 +225,8 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = value_to_json(database.sequences, kDataForm);
   manifest["thresholds"] = value_to_json(database.thresholds, kDataForm);
-  if (database.overlapping_sequences) {
-    manifest["overlapping_sequences"] = Json::array();
-    for (const auto& [a, b] : *database.overlapping_sequences)
-      manifest["overlapping_sequences"].push_back({a, b});
-  }
+  if (database.overlapping_sequences)
+    manifest["overlapping_sequences"] = *database.overlapping_sequences;
   if (database.repeated_places) {
     manifest["repeated_places"] = Json::array();
     for (const RepeatedPlace& place : *database.repeated_places)
@@ -285,7 +280,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
                           shape.length,
                           has_unit ? read_number(manifest, "unit") : 0};
   database.statistics = read_statistics(archive, frames, shape);
-  database.overlapping_sequences = read_shared_places(manifest, database.sequences.size());
+  database.overlapping_sequences = read_overlapping_sequences(manifest, database.sequences.size());
   if (manifest.has("repeated_places"))
     database.repeated_places = read_repeated_places(manifest, frames);
   return database;

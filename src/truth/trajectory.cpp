@@ -277,8 +277,8 @@ std::string_view pose_line_format(std::string_view first_line) {
             : cells.size() != format.columns || first_line.find(',') != std::string_view::npos)
       continue;
     if (format.unit && unit_of_time(cells[0]) != format.unit) continue;
-    if (std::all_of(cells.begin(), cells.begin() + static_cast<ptrdiff_t>(format.columns),
-                    [](std::string_view cell) { return parse_real(cell).has_value(); }))
+    if (std::ranges::all_of(std::span(cells).first(format.columns),
+                            [](std::string_view cell) { return parse_real(cell).has_value(); }))
       return format.name;
   }
   return {};
