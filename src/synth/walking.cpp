@@ -77,6 +77,12 @@ struct Hold {
   }
 };
 
+/// An angle and its rate of change.
+struct Swing {
+  double angle_deg = 0;
+  double rate_deg_s = 0;
+};
+
 /// The tremor of a hand in one direction.
 class Tremor {
  public:
@@ -97,6 +103,22 @@ class Tremor {
   double most_deg_;
   std::array<double, 2> phases_{};
 };
+
+// The jolt of the camera at a step: a damped vibration that starts when the heel strikes, with a
+// random strength from 0.3 to 1.7 per step. `name` is the name of the walk and of the direction;
+// `most_deg` is the amplitude of a step of strength 1 without damping; the fraction of `steps` is
+// the time since the last step.
+Swing jolt_at(uint64_t seed, const std::string& name, double most_deg, double steps) {
+  if (most_deg == 0 || steps < 1) return {};
+  const double struck = std::floor(steps);
+  RandomEngine engine = named_engine(seed, fmt::format("jolt/{}/{:.0f}", name, struck));
+  const double most = most_deg * (0.3 + 1.4 * uniform_unit(engine));
+  const double since_s = (steps - struck) / kStepsPerS;
+  const double pulse = kTurn * kJoltHz;
+  const double left = most * std::exp(-since_s / kJoltDecayS);
+  const double sine = std::sin(pulse * since_s), cosine = std::cos(pulse * since_s);
+  return {left * sine, left * (pulse * cosine - sine / kJoltDecayS)};
+}
 
 /// One frame of a walk.
 struct Progress {
@@ -314,18 +336,6 @@ CameraPose held_on_day(const World& world, uint64_t day, CameraPose pose) {
   pose.roll_deg += hold.roll_deg;
   pose.heading_deg += hold.heading_deg;
   return pose;
-}
-
-Swing jolt_at(uint64_t seed, const std::string& name, double most_deg, double steps) {
-  if (most_deg == 0 || steps < 1) return {};
-  const double struck = std::floor(steps);
-  RandomEngine engine = named_engine(seed, fmt::format("jolt/{}/{:.0f}", name, struck));
-  const double most = most_deg * (0.3 + 1.4 * uniform_unit(engine));
-  const double since_s = (steps - struck) / kStepsPerS;
-  const double pulse = kTurn * kJoltHz;
-  const double left = most * std::exp(-since_s / kJoltDecayS);
-  const double sine = std::sin(pulse * since_s), cosine = std::cos(pulse * since_s);
-  return {left * sine, left * (pulse * cosine - sine / kJoltDecayS)};
 }
 
 }  // namespace vpr

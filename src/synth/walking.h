@@ -58,17 +58,6 @@ std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
 /// Degrees between two headings, 0 to 180.
 double heading_difference(double a_deg, double b_deg);
 
-struct Swing {
-  double angle_deg = 0;
-  double rate_deg_s = 0;
-};
-
-/// The jolt of the camera at a step: a damped vibration that starts when the heel strikes, with a
-/// random strength from 0.3 to 1.7 per step. `name` is the name of the walk and of the direction;
-/// `most_deg` is the amplitude of a step of strength 1 without damping; the fraction of `steps` is
-/// the time since the last step.
-Swing jolt_at(uint64_t seed, const std::string& name, double most_deg, double steps);
-
 /// Width of the image of a person, in meters.
 inline constexpr double kFigureWidthM = 0.8;
 inline constexpr double kFigureHeightM = 1.9;  ///< of the image; people are slightly smaller
