@@ -1,23 +1,13 @@
 #!/usr/bin/env python3
 """For one result of each method, all commands that show it print the same numbers, over the same
-frames.   agreement.py SOURCE BIN"""
+frames; the counts of the small building are those of configs/expected.   agreement.py SOURCE BIN"""
 import csv
 import io
-import json
-import pathlib
 import re
-import subprocess
-import sys
-import tempfile
 
-source, bin = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+from support import folder, read_json, run, source, write
+
 NAMES = ("R@1", "AP", "R@100P", "correct", "incorrect")
-
-
-def run(*words):
-    done = subprocess.run([bin / words[0], *map(str, words[1:])], cwd=folder, text=True, capture_output=True)
-    assert done.returncode == 0, (words, done.stderr)
-    return done.stdout
 
 
 def cells(values):
@@ -60,7 +50,7 @@ def frames_of(text):
 def check(name, result, truth):
     """`result`: the words that name it for vpr-eval."""
     run("vpr-eval", *result, *truth, "--name", name, "-o", f"{name}.report.json", "--quiet")
-    report = json.loads((folder / f"{name}.report.json").read_text())
+    report = read_json(f"{name}.report.json")
     numbers, frames = of_report(report)
     text = " ".join(run("vpr-eval", *result, *truth).split())
     if result[0] != "matrix":
@@ -93,58 +83,59 @@ def compare(names, numbers, frames, more=()):
         assert row(latex, name) == numbers[name], (latex, numbers[name])
 
 
-with tempfile.TemporaryDirectory() as made:
-    folder = pathlib.Path(made)
-    run("vpr-synth", source / "configs/worlds/small.json", "-o", "world", "--quiet")
-    truth = ("--dataset", "world/dataset.json")
-    run("vpr-train", "fastable", *truth, "--c-l", 20, "-o", "s.vprdb", "--quiet")
-    run("vpr-train", "fabmap", *truth, "--words", 300, "-o", "f.vprdb", "--quiet")
-    windows = ("--c-l", 20, "--score", "zscore", "--decide", "margin", "--margin", 0.5)
-    for name, words in {"filter": (), "windows": windows, "fastable": ("--c-l", 20, "--t-r", 0.6),
-                        "fabmap": ("--c-w", 3, "--t-p", 0.99)}.items():
-        database = "f.vprdb" if name == "fabmap" else "s.vprdb"
-        run("vpr-query", database, *truth, *words, "-o", f"{name}.json", "--quiet")
-    numbers, frames = {}, {}
-    for name in ("filter", "windows", "fastable", "fabmap"):
-        numbers[name], frames[name] = check(name, (f"{name}.json",), truth)
-    sequences = ("filter", "windows", "fastable")
-    assert len({frames[name] for name in sequences}) == 1, frames
-    together = run("vpr-eval", *(f"{name}.json" for name in sequences), *truth)
-    assert frames_of(together) == frames["filter"], together
-    for name in sequences:
-        assert row(together, name) == numbers[name], (together, numbers[name])
-    compare(sequences, numbers, frames["filter"])
-    (folder / "all").mkdir()
-    for name in sequences:
-        (folder / f"all/{name}.json").write_text((folder / f"{name}.report.json").read_text())
-    overview = run("vpr-eval", "report", "all")
-    for name in sequences:
-        assert row(overview, name) == numbers[name], (overview, numbers[name])
+run("vpr-synth", source / "configs/worlds/small.json", "-o", "world", "--quiet")
+truth = ("--dataset", "world/dataset.json")
+run("vpr-train", "fastable", *truth, "--c-l", 20, "-o", "s.vprdb", "--quiet")
+run("vpr-train", "fabmap", *truth, "--words", 300, "-o", "f.vprdb", "--quiet")
+windows = ("--c-l", 20, "--score", "zscore", "--decide", "margin", "--margin", 0.5)
+for name, words in {"filter": (), "windows": windows, "fastable": ("--c-l", 20, "--t-r", 0.6),
+                    "fabmap": ("--c-w", 3, "--t-p", 0.99)}.items():
+    database = "f.vprdb" if name == "fabmap" else "s.vprdb"
+    run("vpr-query", database, *truth, *words, "-o", f"{name}.json", "--quiet")
+# The counts of the small building have not changed, from pixels to report.
+for method in ("fastable", "openable"):
+    run("vpr-query", "s.vprdb", *truth, "--c-l", 20, "--method", method, "--verify", 1000, "-o", f"auto-{method}.json")
+    run("vpr-eval", f"auto-{method}.json", *truth, "--expect", source / "configs/expected/small-fastable.json")
+run("vpr-eval", "fabmap.json", *truth, "--expect", source / "configs/expected/small-fabmap.json", "--html", "f.html")
+numbers, frames = {}, {}
+for name in ("filter", "windows", "fastable", "fabmap"):
+    numbers[name], frames[name] = check(name, (f"{name}.json",), truth)
+sequences = ("filter", "windows", "fastable")
+assert len({frames[name] for name in sequences}) == 1, frames
+together = run("vpr-eval", *(f"{name}.json" for name in sequences), *truth)
+assert frames_of(together) == frames["filter"], together
+for name in sequences:
+    assert row(together, name) == numbers[name], (together, numbers[name])
+compare(sequences, numbers, frames["filter"])
+for name in sequences:
+    write(f"all/{name}.json", read_json(f"{name}.report.json"))
+overview = run("vpr-eval", "report", "all")
+for name in sequences:
+    assert row(overview, name) == numbers[name], (overview, numbers[name])
 
-    # A matrix of one training sequence, and lists made from it.
-    run("vpr-train", "fastable", "--train", "world/corridor", "-o", "c.vprdb", "--quiet")
-    run("vpr-query", "c.vprdb", "--query", "world/query", "--c-l", 1, "--t-r", 0.4, "--save-matrix", "S.npy", "-o", "one.json",
-        "--quiet")
-    labeled = csv.DictReader((folder / "world/query.ground_truth.csv").open())
-    pairs = ["query,reference"] + [f"{one['query']},{one['reference']}" for one in labeled
-                                   if one["sequence"] == "corridor" and one["label"] == "same"]
-    (folder / "pairs.csv").write_text("\n".join(pairs) + "\n")
-    truth = ("--ground-truth", "pairs.csv")
-    names = ("--query", "world/query", "--train", "world/corridor")
-    numbers["single"], frames["single"] = check("single", ("one.json",), truth)
-    run("vpr-eval", "matrix", "S.npy", "--distance", *names, "--top-k", 5, "--pairs", "list.txt")
-    matrix, list_ = ("matrix", "S.npy", "--distance"), ("matrix", "list.txt", *names)
-    numbers["matrix"], frames["matrix"] = check("matrix", matrix, truth)
-    numbers["list"], frames["list"] = check("list", list_, truth)
-    assert frames["matrix"] == frames["list"] == frames["single"], frames
-    assert numbers["matrix"][:3] == numbers["single"][:3], numbers
-    assert numbers["list"][:3] == (numbers["matrix"][0], "-", "-"), numbers
-    compare(("single", "matrix"), numbers, frames["matrix"])
+# A matrix of one training sequence, and lists made from it.
+run("vpr-train", "fastable", "--train", "world/corridor", "-o", "c.vprdb", "--quiet")
+run("vpr-query", "c.vprdb", "--query", "world/query", "--c-l", 1, "--t-r", 0.4, "--save-matrix", "S.npy", "-o", "one.json",
+    "--quiet")
+labeled = csv.DictReader((folder / "world/query.ground_truth.csv").open())
+pairs = ["query,reference"] + [f"{one['query']},{one['reference']}" for one in labeled
+                               if one["sequence"] == "corridor" and one["label"] == "same"]
+truth = ("--ground-truth", write("pairs.csv", "\n".join(pairs) + "\n"))
+names = ("--query", "world/query", "--train", "world/corridor")
+numbers["single"], frames["single"] = check("single", ("one.json",), truth)
+run("vpr-eval", "matrix", "S.npy", "--distance", *names, "--top-k", 5, "--pairs", "list.txt")
+matrix, list_ = ("matrix", "S.npy", "--distance"), ("matrix", "list.txt", *names)
+numbers["matrix"], frames["matrix"] = check("matrix", matrix, truth)
+numbers["list"], frames["list"] = check("list", list_, truth)
+assert frames["matrix"] == frames["list"] == frames["single"], frames
+assert numbers["matrix"][:3] == numbers["single"][:3], numbers
+assert numbers["list"][:3] == (numbers["matrix"][0], "-", "-"), numbers
+compare(("single", "matrix"), numbers, frames["matrix"])
 
-    # Loops within the query: frames of the way back through the corridor have none.
-    run("vpr-query", "loops", "--query", "world/query", "--gap", 40, "--c-l", 10, "--score", "zscore", "--t-r", -1.5,
-        "-o", "loops.json", "--quiet")
-    (folder / "loops.csv").write_text("query,reference\n" + "".join(f"{150 + i},{20 + i}\n" for i in range(40)))
-    numbers["loops"], frames["loops"] = check("loops", ("loops.json",), ("--ground-truth", "loops.csv"))
-    assert frames["loops"] == 40, frames
+# Loops within the query: frames of the way back through the corridor have none.
+run("vpr-query", "loops", "--query", "world/query", "--gap", 40, "--c-l", 10, "--score", "zscore", "--t-r", -1.5,
+    "-o", "loops.json", "--quiet")
+loops = write("loops.csv", "query,reference\n" + "".join(f"{150 + i},{20 + i}\n" for i in range(40)))
+numbers["loops"], frames["loops"] = check("loops", ("loops.json",), ("--ground-truth", loops))
+assert frames["loops"] == 40, frames
 print("the commands agree on", ", ".join(f"{name} {frames[name]}" for name in frames))

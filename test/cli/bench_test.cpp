@@ -51,18 +51,6 @@ TEST_CASE("a comparison exits with 5 if the new run is slower") {
   CHECK(compare("a.json", "b.json").exit_code == 4);
 }
 
-TEST_CASE("benchmark settings out of range are refused") {
-  check_refused("vpr-bench",
-                {{"matching --methods slowable", 2, "slowable"},
-                 {"matching --databases 0", 2, "databases"},
-                 {"matching --seconds 0", 2, "seconds"},
-                 {"matching --train x --query y --descriptor-length 8", 2, "--descriptor-length"},
-                 {"matching --train x", 2, "--query"},
-                 {"describe --features surff", 2, "surff"},
-                 {"fabmap --variants fabmap3", 2, "fabmap3"},
-                 {"fabmap --places 0", 2, "places"}});
-}
-
 TEST_CASE("a recording is played at its rate") {
   write_walk("walk", 12, 0);
   run_ok("vpr-train fastable --train walk --c-l 3 -o w.vprdb --quiet");
@@ -75,9 +63,4 @@ TEST_CASE("a recording is played at its rate") {
     CHECK(row["values"]["latency_50_ms"].get<double>() <=
           row["values"]["latency_max_ms"].get<double>());
   }
-  write_array("q.npy", std::vector<float>(12, 1), {3, 4});
-  check_failure("vpr-bench realtime w.vprdb --query q.npy --c-l 2", 2,
-                "not a folder or list of images");
-  run_ok("vpr-train descriptors --npy q.npy --c-l 2 -o v.vprdb --quiet");
-  check_failure("vpr-bench realtime v.vprdb --query walk --c-l 2", 4, "imported descriptors");
 }

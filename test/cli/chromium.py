@@ -4,21 +4,14 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import time
+
+from support import skip
 
 PROGRAM = next((path for name in ("chromium", "chromium-browser", "google-chrome")
                 if (path := shutil.which(name))), None)
 if PROGRAM is None:
-    print("chromium is missing")
-    sys.exit(77)
-
-
-def run(bin, folder, *words):
-    """The output of one of our programs."""
-    done = subprocess.run([f"{bin}/{words[0]}", *words[1:]], cwd=folder, text=True, capture_output=True)
-    assert done.returncode == 0, (words, done.stderr)
-    return done.stdout
+    skip("chromium is missing")
 
 
 class Chromium:
@@ -111,9 +104,6 @@ class Chromium:
         return self
 
     def __exit__(self, *error):
-        self.close()
-
-    def close(self):
         try:
             self.call("Browser.close")
         except (RuntimeError, OSError):

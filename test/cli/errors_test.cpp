@@ -1,5 +1,7 @@
 // Bad input: one sentence, the correct exit code, and no partial output.
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -27,56 +29,84 @@ void make_walks() {
 const std::string kTrain = "vpr-train fastable --c-l 5";
 const std::string kQuery = "vpr-query db.vprdb --query query -o r.json";
 
-// Checks that the folder is unchanged: no result, no temporary file.
-void check_nothing_written() {
-  CHECK(list_folder(".") == Words{"db.vprdb", "empty", "one", "query", "two"});
+// The inputs of refused.txt.
+void make_inputs() {
+  make_walks();
+  std::string poses;
+  for (int i = 0; i < 40; ++i) poses += fmt::format("{} {} 0 0 0 0 0 1\n", 100 + i, i);
+  for (const auto& [name, text] : std::map<std::string, std::string>{
+           {"falling.csv", "1\n2\n1.5\n"},
+           {"repeated.csv", "1\n2\n2\n"},
+           {"few.csv", "1\n2\n3\n"},
+           {"cut.npy", "\x93NUMPY"},
+           {"g.csv", "query,reference\n0,0\n5,3\n"},
+           {"named.csv", "query,reference\na.png,b.png\n"},
+           {"unnamed.csv", "query,sequence,reference\nnone.png,one,1\n"},
+           {"ignored.csv", "query,sequence,reference,label\n0,one,0,ignore\n"},
+           {"flat.csv", "frame,x,y\n0,0,0\n"},
+           {"z.csv", "frame,x,y,z\n0,0,0,1\n"},
+           {"odd.csv", "frame,x,y,weight\n0,1,1,2\n"},
+           {"xy.csv", "x,y\n1.5,0\n"},
+           {"p.txt", "0 1 0.5\n"},
+           {"far.txt", "4194302 500\n"},
+           {"laps.txt", poses},
+           {"closures.csv", "query,match,score\n30,2,0.9\n"},
+           {"both-ways.csv", "30,2\n2,30\n"},
+           {"beyond.csv", "30,2\n300,2\n"},
+           {"filter.json", R"({"method": "filter"})"},
+           {"lsh.json", R"({"method": "lsh"})"},
+           {"hog.json", R"({"descriptor": "hog"})"},
+           {"unknown.json", R"({"t_l": 5})"},
+           {"place.json", R"({"c_l": 5, "t_p": 0.3})"},
+           {"radius.json", R"({"clustering": {"eps": -1}})"},
+           {"raw.json", R"({"c_l": 5, "t_r": -1.5})"},
+           {"fused.json", R"({"score": "zscore", "fusion_weight": 0.2})"}})
+    write_text(name, text);
+  const auto write_floats = [](const std::string& name, size_t rows, size_t length, int missing) {
+    std::vector<float> values(rows * length);
+    for (size_t i = 0; i < values.size(); ++i) values[i] = float((i * i + rows) % 101) + 1;
+    std::fill_n(values.begin() + 2 * length, missing, NAN);
+    write_array(name, values, {rows, length});
+  };
+  write_floats("s.npy", 12, 12, 0);
+  write_floats("db.npy", 60, 48, 0);
+  write_floats("q.npy", 24, 48, 0);
+  write_floats("short.npy", 4, 10, 0);
+  write_floats("nan.npy", 4, 48, 1);
+  write_floats("gap.npy", 9, 48, 48);
+  write_array<uint8_t>("bits.npy", {1, 2, 3, 7, 1, 4}, {3, 2});
+  write_array<uint8_t>("wide.npy", {1, 2, 3, 7, 1, 2}, {2, 3});
+  write_array("large.npy", std::vector<int64_t>(25, int64_t{1} << 60), {5, 5});
+  write_text("truncated.npy", read_text("db.npy").substr(0, 1000));
+  run_ok(
+      "vpr-train descriptors --npy db.npy --sequence a=0:28 --sequence b=28:60 -o vectors.vprdb");
+  run_ok("vpr-train fastable --train $one -o one.vprdb");
+  run_ok("vpr-query loops --query query --c-l 4 --gap 3 -o loops.json");
+  run_ok(kQuery + " --c-l 5");
 }
 
 }  // namespace
 
-TEST_CASE("sequences and databases that are missing, empty or out of range are refused") {
-  start_with(make_walks);
-  check_refused(kTrain, {{"--train none -o x.vprdb", 3, "none"},
-                         {"--train empty -o x.vprdb", 3, "no images"},
-                         {"--train one@0:9 -o x.vprdb", 2, "8 frames"},
-                         {"--train one@5:2 -o x.vprdb", 2, "range"},
-                         {"--train one --train one -o x.vprdb", 2, "once"},
-                         {"-o x.vprdb", 2, "--train"},
-                         {"--train one", 2, "-o"},
-                         {"--train-folders one -o x.vprdb", 3, "subfolders"},
-                         {"--train one -o /proc/x.vprdb", 3, "can't be written"}});
-  check_refused("vpr-train info",
-                {{"none.vprdb", 3, "no such database"}, {"one", 4, "is not a database"}});
-  check_nothing_written();
+TEST_CASE("mistakes are refused with their exit code and one sentence, and write nothing") {
+  start_with(make_inputs);
+  const auto before = list_folder(".");
+  std::string begin;
+  for (const std::string& line : lines_of(read_text(source_path("test/cli/refused.txt")))) {
+    if (line.empty() || line.front() == '#') continue;
+    const size_t bar = line.find(" | ");
+    if (line.starts_with("vpr-"))
+      begin = line;
+    else
+      check_failure(begin + line.substr(1, bar - 1), line.front() - '0', line.substr(bar + 3));
+  }
+  CHECK(list_folder(".") == before);
+  check_failure(run("vpr-query db.vprdb --query query", "VPR_SIMD=AVX9"), 2, "choose one of");
 }
 
-TEST_CASE("settings out of range, and flags of another method, are refused") {
+TEST_CASE("numbers may begin with a point or a plus, or have an exponent") {
   start_with(make_walks);
-  check_refused(kQuery, {{"--c-l 0", 2, "c_l"},
-                         {"--c-l -3", 2, "c-l"},
-                         {"--c-l 9", 2, "smaller --c-l"},
-                         {"--c-l 99999999999999999999", 2, "c-l"},
-                         {"--c-l 5 --t-r nan", 2, "t-r"},
-                         {"--c-l 5 --t-r 1e999", 2, "t-r"},
-                         {"--c-l 5 --t-r -1", 2, "t_r"},
-                         {"--c-l 5 --t-r-scale bytes", 2, "relative"},
-                         {"--c-l 5 --method fastabel", 2, "openable"},
-                         {"--c-l 5 --max-memory lots", 2, "512M"},
-                         {"--c-l 5 --save-matrix m.tiff", 2, ".npy"},
-                         {"--c-l 5 --save-matrix no/m.npy", 3, "does not exist"},
-                         {"--c-l 5 --threads x", 2, "threads"},
-                         {"--c-l 5 --only-sequence three", 2, "one, two"},
-                         {"--seed 99999999999999999999999", 2, "seed"},
-                         {"--verify -1", 2, "verify"},
-                         {"--t-p 0.5", 2, "--t-p"},
-                         {"--method fabmap", 4, "fabmap"},
-                         {"--c-l 5 --t-r 55", 2, "--t-r 55 --t-r-scale bits"},
-                         {"--c-l 5 --score zscore --t-r 0.5", 2, "--t-r -1.5"}});
-  check_refused("vpr-query", {{"", 2, "DB"}, {"--no-such-flag", 2, "--help"}});
-  check_failure(run(kQuery, "VPR_SIMD=AVX9"), 2, "choose one of");
-  check_nothing_written();
-  ok(run(kQuery + " --c-l 5 --t-r .5"));
-  ok(run(kQuery + " --c-l +5 --t-r 5e-1 --force"));
+  run_ok(kQuery + " --c-l 5 --t-r .5");
+  run_ok(kQuery + " --c-l +5 --t-r 5e-1 --force");
 }
 
 TEST_CASE("an existing output is refused before any work, and replaced with --force") {
@@ -101,14 +131,6 @@ TEST_CASE("an existing output is refused before any work, and replaced with --fo
   for (const char* kept :
        {"two/07.png", "extension/manifest.json", "mixed/notes.txt", "recordings/rec/00.png"})
     CHECK(fs::exists(kept));
-}
-
-TEST_CASE("writing an output twice is refused, and a failed run leaves no matrix") {
-  start_with(make_walks);
-  check_refused(kQuery + " --c-l 5 --t-r 1",
-                {{"--force --save-matrix r.recognitions.npy", 2, "written twice"},
-                 {"--max-memory 1 --save-matrix d.npy", 2, "recognitions"}});
-  check_nothing_written();
 }
 
 TEST_CASE("a failure of stdout does not lose the requested files") {
@@ -192,18 +214,9 @@ TEST_CASE("frames above the size limit are refused, or accepted with a higher li
   write_walk("big", 6, 0, 1200, 1000);
   write_text("c.json", R"({"max_megapixels": 1})");
   const std::string train = kTrain + " --train big --force -o x.vprdb";
-  check_refused(train, {{"--max-megapixels 1", 2, "0.png: has 1200 x 1000 pixels"},
-                        {"--max-megapixels 0", 2, "from 1 to 1073"},
-                        {"--config c.json", 2, "--max-megapixels 2"}});
+  check_failure(train + " --max-megapixels 1", 2, "0.png: has 1200 x 1000 pixels");
+  check_failure(train + " --max-megapixels 0", 2, "from 1 to 1073");
+  check_failure(train + " --config c.json", 2, "--max-megapixels 2");
   run_ok(train + " --config c.json --max-megapixels 2");
   run_ok(train);
-}
-
-TEST_CASE("ground truth that is missing or does not match is refused") {
-  start_with(make_walks);
-  run_ok(kQuery + " --c-l 5");
-  CHECK(has(run_ok("vpr-eval r.json").out, "Nothing is judged"));
-  check_refused("vpr-eval", {{"r.json --ground-truth no.csv", 3, "no.csv"},
-                             {"r.json --ground-truth aligned", 2, "exactly one"},
-                             {"db.vprdb/manifest.json --ground-truth aligned", 4, "vpr.result/3"}});
 }

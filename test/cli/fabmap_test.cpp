@@ -67,30 +67,6 @@ TEST_CASE("a database imported from vocabulary, tree and words has the same post
   CHECK(read_text("r.npy") == read_text("i.npy"));
 }
 
-TEST_CASE(
-    "in vpr-query loops, a recording recognizes its own earlier frames, none within the gap") {
-  fs::create_directory("lap");
-  const Words names = images_of(world().walk("one"));
-  for (size_t lap = 0; lap < 2; ++lap)
-    for (size_t i = 0; i < names.size(); ++i)
-      fs::copy(fs::path(world().walk("one")) / names[i],
-               fmt::format("lap/{}.png", lap * names.size() + i));
-  run_ok(kTrain + "-o v.vprdb");
-  check_failure("vpr-query v.vprdb --query lap --json", 2, "vpr-query loops");
-  run_ok(
-      "vpr-query loops v.vprdb --query lap --gap 20 --t-p 0.2 --save-posteriors p.npy -o r.json");
-  const auto rows = read_array<int32_t>("r.best.npy");
-  const auto lap = static_cast<int32_t>(names.size());
-  size_t right = 0;
-  for (int32_t frame = 0; frame < 2 * lap; ++frame) {
-    const int32_t view = rows[static_cast<size_t>(4 * frame + 3)];
-    REQUIRE(view < std::max(frame - 20, 0));
-    if (frame >= lap && std::abs(view - (frame - lap)) <= 1) ++right;
-  }
-  CHECK(right > names.size() * 9 / 10);
-  CHECK(NpyArray("p.npy").shape() == std::vector<size_t>{2 * names.size(), 1 + 2 * names.size()});
-}
-
 TEST_CASE("an explanation lists words and draws them") {
   const auto outcome =
       run_ok("vpr-query explain $fabmap --query $back --frame 20 --train $one -o r.json");
@@ -102,20 +78,14 @@ TEST_CASE("an explanation lists words and draws them") {
     CHECK(place["for"][0]["log_odds"].get<double>() >= place["for"][1]["log_odds"].get<double>());
     CHECK(place["against"][0]["log_odds"].get<double>() < 0);
   }
-  check_refused("vpr-query explain",
-                {{"$fabmap --query $back --frame 999 --json", 2, "--frame 999"},
-                 {"$fabmap --query $back --frame 2 --train none=x -o s.json", 2, "none"},
-                 {"$db --query q --frame 2", 4, "vpr-query explain"}});
-  CHECK(!fs::exists("s.json"));
 }
 
 TEST_CASE("frames without features keep their index and are counted, with a warning") {
   fs::create_directory("gray");
   for (const std::string name : {"1.pgm", "2.pgm"}) write_text("gray/" + name, kGrayImage);
-  check_refused(
-      "vpr-train fabmap --pretrain gray",
-      {{"--train $one -o x.vprdb", 2, "none of the 2 --pretrain frames has a surf feature"},
-       {"--clustering radius -o x.vprdb", 2, "larger images, or another kind of --features"}});
+  const std::string gray = "vpr-train fabmap --pretrain gray -o x.vprdb ";
+  check_failure(gray + "--train $one", 2, "none of the 2 --pretrain frames has a surf feature");
+  check_failure(gray + "--clustering radius", 2, "larger images, or another kind of --features");
   fs::copy(world().walk("one"), "walk");
   const auto frames = list_folder("walk").size();
   for (size_t i = 0; i < frames; ++i) write_text("walk/" + fmt::format("zz{}.pgm", i), kGrayImage);
@@ -153,6 +123,7 @@ TEST_CASE("an undecodable frame never matches, as a view or in a loop") {
   // A gray frame after the broken one, which resembles no other frame.
   fs::copy("gray/1.pgm", "one/zz.pgm");
   run_ok(kTrain + "-o v.vprdb");
+  check_failure("vpr-query v.vprdb --query $one", 2, "vpr-query loops");
   run_ok("vpr-query loops v.vprdb --query one --skip-unreadable --t-p 0.5 -o l.json");
   const NpyArray recognitions("l.recognitions.npy");
   for (size_t i = 0; i < recognitions.shape()[0]; ++i)
@@ -181,30 +152,6 @@ TEST_CASE("an undecodable pretraining frame is omitted and is not a frame withou
   check_same("other.vprdb", "broken.vprdb");
 }
 
-TEST_CASE("FAB-MAP settings out of range, and flags of another method, are refused") {
-  check_refused("vpr-query $fabmap --query $back --json",
-                {{"--t-p 1.5", 2, "t_p must be"},
-                 {"--t-p nan", 2, "\"--t-p\""},
-                 {"--c-w 0", 2, "c_w must be"},
-                 {"--c-w -1", 2, "\"--c-w\""},
-                 {"--variant fabmap3", 2, "did you mean fabmap2?"},
-                 {"--word-model x", 2, "\"--word-model\""},
-                 {"--new-place never", 2, "\"--new-place\""},
-                 {"--save-matrix m.npy", 2, "--save-posteriors"},
-                 {"--t-r 0.4", 2, "--t-p"}});
-  check_refused("vpr-train fabmap --pretrain $other --train $one -o x.vprdb",
-                {{"--words 0", 2, "from 2 to 10000000"},
-                 {"--words 1", 2, "from 2 to 10000000"},
-                 {"--words 100000000", 2, "from 2 to 10000000"},
-                 {"--features surff", 2, "\"--features\""},
-                 {"--words 999999", 2, "use fewer --words"},
-                 {"--place x", 2, "NAME=SEQUENCE"},
-                 {"--clustering tree", 2, "\"--clustering\""},
-                 {"--tree t.npy", 2, "--from-openfabmap"},
-                 {"--from-openfabmap", 2, "--from-openfabmap"}});
-  CHECK(list_folder(".").empty());
-}
-
 TEST_CASE("damage in any file of a FAB-MAP database is detected") {
   fs::copy(world().fabmap(), "d.vprdb");
   for (const std::string& name : list_folder("d.vprdb")) {
@@ -213,8 +160,9 @@ TEST_CASE("damage in any file of a FAB-MAP database is detected") {
     const std::string whole = read_text(file);
     for (const std::string& text : damaged(whole)) {
       write_text(file, text);
-      check_refused("", {{"vpr-train info d.vprdb", 4, "d.vprdb"},
-                         {"vpr-query d.vprdb --query $back --json", 4, "d.vprdb"}});
+      for (const std::string command :
+           {"vpr-train info d.vprdb", "vpr-query d.vprdb --query $back"})
+        check_failure(command, 4, "d.vprdb");
     }
     fs::remove(file);
     const int exit_code = run("vpr-train info d.vprdb").exit_code;

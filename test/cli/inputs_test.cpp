@@ -74,13 +74,6 @@ RunOutcome query_matrix(const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("rows of descriptors are frames, not windows") {
-  const std::string scores = distances(20, 20);
-  check_failure(evaluate("matrix --query-npy " + scores + " --train-npy " + scores +
-                         " --ground-truth aligned --rows-are-windows-of 10"),
-                2, "vpr-query --query-npy --c-l N");
-}
-
 TEST_CASE("rows of scores are windows of the length given by the query") {
   const std::string words = "matrix " + distances(20, 20) + " --distance --ground-truth aligned";
   const auto windows_of = [&](const std::string& length, const std::string& more) {
@@ -88,11 +81,7 @@ TEST_CASE("rows of scores are windows of the length given by the query") {
   };
   CHECK(printed_json(windows_of("5", ""))["localization"]["frames"] == 24);
   CHECK(printed_json(windows_of("5", "--query-frames 24"))["settings"]["window"] == 5);
-  check_failure(windows_of("5", "--query-frames 20"), 4, "need a query of 24 frames, found 20");
-  check_failure(windows_of("30", ""), 4, "20 rows are fewer than the frames of one window, 30");
   CHECK(printed_json(windows_of("30", "--query-frames 49"))["localization"]["frames"] == 49);
-  write_walk("q", 20, 1);
-  check_failure(windows_of("5", "--query q"), 4, "found 20");
 }
 
 TEST_CASE("a shifted ground truth is distinguished from a failing method") {
@@ -141,21 +130,6 @@ TEST_CASE("pairs name frames by number or by file") {
   CHECK(counts("named.csv") == expected);  // the query and the database of the run
   CHECK(counts("stems.csv") == expected);
   CHECK(counts("named.csv", "--query $back --train $one --train $two") == expected);
-  write_text("bad.csv", "query,sequence,reference\nnone.png,one,1\n");
-  check_failure(evaluate("r.json --ground-truth bad.csv"), 4,
-                "bad.csv, line 2: query \"none.png\" is neither a frame number nor the name");
-  check_failure(evaluate("check named.csv"), 4, "--query and --train");
-}
-
-TEST_CASE("a mistake on the command line is answered with a suggestion") {
-  check_failure("vpr-train --train monday -o x", 2, "a command is missing: fastable, ");
-  check_failure("vpr-query $db tuesday", 2,
-                "unexpected argument tuesday; did you mean --query tuesday?");
-  check_failure("vpr-train fastable monday", 2, "did you mean --train monday?");
-  check_failure("vpr-query $db --query $back@20", 3,
-                "A range is FIRST:LAST[:STEP], as in " + world().walk("back") + "@0:100");
-  check_failure(evaluate("$db --ground-truth aligned"), 4,
-                "is a database. Pass a result of vpr-query");
 }
 
 TEST_CASE("training images of several sizes cause a warning") {
@@ -201,25 +175,6 @@ TEST_CASE("pairs of a result are its best matches, or those of its matrix") {
   CHECK(3 * std::count(one.begin(), one.end(), '\n') == std::count(all.begin(), all.end(), '\n'));
   CHECK(all.starts_with(one.substr(0, one.find('\n'))));
   CHECK(one.starts_with(world().walk("back")));
-  check_failure(evaluate("r.json --pairs x.txt"), 2, "name the frames of all 2 training sequences");
-  check_failure(evaluate("r.json --pairs x.txt --top-k 2"), 2, "the matrix");
-}
-
-TEST_CASE("incompatible flags of lists are refused") {
-  start_with(make_scores);
-  write_text("p.txt", "0 1 0.5\n");
-  check_refused("vpr-eval matrix",
-                {{"off_map.txt " + kTruth, 3, "off_map.txt"},
-                 {"p.txt " + kTruth, 2, "has scores"},
-                 {"p.txt --query-npy q.npy --train-npy r.npy", 2, "evaluate one of these"},
-                 {"p.txt --missing 3 --distance", 2, "--missing"},
-                 {"p.txt --top-k 3", 2, "--top-k"},
-                 {"p.txt --top-k 0 --pairs x.txt", 2, "--top-k must be"},
-                 {"p.txt --similarity --pairs x.txt -o x.json", 2, "-o needs a ground truth"}});
-  for (const std::string words : {"--pairs x", "--junit x", "--update"}) {
-    check_failure(evaluate("r.json s.json --ground-truth aligned", words), 2, "take one result");
-    check_failure(evaluate("r.json --protocol nordland-exact", words), 2, "protocol");
-  }
 }
 
 TEST_CASE("windows of a matrix of frame distances equal those of the database") {
@@ -244,12 +199,6 @@ TEST_CASE("windows of a matrix of frame distances equal those of the database") 
           Json{{"kind", "distance"}, {"best", 0.0}, {"unit", 1.0}, {"is_exact", true}});
     CHECK(json["clusters"] == file_json("coded.json")["clusters"]);
   }
-}
-
-TEST_CASE("a result records the kind of scores of its matrix, and whether they were rounded") {
-  start_with(make_matrix);
-  const Json exact = printed_json(query_matrix("s.npy --distance --c-l 7 --t-r 0.6 --json"));
-  CHECK(exact["scores"]["is_exact"].get<bool>());
   const Json rounded =
       printed_json(query_matrix("turned.npy --similarity --train-first --c-l 7 --t-r 0.6 --json"));
   CHECK(rounded["scores"]["kind"] == "similarity");
@@ -269,22 +218,4 @@ TEST_CASE("similarities have the best matches of distances, and are evaluated li
     CHECK(distances > 0.5);
     CHECK(rate("turned.npy --similarity --train-first") == Approx(distances).margin(0.03));
   }
-}
-
-TEST_CASE("a matrix alone reports the missing inputs") {
-  start_with(make_matrix);
-  write_text("filter.json", R"({"method": "filter"})");
-  write_text("lsh.json", R"({"method": "lsh"})");
-  check_refused("vpr-query matrix s.npy",
-                {{"", 2, "the order of the scores is missing"},
-                 {"--distance --decide margin", 2, "--exclusion-frames"},
-                 {"--distance --config filter.json", 2, "does not go with vpr-query matrix"},
-                 {"--distance --config lsh.json", 2, "does not go with vpr-query matrix"},
-                 {"--distance --query x", 2, "--query"},
-                 {"--distance --train-sequence a=0:100000", 2, "the matrix has"},
-                 {"--distance --train-sequence 0:5", 2, "NAME=FIRST:LAST"},
-                 {"--distance --train-sequence a=0:5 --train-sequence a=5:9", 2,
-                  "duplicate name of training sequences: a"},
-                 {"--distance --c-l 100000", 2, "c_l"}});
-  check_failure("vpr-query --query $back", 2, "the database is missing");
 }

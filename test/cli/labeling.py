@@ -2,20 +2,18 @@
 """Sets anchors and answers questions in the pages of vpr-eval as a user without ground truth would, and
 evaluates results with the saved files. Skipped without Chromium.   labeling.py SOURCE BIN"""
 import json
-import os
-import sys
-import tempfile
 
-from chromium import Chromium, run
+from chromium import Chromium
+from support import folder, read_json, run, source, write
 
 
-def saved(browser, folder, button, name=None):
+def saved(browser, button, name=None):
     """The file that a button saves."""
     name = name or button.removeprefix("save-") + ".csv"
     browser.evaluate(f"document.getElementById('{button}').click()")
-    path = f"{folder}/{name}"
-    browser.wait(lambda: os.path.exists(path) and not os.path.exists(path + ".crdownload"))
-    return open(path).read()
+    path = folder / name
+    browser.wait(lambda: path.exists() and not (folder / f"{name}.crdownload").exists())
+    return path.read_text()
 
 
 def chart_point(browser, chart, x, y):
@@ -32,8 +30,8 @@ def matrix_point(browser, row, column):
     return chart_point(browser, "matrix", column + 0.5, row + 0.5)
 
 
-def set_anchors(browser, folder, bin):
-    run(bin, folder, "vpr-eval", "result.json", "--html", "look.html", "--quiet")
+def set_anchors(browser):
+    run("vpr-eval", "result.json", "--html", "look.html", "--quiet")
     browser.open(f"{folder}/look.html")
     assert browser.evaluate("document.images.length > 0"), "the images of the run were not found"
     matches = browser.evaluate("window.page.data")["matches"]
@@ -57,7 +55,7 @@ def set_anchors(browser, folder, bin):
     browser.press("a")
     counts = browser.evaluate("document.getElementById('anchored').textContent")
     assert counts == "3 anchors.", counts
-    lines = saved(browser, folder, "save-anchors").splitlines()
+    lines = saved(browser, "save-anchors").splitlines()
     pixel = 1 + len(matches) // 400  # error in cells of a screen pixel
     assert lines[0] == "query,anchor", lines
     assert len(lines) == 4, lines
@@ -65,7 +63,7 @@ def set_anchors(browser, folder, bin):
     for (query, reference), (row, column) in zip(found, ((2, 3), (30, 34))):
         assert abs(query - first - row) <= pixel and abs(reference - first - column) <= pixel, found
     assert found[2] == (first + 40, matches[first + 40][1]), found
-    judged = json.loads(run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "anchors.csv",
+    judged = json.loads(run("vpr-eval", "result.json", "--ground-truth", "anchors.csv",
                             "--tolerance", "5", "--json"))
     begin, end = found[0][0], found[2][0]
     letters = judged["outcomes"]["best"]  # there is a place between the first and the last anchor
@@ -73,19 +71,19 @@ def set_anchors(browser, folder, bin):
     assert letters[end] == "c", letters
 
 
-def label_frames(browser, folder, bin):
+def label_frames(browser):
     """Labels that a person gives judge the result they were made from, and another one, as the
     ground truth does."""
     truth = {}
-    for line in open(f"{folder}/world/query.ground_truth.csv").read().splitlines()[1:]:
+    for line in (folder / "world/query.ground_truth.csv").read_text().splitlines()[1:]:
         query, sequence, reference, label = line.split(",")
         if sequence == "corridor" and label == "same":
             truth.setdefault(int(query), set()).add(int(reference))
 
     def judge(result, labels):
-        return json.loads(run(bin, folder, "vpr-eval", result, "--ground-truth", labels, "--json"))
+        return json.loads(run("vpr-eval", result, "--ground-truth", labels, "--json"))
 
-    run(bin, folder, "vpr-eval", "result.json", "--ask-frames", "label.html", "--quiet")
+    run("vpr-eval", "result.json", "--ask-frames", "label.html", "--quiet")
     browser.open(f"{folder}/label.html")
     questions = browser.evaluate("window.data.questions")
     assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
@@ -96,7 +94,7 @@ def label_frames(browser, folder, bin):
     for one in questions:
         query, reference = map(int, one["row"].split(","))
         browser.press("y" if reference in truth.get(query, ()) else "n")
-    lines = saved(browser, folder, "save", "labels.csv").splitlines()
+    lines = saved(browser, "save", "labels.csv").splitlines()
     assert lines[0] == "query,reference,label,tolerance", lines[0]
     expected = []
     for one in questions:
@@ -108,33 +106,31 @@ def label_frames(browser, folder, bin):
     own = judge("result.json", "labels.csv")
     assert own["best_match"]["correct"] == correct, (own["best_match"], correct)
     assert own["best_match"]["frames"] == len(questions), own["best_match"]
-    text = run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "labels.csv")
+    text = run("vpr-eval", "result.json", "--ground-truth", "labels.csv")
     text = " ".join(text.split())
     assert f"over {len(questions)} of 90 frames that are labeled" in text, text
     assert "Caution: the labels were made from this result." in text, text
     # Another result: matches without a label are unknown.
-    with open(f"{folder}/rows.csv", "w") as pairs:
-        pairs.write("query,reference\n")
-        pairs.writelines(f"{query},{one}\n" for query in sorted(truth) for one in sorted(truth[query])
-                         if query < 90)
+    write("rows.csv", "query,reference\n" + "".join(
+        f"{query},{one}\n" for query in sorted(truth) for one in sorted(truth[query]) if query < 90))
     other, known = judge("other.json", "labels.csv"), judge("other.json", "rows.csv")
     same = {int(line.split(",")[0]) for line in expected if "same" in line}
     for frame, (by_label, by_truth) in enumerate(zip(other["outcomes"]["best"], known["outcomes"]["best"])):
         assert by_label != "w" or by_truth in "wW", (frame, by_label, by_truth)
         assert by_label != "c" or frame in same, (frame, by_label)
-    assert "Caution" not in run(bin, folder, "vpr-eval", "other.json", "--ground-truth", "labels.csv")
+    assert "Caution" not in run("vpr-eval", "other.json", "--ground-truth", "labels.csv")
     # Only the matches that are not labeled are asked.
-    run(bin, folder, "vpr-eval", "other.json", "--ground-truth", "labels.csv", "--ask-frames",
+    run("vpr-eval", "other.json", "--ground-truth", "labels.csv", "--ask-frames",
         "more.html", "--quiet")
     browser.open(f"{folder}/more.html")
     assert len(browser.evaluate("window.data.questions")) == other["outcomes"]["best"].lower().count("i")
 
 
-def answer_places(browser, folder, bin):
+def answer_places(browser):
     """Answers by keys and buttons, with one undone, then evaluates the saved file."""
-    run(bin, folder, "vpr-eval", "result.json",
+    run("vpr-eval", "result.json",
         "--ask-places", "places.html", "-o", "totals.json", "--quiet")
-    totals = json.load(open(f"{folder}/totals.json"))
+    totals = read_json("totals.json")
     places = totals["recognized_places"]
     count = len(places)
     assert count >= 4, count
@@ -157,12 +153,12 @@ def answer_places(browser, folder, bin):
     for _ in range(count):  # without effect at the end
         browser.press("n")
     assert text("question") == "Done"
-    lines = saved(browser, folder, "save", "places.csv").splitlines()
+    lines = saved(browser, "save", "places.csv").splitlines()
     answers = ["yes", "no", "yes", None] + ["no"] * (count - 4)
     assert lines[0] == "place,query,sequence,train,same", lines[0]
     assert lines[1:] == [f"{i},{place['query']},{place['sequence']},{place['train']},{answer}"
                          for i, (place, answer) in enumerate(zip(places, answers), 1) if answer], lines
-    report = json.loads(run(bin, folder, "vpr-eval", "result.json", "--places", "places.csv", "--json"))
+    report = json.loads(run("vpr-eval", "result.json", "--places", "places.csv", "--json"))
     by_place = dict.fromkeys(("correct", "incorrect", "ignored"), 0)
     for place, answer in zip(places, answers):
         key = {"yes": "correct", "no": "incorrect", None: "ignored"}[answer]
@@ -171,14 +167,14 @@ def answer_places(browser, folder, bin):
     assert report["counts"]["pairs_by_place"] == by_place, (report["counts"], by_place)
 
 
-def relabel_with_truth(browser, folder, bin):
-    run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "aligned", "--html", "judged.html",
+def relabel_with_truth(browser):
+    run("vpr-eval", "result.json", "--ground-truth", "aligned", "--html", "judged.html",
         "-o", "report.json", "--quiet")
     browser.open(f"{folder}/judged.html")
-    report = json.load(open(f"{folder}/report.json"))
+    report = read_json("report.json")
     best = report["outcomes"]["best"]
     wrong = [frame for frame, letter in enumerate(best) if letter in "wW"]
-    lines = saved(browser, folder, "save-disagreements").splitlines()
+    lines = saved(browser, "save-disagreements").splitlines()
     assert lines[0] == "query,reference,score,recognized,ground_truth", lines[0]
     assert [int(line.split(",")[0]) for line in lines[1:]] == wrong
     browser.evaluate("document.getElementById('anchors').open = true")
@@ -200,20 +196,12 @@ def follow_threshold(browser, report):
     assert accepted(0) != accepted(10 ** 6)
 
 
-def main(source, bin):
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        run(bin, folder, "vpr-synth", f"{source}/configs/worlds/small.json", "-o", "world", "--quiet")
-        run(bin, folder, "vpr-train", "fastable", "--train", "world/corridor", "-o", "w.vprdb", "--quiet")
-        run(bin, folder, "vpr-query", "w.vprdb", "--query", "world/query@0:90", "--c-l", "3",
-            "--t-r", "0.4", "-o", "result.json", "--quiet")
-        run(bin, folder, "vpr-query", "w.vprdb", "--query", "world/query@0:90", "-o", "other.json",
-            "--quiet")
-        with Chromium(f"{folder}/profile") as browser:
-            browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
-            set_anchors(browser, folder, bin)
-            label_frames(browser, folder, bin)
-            answer_places(browser, folder, bin)
-            relabel_with_truth(browser, folder, bin)
-
-
-main(*sys.argv[1:])
+run("vpr-synth", source / "configs/worlds/small.json", "-o", "world", "--quiet")
+run("vpr-train", "fastable", "--train", "world/corridor", "-o", "w.vprdb", "--quiet")
+query = ("vpr-query", "w.vprdb", "--query", "world/query@0:90", "--quiet", "-o")
+run(*query, "result.json", "--c-l", 3, "--t-r", 0.4)
+run(*query, "other.json")
+with Chromium(folder / "profile") as browser:
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    for part in (set_anchors, label_frames, answer_places, relabel_with_truth):
+        part(browser)

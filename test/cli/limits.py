@@ -3,9 +3,7 @@
 
 limits.py SOURCE BIN [FRAMES]     FRAMES: training frames (default: 100 000). 10 000 000 need 4 GB of disk.
 """
-import json
 import os
-import pathlib
 import signal
 import subprocess
 import sys
@@ -14,7 +12,8 @@ import time
 
 import numpy
 
-programs = pathlib.Path(sys.argv[2]).resolve()
+from support import folder as root, programs, read_json
+
 train_frames = int(sys.argv[3]) if len(sys.argv) > 3 else 100_000
 random = numpy.random.default_rng(1)
 
@@ -76,7 +75,7 @@ def large_database(folder):
         result = folder / "result.json"
         text, cost = run("vpr-query", database, *query, *flags, "--threads", 1, "-o", result, "--force",
                          seconds=long, megabytes=1000 + 4 * size)
-        timing = json.loads(result.read_text())["timing"]
+        timing = read_json(result)["timing"]
         print(f"{name}, {train_frames} training frames, 400 query frames: {cost}; match_s {timing['match_s']}")
         if "Recognized" not in text:
             sys.exit(f"limits: {name} recognizes nothing: {text}")
@@ -90,7 +89,7 @@ def many_recognitions(folder):
                "--t-r-scale", "bits", "-o", folder / "many.json")[1]
     evaluation = run("vpr-eval", folder / "many.json", "--ground-truth", "aligned", "--html", folder / "many.html",
                      "--plot", folder / "many", "-o", folder / "report.json")[1]
-    counts = json.loads((folder / "report.json").read_text())["counts"]["pairs"]
+    counts = read_json(folder / "report.json")["counts"]["pairs"]
     if (counts["correct"], counts["incorrect"]) != (11, 1_099_989):
         sys.exit(f"limits: of 1 100 000 recognitions, vpr-eval counts {counts}")
     print(f"1.1 million recognitions: query {cost}; evaluation {evaluation}")
@@ -172,8 +171,6 @@ def surroundings(folder):
     print("no environment, names that are not UTF-8: ok")
 
 
-with tempfile.TemporaryDirectory() as temporary:
-    for part in (surroundings, huge_numbers, many_loops, many_recognitions, large_database):
-        place = pathlib.Path(temporary) / part.__name__
-        place.mkdir()
-        part(place)
+for part in (surroundings, huge_numbers, many_loops, many_recognitions, large_database):
+    (root / part.__name__).mkdir()
+    part(root / part.__name__)

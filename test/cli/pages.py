@@ -2,12 +2,11 @@
 """Opens every page and chart at 1280 and 390 pixels, light and dark, saves screenshots, and fails if
 anything is cut or overlaps. Skipped without Chromium.   pages.py SOURCE BIN SCREENSHOTS"""
 import base64
-import glob
 import os
 import sys
-import tempfile
 
-from chromium import Chromium, run
+from chromium import Chromium
+from support import folder, run, source, write
 
 # Returns one line per defect of the page.
 CHECK = r"""(async () => {
@@ -94,19 +93,15 @@ vpr-eval loops loops.csv --poses path.txt --radius 2 --gap 20s --similarity --ht
 """
 
 
-def make_pages(bin, folder, source):
+def make_pages():
     """Every kind of page, with its charts as SVG files, from a rendered building."""
-    os.mkdir(f"{folder}/reports")
-    with open(f"{folder}/path.txt", "w") as file:
-        for frame in range(120):
-            x, y = min(frame % 40, 20, 40 - frame % 40), frame % 40 // 2
-            file.write(f"{100 + frame} {x} {y} 0 0 0 0 1\n")
-    with open(f"{folder}/loops.csv", "w") as file:
-        file.write("query,match,score\n")
-        file.writelines(f"{frame},{frame % 40 if frame % 7 else frame % 11},{frame % 13}\n"
-                        for frame in range(45, 120, 2))
-    for command in PAGES.strip().replace("SOURCE", source).replace("DATA", "world/dataset.json").splitlines():
-        run(bin, folder, *command.split(), "--quiet")
+    (folder / "reports").mkdir()
+    write("path.txt", "".join(f"{100 + frame} {min(frame % 40, 20, 40 - frame % 40)} {frame % 40 // 2} 0 0 0 0 1\n"
+                              for frame in range(120)))
+    write("loops.csv", "query,match,score\n" + "".join(
+        f"{frame},{frame % 40 if frame % 7 else frame % 11},{frame % 13}\n" for frame in range(45, 120, 2)))
+    for command in PAGES.strip().replace("SOURCE", str(source)).replace("DATA", "world/dataset.json").splitlines():
+        run(*command.split(), "--quiet")
 
 
 class Photographer:
@@ -155,27 +150,20 @@ def damage_is_found(photographer, page):
         "is tiny": ("</text>", "</text><text x='99' y='99' style='font-size:3px'>a</text>"),
         "has no image": ("<img ", "<img src='data:image/png;base64,AAAA'><img "),
     }
-    html = open(page).read()
+    html = page.read_text()
     for words, (place, damage) in damages.items():
         assert place in html, place
-        broken = os.path.join(os.path.dirname(page), "broken.html")
-        with open(broken, "w") as file:
-            file.write(html.replace(place, damage, 1))
+        broken = folder / write("broken.html", html.replace(place, damage, 1))
         found = photographer.defects(broken, 1280, "light")
         assert any(words in line for line in found), (words, found)
 
 
-def main(source, bin, screenshots):
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        make_pages(bin, folder, source)
-        files = sorted(glob.glob(f"{folder}/*.html") + glob.glob(f"{folder}/plots-*/*.svg"))
-        with Chromium(f"{folder}/profile") as browser:
-            photographer = Photographer(browser, screenshots)
-            defects = photographer.all_defects(files)
-            damage_is_found(photographer, f"{folder}/filter.html")
-    print(f"{len(files)} files, screenshots in {screenshots}", *defects, sep="\n")
-    return 1 if defects else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+make_pages()
+screenshots = sys.argv[3]
+files = sorted(map(str, [*folder.glob("*.html"), *folder.glob("plots-*/*.svg")]))
+with Chromium(folder / "profile") as browser:
+    photographer = Photographer(browser, screenshots)
+    defects = photographer.all_defects(files)
+    damage_is_found(photographer, folder / "filter.html")
+print(f"{len(files)} files, screenshots in {screenshots}", *defects, sep="\n")
+sys.exit(1 if defects else 0)

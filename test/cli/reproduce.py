@@ -2,16 +2,11 @@
 """Output and messages of scripts/reproduce, without running an experiment; and the paper's findings
 (configs/paper): they hold on the paper's own numbers, each of them can fail, and every kind has its
 documented condition.   reproduce.py SOURCE"""
-import json
-import os
-import pathlib
 import random
-import subprocess
 import sys
-import tempfile
 
-source = pathlib.Path(sys.argv[1])
-sys.dont_write_bytecode = True
+from support import call, folder, read_json, source, stub, with_path, write
+
 sys.path.insert(0, str(source / "scripts/reproduce"))
 import experiments  # noqa: E402
 import findings  # noqa: E402
@@ -19,25 +14,16 @@ import reproduce  # noqa: E402
 import tables  # noqa: E402
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"reproduce: {message}")
-
-
 def check_mistyped_name():
     """A mistyped name is reported before anything is installed or built."""
-    with tempfile.TemporaryDirectory() as folder:
-        for program in ("cmake", "apt-get", "dpkg-query"):
-            stub = pathlib.Path(folder) / program
-            stub.write_text("#!/bin/sh\necho started >&2\nexit 1\n")
-            stub.chmod(0o755)
-        environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
-        environment.pop("VPR_BIN", None)
-        done = subprocess.run([source / "scripts/reproduce/run.sh", "nosuch"], env=environment,
-                              capture_output=True, text=True)
-    check(done.returncode == 2, f"nosuch ended with {done.returncode}")
-    check("started" not in done.stderr, "nosuch began to build")
-    check("nosuch" in done.stderr and "tab4" in done.stderr, f"nosuch: {done.stderr}")
+    for program in ("cmake", "apt-get", "dpkg-query"):
+        stub(folder / program, "echo started >&2; exit 1")
+    environment = with_path(folder)
+    environment.pop("VPR_BIN", None)
+    done = call(source / "scripts/reproduce/run.sh", "nosuch", env=environment)
+    assert done.returncode == 2, f"nosuch ended with {done.returncode}"
+    assert "started" not in done.stderr, "nosuch began to build"
+    assert "nosuch" in done.stderr and "tab4" in done.stderr, f"nosuch: {done.stderr}"
 
 
 def result_of(name, cells, outcomes, machine):
@@ -50,7 +36,7 @@ def result_of(name, cells, outcomes, machine):
             "notes": ["A note."], "provenance": provenance, **machine, "timing": {"elapsed_s": 1.5}}
 
 
-def check_files(folder):
+def check_files():
     """JSON fits its schema, and times keep their quartiles and the paper's grid."""
     times = experiments.cells_of(
         [experiments.Measured(
@@ -63,10 +49,10 @@ def check_files(folder):
     tables.write_json(folder / "tab6.json", written)
     tables.write_markdown(folder / "tab6.md", written, "bench")
     lines = (folder / "tab6.md").read_text().splitlines()
-    check("| c_l | whose | 500 | 1000 | 2000 |" in lines, lines)
-    check("| 20 | ours: fastable | 12.5 (11 to 14) | 12.5 (11 to 14) | not measured |" in lines, lines)
-    check("| 20 | paper: FastABLE over OpenABLE, A | 11.4 | 9.8 | 9.3 |" in lines, lines)
-    check(len(lines) == 16 and lines[-1] == "0 of 0 findings hold.", lines)
+    assert "| c_l | whose | 500 | 1000 | 2000 |" in lines, lines
+    assert "| 20 | ours: fastable | 12.5 (11 to 14) | 12.5 (11 to 14) | not measured |" in lines, lines
+    assert "| 20 | paper: FastABLE over OpenABLE, A | 11.4 | 9.8 | 9.3 |" in lines, lines
+    assert len(lines) == 16 and lines[-1] == "0 of 0 findings hold.", lines
 
     counts = experiments.cells_of([experiments.Measured(
         {"sequence": "S", "data": "d", "query": "q", "c_l": 40, "recognitions": 3, "distinct": 2},
@@ -80,16 +66,16 @@ def check_files(folder):
     tables.write_json(folder / "tab4.json", written)
     tables.write_markdown(folder / "tab4.md", written, "sequence")
     text = (folder / "tab4.md").read_text()
-    check("| S | 40 | 5 (3) | not measured (2) |" in text, text)
-    check("\nA note.\n\nThe paper's findings:\n" in text, text)
-    check(text.endswith("\n- F (table 4): does not hold (ours c_l 20: 5; c_l 40: 5)\n"
+    assert "| S | 40 | 5 (3) | not measured (2) |" in text, text
+    assert "\nA note.\n\nThe paper's findings:\n" in text, text
+    assert text.endswith("\n- F (table 4): does not hold (ours c_l 20: 5; c_l 40: 5)\n"
                         "- G (table 4): not measured (it has no labels)\n- H (table 4): not counted, "
                         "since table 4 rises; does not hold (ours 5, 5)\n\n"
-                        "0 of 1 findings hold, 1 not measured.\n"), text)
-    done = subprocess.run([sys.executable, source / "scripts/check_schemas.py",
-                           folder / "tab4.json", folder / "tab6.json"])
-    if done.returncode != 0:
-        sys.exit(done.returncode)  # 77: cannot be checked here
+                        "0 of 1 findings hold, 1 not measured.\n"), text
+    checked = call(sys.executable, source / "scripts/check_schemas.py", "tab4.json", "tab6.json")
+    if checked.returncode != 0:
+        print(checked.stdout, checked.stderr)
+        sys.exit(checked.returncode)  # 77: cannot be checked here
 
 
 def check_times():
@@ -106,13 +92,13 @@ def check_times():
         return times.ours, times.spread, times.reason
 
     ratio = "openable / fastable-online"
-    check(found(our_work=ratio, times=9.2) == ({"times": 5}, {"low": 2, "high": 12}, ""), "ratio")
-    check(found(our_work="openable", ms=1) == ({"ms": 10}, {"low": 8, "high": 12}, ""), "time")
+    assert found(our_work=ratio, times=9.2) == ({"times": 5}, {"low": 2, "high": 12}, ""), "ratio"
+    assert found(our_work="openable", ms=1) == ({"ms": 10}, {"low": 8, "high": 12}, ""), "time"
     rate = found(our_work="openable + fastable-online", fps="around 5")
-    check(rate == ({"fps": 83.33}, {"low": 62.5, "high": 111.1}, ""), rate)
-    check(found(our_work=ratio, frames=1000, times=1) == ({}, {}, "1000 is too large"), "no such size")
-    check(found(our_work="lsh", ms=1) == ({}, {}, "1000 is too large; no"), "no such work")
-    check(found(our_work="openable", ms=1, unmeasured="R") == ({}, {}, "R"), "not measurable")
+    assert rate == ({"fps": 83.33}, {"low": 62.5, "high": 111.1}, ""), rate
+    assert found(our_work=ratio, frames=1000, times=1) == ({}, {}, "1000 is too large"), "no such size"
+    assert found(our_work="lsh", ms=1) == ({}, {}, "1000 is too large; no"), "no such work"
+    assert found(our_work="openable", ms=1, unmeasured="R") == ({}, {}, "R"), "not measurable"
 
 
 def check_quick():
@@ -120,9 +106,9 @@ def check_quick():
     omitted = []
     command = experiments.quick_command(
         ["matching", "--databases", "1000,100000", "--c-l", "300", "--seconds", "1"], omitted)
-    check(command == ["matching", "--databases", "1000", "--c-l", "300", "--seconds",
-                      experiments.QUICK_SECONDS], command)
-    check(omitted == ["100000 database frames, because of --quick"], omitted)
+    assert command == ["matching", "--databases", "1000", "--c-l", "300", "--seconds",
+                      experiments.QUICK_SECONDS], command
+    assert omitted == ["100000 database frames, because of --quick"], omitted
 
 
 def check_counts():
@@ -130,21 +116,21 @@ def check_counts():
     one_by_one = {"correct": 5, "incorrect": 3, "ignored": 2}
     places = {"correct": 1, "incorrect": 2, "ignored": 0}
     by_place = {"correct": 7, "incorrect": 3, "ignored": 0}
-    check(experiments.measures({"pairs": one_by_one, "distinct": 1}) == {
-        "recognitions": 10, "correct": 5, "incorrect": 3, "distinct": 1}, "FAB-MAP")
+    assert experiments.measures({"pairs": one_by_one, "distinct": 1}) == {
+        "recognitions": 10, "correct": 5, "incorrect": 3, "distinct": 1}, "FAB-MAP"
     totals = {"recognitions": 10, "places in total": 3}
-    check(experiments.measures({"pairs": one_by_one, "places": places}) == totals, "no labels")
-    check(experiments.measures({"pairs": one_by_one, "places": places,
+    assert experiments.measures({"pairs": one_by_one, "places": places}) == totals, "no labels"
+    assert experiments.measures({"pairs": one_by_one, "places": places,
                                 "pairs_by_place": by_place}) == {
         **totals, "correct recognitions": 7, "incorrect recognitions": 3, "correct places": 1,
-        "incorrect places": 2}, "by place")
+        "incorrect places": 2}, "by place"
 
 
 def check_experiments():
     """Each experiment has its turn, and common settings quote the same number of the paper (tables take precedence)."""
     names = {path.stem for path in (source / "configs/paper").glob("*.json")}
-    check(set(reproduce.ORDER) == names, names ^ set(reproduce.ORDER))
-    rows = {name: json.loads((source / f"configs/paper/{name}.json").read_text())["rows"]
+    assert set(reproduce.ORDER) == names, names ^ set(reproduce.ORDER)
+    rows = {name: read_json(source / f"configs/paper/{name}.json")["rows"]
             for name in ("tab1", "tab2", "tab4", "figures")}
     of = {}
     for name in ("tab1", "tab2"):
@@ -159,8 +145,8 @@ def check_experiments():
             key = row["data"], row["query"], window, row[window], row[threshold]
             if key in of:
                 compared += 1
-                check(row[column] == of[key], f"figures: {key}: {row[column]}, table: {of[key]}")
-    check(compared == 5, f"{compared} numbers of figures stand in tables")
+                assert row[column] == of[key], f"figures: {key}: {row[column]}, table: {of[key]}"
+    assert compared == 5, f"{compared} numbers of figures stand in tables"
 
 
 def paper_cells(experiment):
@@ -173,7 +159,7 @@ def check_on_the_paper(name, experiment):
     for finding in experiment["findings"]:
         holds = findings.check(finding, paper_cells(experiment), "paper")["holds"]
         expected = None if "unchecked" in finding else "contradicted" not in finding
-        check(holds is expected, f"{name}: \"{finding['finding']}\" on the paper's: {holds}")
+        assert holds is expected, f"{name}: \"{finding['finding']}\" on the paper's: {holds}"
 
 
 def check_that_it_can_fail(name, experiment):
@@ -182,15 +168,15 @@ def check_that_it_can_fail(name, experiment):
     cells = paper_cells(experiment)
     for finding in experiment["findings"]:
         if "needs" in finding:
-            check(findings.check(finding, cells)["holds"] is None, f"{name}: {finding['finding']}")
+            assert findings.check(finding, cells)["holds"] is None, f"{name}: {finding['finding']}"
             continue
         found = set()
         for numbers in (lambda: 0, lambda: 1e6, lambda: engine.randrange(3), *[
                 lambda: engine.randrange(1000)] * 20):
             found.add(findings.check(
                 finding, [{**cell, "ours": numbers()} for cell in cells])["holds"])
-        check(False in found, f"{name}: nothing refutes \"{finding['finding']}\": {found}")
-        check(None not in found, f"{name}: \"{finding['finding']}\" finds no numbers")
+        assert False in found, f"{name}: nothing refutes \"{finding['finding']}\": {found}"
+        assert None not in found, f"{name}: \"{finding['finding']}\" finds no numbers"
 
 
 def cells_of(values, **settings):
@@ -223,14 +209,14 @@ def check_kinds():
                   {**than, "low": 1, "high": 2}),
         "share of": ([([1, 2], [3, 6])], [([1, 3], [3, 6]), ([0], [0])], {**than, "high": 0.25}),
     }
-    check(tried.keys() == findings.KINDS.keys(), f"kinds: {findings.KINDS.keys() - tried.keys()}")
+    assert tried.keys() == findings.KINDS.keys(), f"kinds: {findings.KINDS.keys() - tried.keys()}"
     for kind, (right, wrong, more) in tried.items():
         for values, other in right:
-            check(holds(kind, values, other, **more) is True, f"{kind}: {values}, {other}")
+            assert holds(kind, values, other, **more) is True, f"{kind}: {values}, {other}"
         for values, other in wrong:
-            check(holds(kind, values, other, **more) is False, f"{kind}: {values}, {other}")
-    check(holds("zero", [0, 7], rows=1) is True, "one row of two is enough")
-    check(holds("zero", [7, 7], rows=1) is False, "no row of two is too few")
+            assert holds(kind, values, other, **more) is False, f"{kind}: {values}, {other}"
+    assert holds("zero", [0, 7], rows=1) is True, "one row of two is enough"
+    assert holds("zero", [7, 7], rows=1) is False, "no row of two is too few"
 
 
 ZERO = {"finding": "F", "place": "P", "kind": "zero", "where": {"measure": "m"}}
@@ -246,17 +232,17 @@ def check_missing():
     tried = {**ZERO, "tried": "It holds without G."}
     outcomes = findings.check_all({**COUNTS, "findings": [lacking, ZERO, against, wrong, phone, tried]},
                                   cells_of([0, 1]))
-    check([outcome["holds"] for outcome in outcomes] == [None, False, None, False, None, False], outcomes)
-    check(findings.summary(outcomes) == {"hold": 0, "fail": 2, "not_measured": 3}, outcomes)
-    check(findings.summary(outcomes, "time") == {"hold": 0, "fail": 0, "not_measured": 0}, outcomes)
-    check(findings.lines(outcomes) == [
+    assert [outcome["holds"] for outcome in outcomes] == [None, False, None, False, None, False], outcomes
+    assert findings.summary(outcomes) == {"hold": 0, "fail": 2, "not_measured": 3}, outcomes
+    assert findings.summary(outcomes, "time") == {"hold": 0, "fail": 0, "not_measured": 0}, outcomes
+    assert findings.lines(outcomes) == [
         "- F (P): not measured (there are no such numbers)",
         "- F (P): does not hold (ours 1 of 2 rows: c_l 2: 1)",
         "- F (P): not measured (there are no such numbers)",
         "- F (P): not counted, since table 9 has 1; does not hold (ours 1 of 2 rows: c_l 2: 1)",
         "- F (P): not measured (needs a phone)",
         "- F (P): does not hold (ours 1 of 2 rows: c_l 2: 1). It holds without G.",
-        "", "0 of 2 findings hold, 3 not measured."], findings.lines(outcomes))
+        "", "0 of 2 findings hold, 3 not measured."], findings.lines(outcomes)
 
 
 def check_unmeasured():
@@ -266,9 +252,9 @@ def check_unmeasured():
     pair = {**ZERO, "kind": "more than", "where": {"measure": "m", "c_l": 2}, "than": {"c_l": 4}}
     for finding in (series, pair, ZERO):
         found = findings.check(finding, cells)
-        check(found == {"holds": None, "reason": "it is too long", "parts": []}, found)
+        assert found == {"holds": None, "reason": "it is too long", "parts": []}, found
     fine = {**ZERO, "kind": "at least", "where": {"measure": "m", "c_l": [1, 2]}, "low": 1}
-    check(findings.check(fine, cells)["holds"], "the measured numbers")
+    assert findings.check(fine, cells)["holds"], "the measured numbers"
 
 
 def check_page():
@@ -282,24 +268,23 @@ def check_page():
                                     ("Table 9", "bench", [{**ZERO, "tried": "It holds idle."}]))]
     head = ["| finding | in the paper | our numbers that do not fit |", "|---|---|---|"]
     failing = findings.failing(found)
-    check(failing == [
+    assert failing == [
         "| findings on | hold | do not hold | not measured |", "|---|---:|---:|---:|",
         "| recognition | 1 | 1 | 1 |", "| time | 0 | 1 | 0 |",
         "", "### Findings on recognition that do not hold", "", *head,
         "| F | P | 1 of 2 rows: c_l 2: 1 |",
         "", "### Findings on time that do not hold", "", *head,
-        "| F | P | 1 of 2 rows: c_l 2: 1 |"], failing)
+        "| F | P | 1 of 2 rows: c_l 2: 1 |"], failing
     holding = findings.holding(found)
-    check(holding == [
-        "| experiment | hold | of |", "|---|---:|---:|", "| Table 8 | 1 | 2 |", "| Table 9 | 0 | 1 |"], holding)
-    with tempfile.TemporaryDirectory() as folder:
-        page = pathlib.Path(folder) / "page.md"
-        page.write_text("A\n<!-- failing: begin -->\nstale\n<!-- failing: end -->\nB\n"
-                        "<!-- holding: begin -->\n<!-- holding: end -->\nC\n")
-        findings.write_page(page, found, "Today.")
-        text = page.read_text()
-    check(text.startswith("A\n<!-- failing: begin -->\nToday.\n\n| findings on") and "stale" not in text
-          and text.endswith("| Table 9 | 0 | 1 |\n<!-- holding: end -->\nC\n"), text)
+    assert holding == [
+        "| experiment | hold | of |", "|---|---:|---:|", "| Table 8 | 1 | 2 |", "| Table 9 | 0 | 1 |"], (
+        holding)
+    page = folder / write("page.md", "A\n<!-- failing: begin -->\nstale\n<!-- failing: end -->\nB\n"
+                          "<!-- holding: begin -->\n<!-- holding: end -->\nC\n")
+    findings.write_page(page, found, "Today.")
+    text = page.read_text()
+    assert (text.startswith("A\n<!-- failing: begin -->\nToday.\n\n| findings on") and "stale" not in text
+          and text.endswith("| Table 9 | 0 | 1 |\n<!-- holding: end -->\nC\n")), text
 
 
 check_mistyped_name()
@@ -307,10 +292,9 @@ check_times()
 check_quick()
 check_counts()
 check_experiments()
-with tempfile.TemporaryDirectory() as out:
-    check_files(pathlib.Path(out))
+check_files()
 for path in sorted((source / "configs/paper").glob("*.json")):
-    config = json.loads(path.read_text())
+    config = read_json(path)
     check_on_the_paper(path.stem, config)
     check_that_it_can_fail(path.stem, config)
 check_kinds()

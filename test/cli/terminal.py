@@ -2,22 +2,15 @@
 """Progress bars on a terminal: they name their step, and are erased before other output.   terminal.py SOURCE BIN"""
 import fcntl
 import os
-import pathlib
 import pty
 import re
 import struct
-import sys
-import tempfile
 import termios
 
-source, programs = map(pathlib.Path, sys.argv[1:3])
+from support import folder, programs, source
+
 COLUMNS = 60  # narrower than a whole bar
 ERASE = "\r\x1b[K"
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"terminal: {message}")
 
 
 def run_at_terminal(program, *arguments):
@@ -37,7 +30,7 @@ def run_at_terminal(program, *arguments):
         written += some
     _, status = os.waitpid(child, 0)
     text = written.decode()
-    check(os.waitstatus_to_exitcode(status) == 0, f"{program} failed: {text}")
+    assert os.waitstatus_to_exitcode(status) == 0, f"{program} failed: {text}"
     return text
 
 
@@ -47,28 +40,23 @@ def check_screen(text):
     for line in text.replace("\r\n", "\n").split("\n"):
         states = line.split(ERASE)
         bars += [state for state in states if "%" in state and "[" in state]
-        check(not re.search(r"\[[# ]*\]", states[-1]), f"a bar is left in the line: {line!r}")
-    check(bars, f"no bar was drawn: {text!r}")
+        assert not re.search(r"\[[# ]*\]", states[-1]), f"a bar is left in the line: {line!r}"
+    assert bars, f"no bar was drawn: {text!r}"
     for bar in bars:
-        check(len(bar) < COLUMNS, f"a bar of {len(bar)} columns: {bar!r}")
-    check(len({bar.index("[") for bar in bars}) == 1, f"bars of different widths: {bars}")
+        assert len(bar) < COLUMNS, f"a bar of {len(bar)} columns: {bar!r}"
+    assert len({bar.index("[") for bar in bars}) == 1, f"bars of different widths: {bars}"
     return bars
 
 
-with tempfile.TemporaryDirectory() as folder:
-    out = pathlib.Path(folder)
-    text = run_at_terminal("vpr-synth", source / "configs/worlds/small.json", "-o", out / "building")
-    check_screen(text)
-    walks = sorted(path for path in (out / "building").iterdir()
-                   if path.is_dir() and path.name != "places")[:2]
-    train = [word for walk in walks for word in ("--train", walk)]
-    text = run_at_terminal("vpr-train", "fastable", *train, "--c-l", 5, "-o", out / "w.vprdb")
-    bars = check_screen(text)
-    # A fast machine may draw only the first walk: bars are drawn ten times per second.
-    steps = [f"describe {walk.name} {index + 1}/2" for index, walk in enumerate(walks)]
-    check(all(any(step in bar for step in steps) for bar in bars if "describe" in bar) and
-          any("describe" in bar for bar in bars), f"no bar says which walk of 2: {bars}")
-    text = run_at_terminal("vpr-query", out / "w.vprdb", "--query", walks[0], "--c-l", 5, "--t-r",
-                           0.3, "-o", out / "r.json")
-    check_screen(text)
-    check("Recognized 100 of 104 frames" in text, text)
+check_screen(run_at_terminal("vpr-synth", source / "configs/worlds/small.json", "-o", folder / "building"))
+walks = sorted(path for path in (folder / "building").iterdir() if path.is_dir() and path.name != "places")[:2]
+train = [word for walk in walks for word in ("--train", walk)]
+bars = check_screen(run_at_terminal("vpr-train", "fastable", *train, "--c-l", 5, "-o", folder / "w.vprdb"))
+# A fast machine may draw only the first walk: bars are drawn ten times per second.
+steps = [f"describe {walk.name} {index + 1}/2" for index, walk in enumerate(walks)]
+described = [bar for bar in bars if "describe" in bar]
+assert described and all(any(step in bar for step in steps) for bar in described), bars
+text = run_at_terminal("vpr-query", folder / "w.vprdb", "--query", walks[0], "--c-l", 5, "--t-r", 0.3, "-o",
+                       folder / "r.json")
+check_screen(text)
+assert "Recognized 100 of 104 frames" in text, text

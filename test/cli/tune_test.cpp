@@ -102,7 +102,6 @@ TEST_CASE("without a correct frame there is no choice, no command and no configu
   CHECK(has(outcome.out, "Check the ground truth."));
   CHECK_FALSE(has(outcome.out, "vpr-query"));
   CHECK(!fs::exists("c.json"));
-  check_failure("vpr-tune --query x", 2, "the database is missing");
 }
 
 TEST_CASE("FAB-MAP is tried with its database") {
@@ -148,7 +147,7 @@ TEST_CASE("automatic thresholds are listed with their frames, and stored with --
   CHECK(info["sequences"][0]["t_r"].size() == 2);
 }
 
-TEST_CASE("lists and ranges of vpr-tune are checked") {
+TEST_CASE("lists and ranges of vpr-tune name every value once") {
   const auto cells = [](const std::string& grid) {
     return printed_json(kFastable + "--json --c-l " + grid)["cells"];
   };
@@ -157,11 +156,6 @@ TEST_CASE("lists and ranges of vpr-tune are checked") {
   CHECK(cells("5 --t-r 0.3,auto,0.4,auto").size() == 3);
   CHECK(cells("5,5,4:5 --t-r 0.2:0.4:0.1,0.3").size() == 2 * 3);
   CHECK(cells("5 --t-r 0.1:0.9:0.2")[4]["t_r"] == 0.9);
-  for (const std::string c_l : {"x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
-    CHECK(run(kFastable + "--t-r 0.3 --c-l " + c_l).exit_code == 2);
-  for (const std::string t_r : {"x", "0.5:0.1:0.1", "-1", "nan", "0.2auto", "auto0.2", "autos",
-                                ",auto", "automatic", "0.2,,auto"})
-    CHECK(run(kFastable + "--c-l 5 --t-r " + t_r).exit_code == 2);
 }
 
 TEST_CASE("a batch of data sets is written completely or not at all, next to other files") {
@@ -264,21 +258,7 @@ TEST_CASE("vpr-query with a calibration as configuration has its recognitions") 
   }
 }
 
-TEST_CASE("impossible calibrations are refused with a sentence") {
-  write_text("raw.json", R"({"c_l": 5, "t_r": -1.5})");
-  write_text("fused.json", R"({"score": "zscore", "fusion_weight": 0.2})");
-  write_text("none.csv", "query,sequence,reference,label\n0,one,0,ignore\n");
-  check_refused(
-      kCalibrate,
-      {{"$truth --target-precision 0", 2, "precision must be above 0 and at most 1, found 0"},
-       {"$truth --fps 0", 2, "--fps must be above 0"},
-       {"$truth --method lsh --score raw", 2, "vpr-tune calibrate does not go with --method lsh"},
-       {"$truth --config raw.json", 2, "--t-r does not go with --decide margin"},
-       {"$truth --config fused.json", 2, "--fuse does not go with vpr-tune calibrate"},
-       {"none.csv", 2, "shows no trained place according to the ground truth"}});
-  check_refused("vpr-tune calibrate $db --query",
-                {{"$back", 2, "pass --query and --ground-truth"},
-                 {"$back@0:1 --ground-truth aligned", 2, "not 10 consecutive readable ones"}});
+TEST_CASE("a calibration without a margin that is precise enough writes nothing") {
   write_wrong_truth();
   const auto wrong = run(kCalibrate + "wrong.csv -o c.json");
   CHECK(wrong.exit_code == 5);

@@ -3,21 +3,17 @@
    workflow.py SOURCE BIN; ends with 77 (skipped) without snakemake."""
 import json
 import os
-import pathlib
 import shutil
 import signal
 import subprocess
-import sys
-import tempfile
 import time
 
+from support import call, folder, programs, read_json, run, skip, source, write
+
 if not shutil.which("snakemake"):
-    print("skipped: snakemake is not installed (scripts/install-deps.sh --cluster)")
-    sys.exit(77)
+    skip("snakemake is not installed (scripts/install-deps.sh --cluster)")
 import yaml  # noqa: E402  snakemake needs it as well
 
-source, programs = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-folder = pathlib.Path(tempfile.mkdtemp())
 out = folder / "out"
 environment = {**os.environ, "VPR_BIN": str(programs), "XDG_CACHE_HOME": str(folder / "cache")}
 
@@ -28,25 +24,19 @@ def command(*words):
 
 
 def snakemake(*words):
-    done = subprocess.run(command(*words), cwd=folder, env=environment, capture_output=True,
-                          text=True)
+    done = call(*command(*words), env=environment)
     return done.returncode, done.stdout + done.stderr
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"workflow: {message}")
-
-
-def run(*words):
+def build(*words):
     code, said = snakemake(*words)
-    check(code == 0, said)
+    assert code == 0, said
     return said
 
 
 def planned():
     """Outputs of a dry run, relative to out."""
-    lines = run("-n").splitlines()
+    lines = build("-n").splitlines()
     return {line.split(": ", 1)[1].removeprefix("out/") for line in lines
             if line.startswith("    output: ")}
 
@@ -55,15 +45,15 @@ def write_experiments():
     """A rendered data set, and one with two queries, of the same frames under two names."""
     world = source / "test/golden/world.json"
     rendered = folder / "data"
-    subprocess.run([programs / "vpr-synth", world, "-o", rendered, "--quiet"], check=True)
+    run("vpr-synth", world, "-o", rendered, "--quiet")
     shutil.copytree(rendered / "back", rendered / "again")
-    content = json.loads((rendered / "dataset.json").read_text())
+    content = read_json("data/dataset.json")
     truth = "{data}/" + content["queries"][0]["ground_truth"]["path"]
     shutil.copy(truth.format(data=rendered), rendered / "again.csv")
     queries = [{"name": name, "sequence": f"{{data}}/{name}",
                 "ground_truth": {"format": "pairs", "path": path}}
                for name, path in (("back", truth), ("again", "{data}/again.csv"))]
-    (rendered / "own.txt").write_text("what the descriptor called own reads\n")
+    write("data/own.txt", "what the descriptor called own reads\n")
     (folder / "again").mkdir()  # a folder next to the tree is not the query of that name
     train = [{"name": name, "sequence": f"{{data}}/{name}"} for name in ("north", "south")]
     tree = {"schema": "vpr.experiments/3", "seeds": [1, 2], "grids": {"c_l": [5, 6]},
@@ -78,7 +68,7 @@ def write_experiments():
                         "mine": {"descriptors": ["own"], "settings": {"c_l": 5},
                                  "sweep": ["c_l"]}},
             "comparisons": {"both": {"methods": ["raw", "mine"]}}}
-    (folder / "experiments.yaml").write_text(yaml.safe_dump(tree, sort_keys=False))
+    write("experiments.yaml", yaml.safe_dump(tree, sort_keys=False))
     return tree
 
 
@@ -102,31 +92,30 @@ def check_killed():
                                    start_new_session=True)
         until = time.monotonic() + 120
         while not (database.exists() and list(out.glob("results/told/*/ldb/*/*/result.json"))):
-            check(started.poll() is None and time.monotonic() < until,
-                  (folder / "killed.log").read_text())
+            assert started.poll() is None and time.monotonic() < until, (folder / "killed.log").read_text()
             time.sleep(0.02)
         os.killpg(started.pid, signal.SIGKILL)
         started.wait()
-    check(not (out / "index.html").exists(), "killed too late to tell")
+    assert not (out / "index.html").exists(), "killed too late to tell"
     made = database.stat().st_mtime_ns
-    check(snakemake()[0] != 0, "a folder that a killed run has locked was not refused")
-    run("--unlock")
-    run("--rerun-incomplete")
-    check(database.stat().st_mtime_ns == made, "a database was made twice")
-    check(planned() == set(), "a complete tree is not complete")
+    assert snakemake()[0] != 0, "a folder that a killed run has locked was not refused"
+    build("--unlock")
+    build("--rerun-incomplete")
+    assert database.stat().st_mtime_ns == made, "a database was made twice"
+    assert planned() == set(), "a complete tree is not complete"
 
 
 def check_page():
     page = (out / "index.html").read_text()
     for text in ("raw c_l 5", "mine seed 2", "told: again", "golden: back",
                  "differences to raw c_l 5"):
-        check(text in page, f"{text} is missing in {page}")
-    report = json.loads((out / "results/told/back/ldb/raw/c_l=5-s1/report.json").read_text())
-    swept = json.loads((out / "sweeps/told/back/own/mine-s1.json").read_text())
+        assert text in page, f"{text} is missing in {page}"
+    report = read_json("out/results/told/back/ldb/raw/c_l=5-s1/report.json")
+    swept = read_json("out/sweeps/told/back/own/mine-s1.json")
     best = swept["cells"][swept["queries"][0]["recommended"]]
-    check(f"recommended: c_l {best['c_l']}, t_r {best['t_r']:.4g}<" in page, best)
-    check("references within 1 frame" in json.dumps(swept["queries"]), swept["queries"])
-    check(f"<td>{report['counts']['pairs']['correct']}</td>" in page, "counts are missing")
+    assert f"recommended: c_l {best['c_l']}, t_r {best['t_r']:.4g}<" in page, best
+    assert "references within 1 frame" in json.dumps(swept["queries"]), swept["queries"]
+    assert f"<td>{report['counts']['pairs']['correct']}</td>" in page, "counts are missing"
 
 
 def replace(path):
@@ -137,8 +126,7 @@ def replace(path):
 
 
 def same(found, expected):
-    check(found == expected, f"too much {sorted(found - expected)}, too little "
-          f"{sorted(expected - found)}")
+    assert found == expected, f"too much {sorted(found - expected)}, too little " f"{sorted(expected - found)}"
 
 
 def check_changes():
@@ -146,7 +134,7 @@ def check_changes():
     same(planned(), of_query("again", results=False))
     os.utime(sorted((folder / "data/again").iterdir())[3])
     same(planned(), of_query("again", results=True))
-    run()
+    build()
     same(planned(), set())
     os.utime(folder / "experiments.yaml")
     same(planned(), set())
@@ -157,7 +145,7 @@ def check_changes():
     built = {made for made in planned() if "built/" in made}
     told = of_query("back", results=True) | of_query("again", results=True)
     same(planned() - built, told | databases)
-    check(built and not any("/ldb" in made for made in built), built)
+    assert built and not any("/ldb" in made for made in built), built
 
 
 def check_mistakes(tree):
@@ -165,16 +153,13 @@ def check_mistakes(tree):
     for wrong, said in (({"methods": {"raw": {"runs": ["c_x"]}}}, "c_x"),
                         ({"methods": {"raw": {"descriptors": ["ldc"]}}}, "ldb, own"),
                         ({"sweeps": 1}, "sweeps"), ({"seeds": ["one"]}, "seeds/0")):
-        (folder / "experiments.yaml").write_text(yaml.safe_dump({**tree, **wrong}))
+        write("experiments.yaml", yaml.safe_dump({**tree, **wrong}))
         code, printed = snakemake("-n")
-        check(code != 0 and said in printed and "Traceback" not in printed, (wrong, printed))
+        assert code != 0 and said in printed and "Traceback" not in printed, (wrong, printed)
 
 
-try:
-    written = write_experiments()
-    check_killed()
-    check_page()
-    check_changes()
-    check_mistakes(written)
-finally:
-    shutil.rmtree(folder, ignore_errors=True)
+written = write_experiments()
+check_killed()
+check_page()
+check_changes()
+check_mistakes(written)

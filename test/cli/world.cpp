@@ -138,16 +138,9 @@ void check_failure(const RunOutcome& outcome, int exit_code, const std::string& 
 
 void check_failure(const std::string& command, int exit_code, const std::string& word) {
   INFO(command);
-  check_failure(run(command), exit_code, word);
-}
-
-void check_refused(const std::string& begin, const std::vector<Refused>& refused) {
-  for (const auto& [end, exit_code, word] : refused) {
-    INFO(begin << " " << end);
-    const RunOutcome outcome = run(begin + " " + end);
-    CHECK(outcome.out.empty());
-    check_failure(outcome, exit_code, word);
-  }
+  const RunOutcome outcome = run(command);
+  CHECK(outcome.out.empty());
+  check_failure(outcome, exit_code, word);
 }
 
 }  // namespace vpr::test

@@ -59,17 +59,9 @@ Json printed_json(const std::string& command);
 /// The parts that are equal in two runs: without machine and timing.
 Json comparable(Json json);
 
-/// Requires `exit_code` and one sentence on standard error that contains `word`.
+/// Requires `exit_code` and one sentence on standard error that contains `word`. Command lines must
+/// print nothing on standard output.
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word);
 void check_failure(const std::string& command, int exit_code, const std::string& word);
-
-/// A command line, or the end of one, that is refused, and a part of the sentence.
-struct Refused {
-  std::string command;
-  int exit_code;
-  std::string word;
-};
-/// Also requires that nothing is printed on standard output.
-void check_refused(const std::string& begin, const std::vector<Refused>& refused);
 
 }  // namespace vpr::test

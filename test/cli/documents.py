@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""The commands of README and guide, exactly as printed, run and recognize places; the report has every
+number of the worked example.   documents.py SOURCE BIN [real]: only README, with a real corridor"""
+import csv
+import os
+import pathlib
+import struct
+import sys
+import tempfile
+
+import numpy
+from PIL import Image
+
+from support import call, folder, ok, programs, read_json, run, skip, source, with_path, write
+
+TUESDAY_FRAMES = 90
+recordings = folder / "recordings"
+recordings.mkdir()
+
+
+def read_page(path):
+    """Blocks ```sh and comments <!-- sh, in order, and the lines of other blocks that begin with one of our
+    programs."""
+    commands, untested, end = [], [], None
+    for line in path.read_text().splitlines():
+        if end is None:
+            is_tested = line in ("```sh", "<!-- sh")
+            end = "-->" if line == "<!-- sh" else "```" if line.startswith("```") else None
+        elif line == end:
+            end = None
+        elif is_tested:
+            commands.append(line)
+        elif line.startswith("vpr-"):
+            untested.append(line)
+    return "\n".join(commands), untested
+
+
+def link_walk(walk, name, most=None):
+    """Links to the first frames of a rendered walk, and their poses as a TUM trajectory."""
+    (recordings / name).mkdir()
+    for frame in sorted(walk.glob("*.jpg"))[:most]:
+        (recordings / name / frame.name).symlink_to(frame)
+    poses = list(csv.DictReader((walk / "poses.csv").open()))[:most]
+    write(recordings / f"{name}.tum", "".join(f"{at['time']} {at['x']} {at['y']} 0 0 0 0 1\n" for at in poses))
+
+
+def descriptors(name):
+    """A row per frame: gray values of a small image, float32, with zero mean and unit length."""
+    images = (Image.open(path).convert("L").resize((12, 9), Image.BOX) for path in sorted((recordings / name).glob("*.jpg")))
+    rows = numpy.array([numpy.asarray(image, numpy.float32).ravel() for image in images])
+    rows -= rows.mean(1, keepdims=True)
+    return rows / numpy.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def video(frames, per_second=8):
+    """An AVI file of JPEG images."""
+    def chunk(name, *parts):
+        data = b"".join(parts)
+        return name + struct.pack("<I", len(data)) + data + b"\0" * (len(data) % 2)
+
+    width, height = Image.open(frames[0]).size
+    size = struct.pack("<14I", 10**6 // per_second, 0, 0, 0, len(frames), 0, 1, 0, width, height, 0, 0, 0, 0)
+    stream = struct.pack("<12I", 0, 0, 0, 1, per_second, 0, len(frames), 0, 0, 0, 0, 0)
+    image = struct.pack("<3I2H4s5I", 40, width, height, 1, 24, b"MJPG", 3 * width * height, 0, 0, 0, 0)
+    head = chunk(b"LIST", b"strl", chunk(b"strh", b"vidsMJPG", stream), chunk(b"strf", image))
+    images = (chunk(b"00dc", frame.read_bytes()) for frame in frames)
+    return chunk(b"RIFF", b"AVI ", chunk(b"LIST", b"hdrl", chunk(b"avih", size), head), chunk(b"LIST", b"movi", *images))
+
+
+def derive():
+    """Arrays and a video of monday and tuesday."""
+    train, query = descriptors("monday"), descriptors("tuesday")
+    for name, values in (("monday", train), ("tuesday", query), ("S", query @ train.T)):
+        numpy.save(recordings / f"{name}.npy", values)
+    (recordings / "tuesday.avi").write_bytes(video(sorted((recordings / "tuesday").glob("*.jpg"))))
+
+
+def render():
+    small = source / "configs/worlds/small.json"
+    run("vpr-synth", small, "-o", recordings / "building")
+    for walk, name, most in (("corridor", "monday", None), ("upstairs", "upstairs", None),
+                             ("query", "tuesday", TUESDAY_FRAMES)):
+        link_walk(recordings / "building" / walk, name, most)
+    truth = csv.DictReader((recordings / "building/query.ground_truth.csv").open())
+    write(recordings / "pairs.csv", "query,reference\n" + "".join(
+        f"{pair['query']},{pair['reference']}\n" for pair in truth if pair["sequence"] == "corridor"
+        and pair["label"] == "same" and int(pair["query"]) < TUESDAY_FRAMES))
+    lap = {key: value for key, value in read_json(small).items() if key != "places"}
+    lap["floors"] = [{"name": "hall", "rooms": [{"kind": "hall", "x": 0, "y": 0, "width": 10, "depth": 6}]}]
+    lap["walks"] = [{"name": "lap", "use": "train", "floor": "hall", "speed_m_s": 1.6, "path": [
+        [1.5, 1.5], [8.5, 1.5], [8.5, 4.5], [1.5, 4.5], [1.5, 1.5], [8.5, 1.5], [8.5, 4.5]]}]
+    run("vpr-synth", write("lap.json", lap), "-o", "laps")
+    link_walk(folder / "laps/lap", "lap")
+    derive()
+
+
+def run_page(path):
+    """Runs the commands of a page in a new folder with links to all recordings."""
+    commands, untested = read_page(path)
+    with tempfile.TemporaryDirectory() as place:
+        for one in recordings.iterdir():
+            (pathlib.Path(place) / one.name).symlink_to(one)
+        done = ok(call("bash", "-euo", "pipefail", "-c", commands, cwd=place, env=with_path(programs)))
+    if path.name == "README.md":
+        text = " ".join(done.stdout.split())
+        assert " frames of tuesday:" in text and " recognized, all correctly." in text, text
+    # Cameras are the only input that a test cannot have.
+    assert all("/dev/video" in command for command in untested), untested
+
+
+def worked_example():
+    rows = {}  # by the first cell, without its quotes
+    for line in (source / "docs/reference/metrics.md").read_text().splitlines():
+        cells = [cell.strip() for cell in line.split("|")]
+        if len(cells) > 2:
+            rows[cells[1].replace("`", "")] = cells[2:-1]
+    frames = range(10)
+    write("truth.csv", "query,reference\n" + "".join(
+        f"{frame},{rows['truth'][frame]}\n" for frame in frames if rows["truth"][frame]))
+    write("matches.csv", "query,reference,score\n" + "".join(
+        f"{frame},{rows['best match'][frame]},{rows['score'][frame]}\n" for frame in frames if rows["best match"][frame]))
+    run("vpr-eval", "matrix", "matches.csv", "--similarity", "--threshold", 0.55, "--ground-truth", "truth.csv", "-o",
+        "report.json")
+    checked = 0
+    for name, cells in rows.items():
+        if not name.startswith(("best_match.", "metrics.", "localization.")):
+            continue
+        value, keys = read_json("report.json"), name
+        while keys:  # a key may have a point
+            key = next(key for key in sorted(value, key=len, reverse=True) if f"{keys}.".startswith(f"{key}."))
+            value, keys = value[key], keys[len(key) + 1:]
+        assert abs(value - float(cells[0])) <= 0.00005, (name, value, cells)
+        checked += 1
+    assert checked == 23, checked
+
+
+if sys.argv[3:] == ["real"]:
+    corridor = pathlib.Path(os.environ.get("VPR_TEST_DATA", source / "../shared")).resolve() / "data/corridor"
+    if not corridor.exists():
+        skip(f"there is no {corridor}")
+    for real, link in (("ref", "monday"), ("query", "tuesday"), ("ground_truth.csv", "pairs.csv")):
+        (recordings / link).symlink_to(corridor / real)
+    derive()
+    run_page(source / "README.md")
+else:
+    render()
+    worked_example()
+    for page in (source / "README.md", *sorted((source / "docs/guide").glob("*.md"))):
+        run_page(page)
