@@ -8,8 +8,7 @@
 #include "run/train_sequences.h"
 #include "store/archive.h"
 #include "tune.h"
-#include "tune/calibrate_sequence.h"
-#include "tune/calibration_report.h"
+#include "tune/calibration.h"
 
 namespace vpr {
 namespace {
@@ -35,7 +34,6 @@ void calibrate(Session& session, const Calibrate& command) {
   if (sources.size() > 1)
     throw Error(ErrorKind::usage, "a calibration is of one sequence; pass one --dataset");
   const Source& source = sources.front();
-  const CalibrationRequest request{command.precision, source.sequence.sequence.sequence.fps};
   const Stopwatch watch;
   const ResolvedSettings settings(command.settings, {Feature::database, Feature::calibrate});
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
@@ -43,22 +41,23 @@ void calibrate(Session& session, const Calibrate& command) {
                                  session.options.process.seed};
   const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
   const EvaluationSettings by = evaluation_of(source, &database);
-  const CalibratedSequence result = calibrate_sequence(
+  CalibratedSequence result = calibrate_sequence(
       database, query, source.sequence.name, settings,
-      calibrated_lengths(options.grid.windows, database, query), request.precision,
+      calibrated_lengths(options.grid.windows, database, query), command.precision,
       [&](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); }, resources,
       monitor);
+  result.fps = source.sequence.sequence.sequence.fps;
   if (!result.chosen)
     throw Error(ErrorKind::expectation, "{}: no margin: {}", result.query.name,
                 calibration_failure(result));
   session.run.simd_target = session.kernels.target;
   session.run.memory_limit = options.memory_limit;
   session.run.paths = {{"database", options.database}};
-  const Json json = calibration_json(result, request, session.run, watch.elapsed_s());
+  const Json json = calibration_json(result, session.run, watch.elapsed_s());
   session.write_output(json);
-  session.print_result(render_table(calibration_table(result), options.format) + "\n" +
-                           calibration_text(result, request),
-                       json);
+  session.print_result(
+      render_table(calibration_table(result), options.format) + "\n" + calibration_text(result),
+      json);
 }
 
 /// vpr-tune threshold.

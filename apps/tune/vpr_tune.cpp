@@ -8,7 +8,6 @@
 #include "run/train_sequences.h"
 #include "tune.h"
 #include "tune/sweep_report.h"
-#include "tune/trial_report.h"
 #include "tune/trials.h"
 
 namespace vpr {

@@ -5,6 +5,15 @@
 #include <functional>
 #include <map>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/monitor.h"
+#include "base/text.h"
+#include "evaluate/outcomes.h"
+#include "sequence/sequence_json.h"
+
 namespace vpr {
 namespace {
 
@@ -81,6 +90,102 @@ FalseRecognitions expect(std::span<const CalibrationWindow> windows,
   return expected;
 }
 
+// The contribution of one query window. `unknown_place`: its margin if its place were not trained.
+CalibrationWindow evidence_at(const Result& result, const std::optional<uint32_t>& unknown_place,
+                              const GroundTruth& truth, size_t window) {
+  CalibrationWindow evidence;
+  if (unknown_place) evidence.unknown_place = *unknown_place;
+  if (!result.best[window] || !result.margins[window]) return evidence;
+  const auto margin = static_cast<int64_t>(*result.margins[window]);
+  // A short path has a margin of 0.
+  if (result.path && margin == 0) return evidence;
+  const PlaceLabel label = label_of(truth, *result.best[window], result.window_length());
+  if (label == PlaceLabel::same) evidence.correct = margin;
+  if (label == PlaceLabel::different) evidence.incorrect = margin;
+  return evidence;
+}
+
+// `plan` accepts all best matches.
+CalibratedLength calibrate_length(QueryPlan plan, const ResolvedSettings& settings,
+                                  const GroundTruth& truth, double precision,
+                                  const QueryResources& resources, const Monitor& monitor) {
+  constexpr size_t kPathBlock = 40;  // query frames with dependent positions on a path
+  const bool has_path = std::holds_alternative<ByPath>(plan.decision);
+  const size_t window_length = plan.match.window_length;
+  CalibratedLength length;
+  length.settings = *settings;
+  length.windows = plan.query_windows;
+  length.block =
+      std::min(has_path ? kPathBlock : window_length, std::max<size_t>(length.windows, 1));
+  UnknownPlaceScan scan(truth, *plan.exclusion_zones, window_length, length.windows,
+                        resources.kernels);
+  Sinks observers;
+  if (!has_path) observers.rows.push_back(std::ref(scan));
+  const Result result = run_query(std::move(plan), settings, resources, observers, monitor).result;
+  const std::vector<std::optional<uint32_t>> unknown_place = scan.result();
+  std::vector<CalibrationWindow> evidence;
+  for (size_t window = 0; window < length.windows; ++window) {
+    length.queries += truth.has_match(anchor_of(window, window_length)) ? 1 : 0;
+    evidence.push_back(evidence_at(result, unknown_place[window], truth, window));
+  }
+  const ScoreKind& score = score_kind(length.settings.score);
+  const int64_t least =
+      has_path ? static_cast<int64_t>(kFilterMargin / score.frame_value(1, 1)) : 1;
+  length.calibration = calibrate(evidence, {precision, least, length.block, resources.seed});
+  if (const auto strength = length.calibration.strength)
+    length.settings.margin = score.frame_value(static_cast<double>(*strength), window_length);
+  return length;
+}
+
+// The shortest sufficient length: a shorter window reports earlier.
+std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths) {
+  constexpr double kEnough = 0.7;  // chosen on rendered buildings (docs/reference/methods.md)
+  const auto right = [](const CalibratedLength& length) {
+    return length.calibration.strength ? static_cast<double>(length.calibration.correct) : 0;
+  };
+  double most = 0;
+  for (const CalibratedLength& length : lengths) most = std::max(most, right(length));
+  for (size_t l = 0; most > 0 && l < lengths.size(); ++l)
+    if (right(lengths[l]) >= kEnough * most) return l;
+  return std::nullopt;
+}
+
+constexpr double kSecondsPerHour = 3600;
+
+/// False recognitions to expect in another number of windows.
+struct ScaledRate {
+  double expected = 0;
+  Interval interval;
+};
+
+ScaledRate rate_of(const CalibratedLength& length, double windows) {
+  const FalseRecognitions& found = length.calibration.expected;
+  const double factor = windows / static_cast<double>(length.windows);
+  return {static_cast<double>(found.seen) * factor,
+          {found.interval.low * factor, found.interval.high * factor}};
+}
+
+Json rate_json(const ScaledRate& rate) {
+  return {{"expected", rate.expected}, {"interval", {rate.interval.low, rate.interval.high}}};
+}
+
+Json length_json(const CalibratedLength& length) {
+  const Calibration& found = length.calibration;
+  Json json = {{"c_l", length.settings.window_length},
+               {"windows", length.windows},
+               {"queries", length.queries},
+               {"advice", enum_name(found.advice)},
+               {"margin", nullptr}};
+  if (!found.strength) return json;
+  json["margin"] = *length.settings.margin;
+  json["recognized"] = {{"correct", found.correct}, {"incorrect", found.incorrect}};
+  json["false_recognitions"] = {
+      {"block", length.block},
+      {"seen", found.expected.seen},
+      {"interval", {found.expected.interval.low, found.expected.interval.high}}};
+  return json;
+}
+
 }  // namespace
 
 UnknownPlaceScan::UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere,
@@ -132,6 +237,117 @@ Calibration calibrate(std::span<const CalibrationWindow> windows,
       }))
     found.advice = CalibrationAdvice::none_is_safe;
   return found;
+}
+
+CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const DescriptorSet& query,
+                                      const std::string& query_name, const ResolvedSettings& base,
+                                      std::vector<uint64_t> lengths, double precision,
+                                      const TruthReader& read_truth,
+                                      const QueryResources& resources, const Monitor& monitor) {
+  assert(base->decision == Decision::margin);
+  if (!(precision > 0 && precision <= 1))
+    throw Error(ErrorKind::usage, "precision must be above 0 and at most 1, found {}", precision);
+  if (has_paths(*base)) lengths = {1};
+  std::sort(lengths.begin(), lengths.end());
+  CalibratedSequence calibrated;
+  calibrated.query = query.sequence;
+  calibrated.query.name = query_name;
+  calibrated.precision = precision;
+  std::optional<GroundTruth> truth;
+  for (const uint64_t length : lengths) {
+    const Monitor part = part_of(monitor, "c_l", calibrated.lengths.size(), lengths.size());
+    SequenceQuerySettings changed = *base;
+    changed.window_length = length;
+    changed.margin = 0;
+    const ResolvedSettings settings(changed);
+    QueryPlan plan = plan_query(database, query, query_name, settings, resources, part);
+    if (!truth) truth = read_truth(scope_of(make_result(plan, settings)));
+    calibrated.lengths.push_back(
+        calibrate_length(std::move(plan), settings, *truth, precision, resources, part));
+  }
+  if (std::ranges::none_of(calibrated.lengths, [](const auto& one) { return one.queries > 0; }))
+    throw Error(ErrorKind::usage,
+                "{}: shows no trained place according to the ground truth. Use a sequence that "
+                "passes trained places.",
+                query_name);
+  calibrated.protocol = truth->protocol;
+  calibrated.chosen = choose_length(calibrated.lengths);
+  return calibrated;
+}
+
+Json calibration_json(const CalibratedSequence& calibrated, const RunInfo& run, double seconds) {
+  Json json = {{"schema", "vpr.calibration/3"},
+               {"settings", nullptr},
+               {"query", {{"name", calibrated.query.name}, {"ground_truth", calibrated.protocol}}},
+               {"precision", calibrated.precision},
+               {"chosen", or_null(calibrated.chosen)},
+               {"lengths", Json::array()}};
+  json["query"].update(value_to_json(calibrated.query.selection, kDataForm));
+  for (const CalibratedLength& length : calibrated.lengths)
+    json["lengths"].push_back(length_json(length));
+  if (calibrated.chosen) {
+    const CalibratedLength& length = calibrated.lengths[*calibrated.chosen];
+    json["settings"] = settings_in_force(length.settings);
+    json["in_1000_windows"] = rate_json(rate_of(length, 1000));
+    if (calibrated.fps) {
+      json["fps"] = *calibrated.fps;
+      json["in_an_hour"] = rate_json(rate_of(length, *calibrated.fps * kSecondsPerHour));
+    }
+  }
+  json["provenance"] = provenance_json(run);
+  add_run(json, run, {{"calibrate", seconds}});
+  return json;
+}
+
+Table calibration_table(const CalibratedSequence& calibrated) {
+  Table table;
+  table.title = fmt::format("{}: windows recognized at the margin found{}", calibrated.query.name,
+                            calibrated.chosen ? " (* chosen)" : "");
+  table.columns = {"c_l", "margin", "correct", "incorrect", "of", "false recognitions", "95 %"};
+  for (size_t l = 0; l < calibrated.lengths.size(); ++l) {
+    const CalibratedLength& length = calibrated.lengths[l];
+    const Calibration& found = length.calibration;
+    const std::string name =
+        fmt::format("{}{}", length.settings.window_length, calibrated.chosen == l ? "*" : "");
+    if (!found.strength) {
+      add_row(table, name, "-", "-", "-", length.windows, "-", "-");
+      continue;
+    }
+    const Interval& interval = found.expected.interval;
+    add_row(table, name, fmt::format("{:.4g}", *length.settings.margin), found.correct,
+            found.incorrect, length.windows, found.expected.seen,
+            fmt::format("{:.1f} to {:.1f}", interval.low, interval.high));
+  }
+  return table;
+}
+
+std::string calibration_text(const CalibratedSequence& calibrated) {
+  if (!calibrated.chosen)
+    return fmt::format("{}: no margin: {}.\n", calibrated.query.name,
+                       calibration_failure(calibrated));
+  const CalibratedLength& length = calibrated.lengths[*calibrated.chosen];
+  const Calibration& found = length.calibration;
+  std::string text = fmt::format(
+      "{}: margin {:.4g} at c_l {}: {} recognized correctly and {} incorrectly, of {} whose place "
+      "is trained.\n",
+      calibrated.query.name, *length.settings.margin, length.settings.window_length,
+      counted(found.correct, "window"), found.incorrect, length.queries);
+  const ScaledRate rate =
+      calibrated.fps ? rate_of(length, *calibrated.fps * kSecondsPerHour) : rate_of(length, 1000);
+  text += fmt::format("False recognitions to expect in {}: {:.0f} (95 %: {:.0f} to {:.0f}).\n",
+                      calibrated.fps ? "an hour" : "1000 windows", rate.expected, rate.interval.low,
+                      rate.interval.high);
+  return text + "Expect more in other rooms and at another speed.\n";
+}
+
+std::string calibration_failure(const CalibratedSequence& calibrated) {
+  // The length with the most queries is the best explanation.
+  const CalibratedLength& length =
+      *std::ranges::max_element(calibrated.lengths, {}, &CalibratedLength::queries);
+  if (length.calibration.advice == CalibrationAdvice::no_right_recognition)
+    return "no window is recognized correctly; check that the ground truth belongs to this query";
+  return "at every setting that recognizes a window correctly, others are incorrect, or would be "
+         "if their place were not trained";
 }
 
 }  // namespace vpr

@@ -1,16 +1,23 @@
-// A threshold for queries without ground truth, chosen on a query with ground truth.
+// A threshold for queries without ground truth, chosen on a query with ground truth, and its report
+// (vpr.calibration/3).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 #include "base/statistics.h"
 #include "decide/exclusion_zones.h"
+#include "files/run_info.h"
+#include "present/table.h"
+#include "run/query.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {
@@ -77,5 +84,50 @@ struct Calibration {
 /// strength of a window, and `unknown_place` is ignored. Windows must be in the order of the query.
 Calibration calibrate(std::span<const CalibrationWindow> windows,
                       const CalibrationSettings& settings);
+
+/// The calibration of one window length.
+struct CalibratedLength {
+  SequenceQuerySettings settings;  ///< with the calibrated margin, if there is one
+  Calibration calibration;
+  size_t windows = 0;  ///< of the query
+  size_t queries = 0;  ///< windows at a trained place
+  size_t block = 1;    ///< consecutive windows of a bootstrap block
+};
+
+/// Reads the ground truth for the indices of a result.
+using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
+
+/// The calibration of every window length, and the recommended length.
+struct CalibratedSequence {
+  Sequence query;
+  std::string protocol;                   ///< of the ground truth, in words
+  std::vector<CalibratedLength> lengths;  ///< increasing c_l
+  /// The shortest with at least 0.7 of the correctly recognized windows of the best length; index.
+  std::optional<size_t> chosen;
+  double precision = 1;
+  std::optional<double> fps = {};  ///< of the query, if known, for the report
+};
+
+/// `base`: the settings except c_l and the margin. `lengths`: c_l; ignored for the filter, which
+/// has windows of one frame. Throws Error(usage) for a precision that is not above 0 and at most 1,
+/// and if the ground truth has no query window at a trained place; also throws what plan_query and
+/// run_query throw.
+CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const DescriptorSet& query,
+                                      const std::string& query_name, const ResolvedSettings& base,
+                                      std::vector<uint64_t> lengths, double precision,
+                                      const TruthReader& read_truth,
+                                      const QueryResources& resources, const Monitor& monitor);
+
+/// "settings" is a configuration for vpr-query --config, or null.
+Json calibration_json(const CalibratedSequence& calibrated, const RunInfo& run, double seconds);
+
+/// A row per window length; the chosen one has a star.
+Table calibration_table(const CalibratedSequence& calibrated);
+
+/// The margin and the false recognitions to expect, or calibration_failure. Ends with a line feed.
+std::string calibration_text(const CalibratedSequence& calibrated);
+
+/// The reason for a missing margin, and a remedy.
+std::string calibration_failure(const CalibratedSequence& calibrated);
 
 }  // namespace vpr

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "evaluate/judgment.h"
-#include "tune/calibration.h"
 
 namespace vpr {
 

@@ -1,7 +1,6 @@
 // Sweeps: counts for a grid of settings in about the time of one query.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,12 +10,10 @@
 #include "fabmap/place_query.h"
 #include "run/query.h"
 #include "truth/ground_truth.h"
+#include "tune/calibration.h"
 #include "tune/cell_counts.h"
 
 namespace vpr {
-
-/// Reads the ground truth for the indices of a result.
-using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
 
 /// Windows by thresholds: c_l and t_r or margins, or c_w and t_p.
 struct Grid {

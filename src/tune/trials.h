@@ -1,29 +1,29 @@
-// Trials of different settings on queries with ground truth, and the setting to use.
+// Trials of different settings on queries with ground truth, the setting to use, and their report
+// (vpr.tuning/4).
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "evaluate/evaluation.h"
 #include "fabmap/place_query.h"
+#include "files/run_info.h"
+#include "present/table.h"
 #include "tune/cell_counts.h"
 
 namespace vpr {
 
-/// A query with ground truth, described for a database of sequences.
-struct LabeledQuery {
+/// A query with ground truth, described for a database of sequences or of FAB-MAP.
+template <class Frames>
+struct Labeled {
   std::string name;
-  DescriptorSet frames;
+  Frames frames;
   EvaluationSettings by;
 };
-
-/// A query with ground truth, described for a database of FAB-MAP.
-struct LabeledWords {
-  std::string name;
-  SequenceWords frames;
-  EvaluationSettings by;
-};
+using LabeledQuery = Labeled<DescriptorSet>;
+using LabeledWords = Labeled<SequenceWords>;
 
 /// One setting on all queries.
 struct Trial {
@@ -75,5 +75,17 @@ void choose(Trials& trials);
 std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
                                       const SequenceDatabase& database,
                                       const std::vector<const DescriptorSet*>& queries);
+
+/// "settings": those of the choice, a configuration for vpr-query --config, or null.
+Json trials_json(const Trials& trials, const RunInfo& run, double seconds);
+
+/// A row per setting, or per setting and query: frames recognized correctly and incorrectly, the
+/// first correctly recognized frame, and the time per frame.
+Table trials_table(const Trials& trials, bool by_query);
+
+/// The choice and the number of frames that it rests on, or the reason why there is none. `advice`:
+/// filter_advice of a query without a recognized frame; empty if frames are recognized. Ends with a
+/// line feed.
+std::string choice_text(const Trials& trials, const std::string& advice);
 
 }  // namespace vpr

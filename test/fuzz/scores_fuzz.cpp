@@ -2,7 +2,7 @@
 // whose values must agree with their units.
 #include "evaluate/score_matrix.h"
 #include "fuzz.h"
-#include "loops/own_database.h"
+#include "loops/sequence_query.h"
 #include "match/match.h"
 #include "match/row_kernels.h"
 #include "run/train_sequences.h"

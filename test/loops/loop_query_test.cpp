@@ -8,7 +8,7 @@
 #include "base/json.h"
 #include "examples.h"
 #include "loops/loops.h"
-#include "loops/own_database.h"
+#include "loops/sequence_query.h"
 #include "match/reference.h"
 #include "reference/verified_query.h"
 #include "run/query.h"

@@ -8,7 +8,7 @@
 #include "queries.h"
 #include "run/open.h"
 #include "support.h"
-#include "tune/calibrate_sequence.h"
+#include "tune/calibration.h"
 
 using namespace vpr;
 using test::resources;
