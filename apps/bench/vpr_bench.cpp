@@ -125,7 +125,7 @@ void add_describe(Program& program) {
       program, "describe", "Time decoding, descriptors and local features per frame.",
       "  vpr-bench describe --images monday -o describe.json", run_describe);
   command.add_option("--images", bench.images, "folder or list of images (default: generated)");
-  add_values(command, "--features", bench.settings.features,
+  add_values(command, "--features", bench.settings.feature_kinds,
              "local features: surf, sift, kaze, akaze, orb, brisk (default: all)");
   add_setting(command, "--frames", bench.settings.frames,
               "number of different frames (default: 20)");

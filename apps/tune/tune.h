@@ -78,13 +78,10 @@ Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings
 void add_fabmap_grid(const Command& command, GridFlags& flags);
 Grid fabmap_grid(const GridFlags& flags);
 
-/// --c-l of vpr-tune calibrate.
-void add_calibrated_lengths(const Command& command, std::string& windows);
-/// The c_l to calibrate. Default: those of 10, 20, 40 that fit the query and a training sequence,
-/// or 10.
-std::vector<uint64_t> calibrated_lengths(const std::string& windows,
-                                         const SequenceDatabase& database,
-                                         const DescriptorSet& query);
+/// The given window lengths, or those of `standard` with a window in the query and in a training
+/// sequence; the shortest if there are none. Throws as parse_counts does.
+std::vector<uint64_t> window_lengths(const std::string& given, const char* standard,
+                                     const SequenceDatabase& database, const DescriptorSet& query);
 
 /// Parses "2,5,10", "0.2:0.6:0.05" (with both ends if the steps reach them), "1:5" (in steps of 1),
 /// or a mixture, without duplicates. Values of a range are rounded to nine decimals. "auto", if

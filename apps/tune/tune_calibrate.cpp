@@ -1,4 +1,5 @@
 // vpr-tune calibrate and vpr-tune threshold.
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
@@ -12,6 +13,8 @@
 
 namespace vpr {
 namespace {
+
+constexpr const char* kLengths = "10,20,40";
 
 /// vpr-tune calibrate, by default for margins of z-scores.
 struct Calibrate {
@@ -43,7 +46,7 @@ void calibrate(Session& session, const Calibrate& command) {
   const EvaluationSettings by = evaluation_of(source, &database);
   CalibratedSequence result = calibrate_sequence(
       database, query, source.sequence.name, settings,
-      calibrated_lengths(options.grid.windows, database, query), command.precision,
+      window_lengths(options.grid.windows, kLengths, database, query), command.precision,
       [&](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); }, resources,
       monitor);
   result.fps = source.sequence.sequence.sequence.fps;
@@ -131,7 +134,10 @@ void add_calibrate(Program& program) {
       .required();
   add_setting(command, "--target-precision", tune->precision,
               "least share of correct windows among recognized ones (default: 1)");
-  add_calibrated_lengths(command, options.grid.windows);
+  command.add_option("--c-l", options.grid.windows,
+                     fmt::format("window lengths, as in 10,20; chosen is the shortest with nearly "
+                                 "the highest recall (default: those of {} that fit)",
+                                 kLengths));
   add_setting(command, "--method", tune->settings.method,
               "exact matching method of vpr-query, such as fastable or filter (default: fastable)");
   add_settings(command, tune->settings, sequence_setting_rows(), Feature::calibrate);

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kMostValues = 10'000;
 constexpr const char* kWindowLengths = "5,10,20,40,80";
-constexpr const char* kCalibratedLengths = "10,20,40";
 constexpr const char* kFabmapWindows = "1,2,3,5,8";
 constexpr const char* kPlaceThresholds = "0.3:0.9:0.1,0.95,0.99,0.999";
 // By ThresholdScale: relative, bits, mean-z.
@@ -54,16 +53,6 @@ std::vector<double> parse_part(std::string_view part, const std::string& flag) {
   return numbers;
 }
 
-// The given window lengths, or those of `standard` with a window in the query and in a training
-// sequence; the shortest if there are none.
-std::vector<uint64_t> window_lengths(const std::string& given, const char* standard,
-                                     const SequenceDatabase& database, const DescriptorSet& query) {
-  std::vector<uint64_t> lengths = parse_counts(value_or(given, standard), "--c-l");
-  if (!given.empty()) return lengths;
-  const std::vector<uint64_t> fitting = fitting_lengths(lengths, database, {&query});
-  return fitting.empty() ? std::vector{lengths.front()} : fitting;
-}
-
 }  // namespace
 
 std::vector<std::optional<double>> parse_values(const std::string& text, const std::string& flag,
@@ -90,6 +79,14 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
     counts.push_back(static_cast<uint64_t>(*value));
   }
   return counts;
+}
+
+std::vector<uint64_t> window_lengths(const std::string& given, const char* standard,
+                                     const SequenceDatabase& database, const DescriptorSet& query) {
+  std::vector<uint64_t> lengths = parse_counts(value_or(given, standard), "--c-l");
+  if (!given.empty()) return lengths;
+  const std::vector<uint64_t> fitting = fitting_lengths(lengths, database, {&query});
+  return fitting.empty() ? std::vector{lengths.front()} : fitting;
 }
 
 void add_sequence_grid(const Command& command, GridFlags& flags) {
@@ -131,19 +128,6 @@ void add_fabmap_grid(const Command& command, GridFlags& flags) {
 Grid fabmap_grid(const GridFlags& flags) {
   return {parse_counts(value_or(flags.windows, kFabmapWindows), "--c-w"),
           parse_values(value_or(flags.thresholds, kPlaceThresholds), "--t-p", false)};
-}
-
-void add_calibrated_lengths(const Command& command, std::string& windows) {
-  command.add_option("--c-l", windows,
-                     fmt::format("window lengths, as in 10,20; chosen is the shortest with nearly "
-                                 "the highest recall (default: those of {} that fit)",
-                                 kCalibratedLengths));
-}
-
-std::vector<uint64_t> calibrated_lengths(const std::string& windows,
-                                         const SequenceDatabase& database,
-                                         const DescriptorSet& query) {
-  return window_lengths(windows, kCalibratedLengths, database, query);
 }
 
 }  // namespace vpr

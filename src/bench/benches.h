@@ -81,19 +81,13 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
 
 /// Settings of vpr-bench describe.
 struct DescribeBenchSettings {
-  std::vector<std::string> features = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
+  std::vector<std::string> feature_kinds = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
   uint64_t frames = 20;  ///< number of different frames, used in turn
   double seconds = 1;    ///< per measurement
   FeatureSettings feature_settings;
 };
 
-template <class Visitor>
-void visit_fields(DescribeBenchSettings& settings, Visitor&& visit) {
-  visit("feature_kinds", settings.features);
-  visit("frames", settings.frames);
-  visit("seconds", settings.seconds);
-  visit("feature_settings", settings.feature_settings);
-}
+VPR_FIELDS(DescribeBenchSettings, feature_kinds, frames, seconds, feature_settings)
 
 /// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory.
 BenchResult bench_describe(const DescribeBenchSettings& settings,

@@ -70,7 +70,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   check_seconds(settings.seconds);
   check_feature_settings(settings.feature_settings);
   std::vector<FeatureKind> kinds;
-  for (const std::string& name : settings.features)
+  for (const std::string& name : settings.feature_kinds)
     value_from_json(Json(name), kinds.emplace_back(), "feature_kinds", "feature_kinds");
   BenchResult result{"describe", value_to_json(settings)};
   const Frames frames = load_frames(images, settings.frames, seed);

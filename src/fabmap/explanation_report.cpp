@@ -17,11 +17,6 @@ void add_rows(Table& table, const char* side, const std::vector<WordEvidence>& w
             fmt::format("{:+.3f}", word.log_odds));
 }
 
-std::string place_title(const PlaceExplanation& place) {
-  return fmt::format("{} (view {}), probability {:.4f}, log-odds {:+.2f}", place.place, place.view,
-                     place.match.score, place.log_odds);
-}
-
 constexpr int kWidth = 640;
 constexpr int kHeight = 480;
 constexpr int kTitleHeight = 28;
@@ -110,7 +105,8 @@ std::string explanation_text(const Explanation& explanation) {
   if (explanation.places.empty()) text += "There is no place to explain.\n";
   for (const PlaceExplanation& place : explanation.places) {
     Table table;
-    table.title = place_title(place);
+    table.title = fmt::format("{} (view {}), probability {:.4f}, log-odds {:+.2f}", place.place,
+                              place.view, place.match.score, place.log_odds);
     table.columns = {"speaks", "word", "in the frame", "in the view", "log-odds"};
     add_rows(table, "for", place.for_it);
     add_rows(table, "against", place.against);

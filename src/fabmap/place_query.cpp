@@ -75,15 +75,6 @@ std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   return place_of;
 }
 
-bool is_unreadable(const SequenceWords& query, size_t frame) {
-  return std::binary_search(query.sequence.unreadable.begin(), query.sequence.unreadable.end(),
-                            frame);
-}
-
-size_t frames_at_once(size_t views) {
-  return std::clamp(kPosteriorsAtOnce / views, size_t{2}, kMostFramesAtOnce);
-}
-
 // The pretraining frames whose average likelihood is the likelihood of the new place.
 ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
                           uint64_t seed) {
@@ -91,7 +82,7 @@ ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySetti
   if (settings.new_place_samples == 0 || settings.new_place_samples >= all)
     return database.pretrain;
   std::vector<size_t> order(all);
-  for (size_t i = 0; i < all; ++i) order[i] = i;
+  std::iota(order.begin(), order.end(), size_t{0});
   RandomEngine engine(seed);
   for (size_t i = 0; i < settings.new_place_samples; ++i)
     std::swap(order[i], order[i + uniform_below(engine, all - i)]);
@@ -189,7 +180,7 @@ QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query
   std::vector<double> previous;
   // In order of frames, because the motion model starts from the previous posterior.
   const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
-    const bool unreadable = is_unreadable(query, frame);
+    const bool unreadable = std::ranges::binary_search(query.sequence.unreadable, frame);
     std::vector<double> posterior;
     if (!unreadable) {
       extend_previous(previous, views.size(), settings.posterior.smoothing);
@@ -210,7 +201,8 @@ QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query
     append_recognitions(result.recognitions, frame, shown, window, settings.window, place_of);
     if (!unreadable) previous = std::move(posterior);
   };
-  const size_t at_once = frames_at_once(place_of.size());
+  const size_t at_once =
+      std::clamp(kPosteriorsAtOnce / place_of.size(), size_t{2}, kMostFramesAtOnce);
   for (size_t begin = 0; begin < frames; begin += at_once) {
     const size_t count = std::min(at_once, frames - begin);
     std::vector<std::vector<double>> views(count);

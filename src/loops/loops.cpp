@@ -188,26 +188,6 @@ LoopGap parse_loop_gap(const std::string& text, const std::string& flag) {
   return {std::llround(*value * double{kSecond}), 0};
 }
 
-uint64_t LoopJudgment::count(PlaceLabel label) const {
-  return static_cast<uint64_t>(std::ranges::count(loops, label, &JudgedLoop::label));
-}
-
-uint64_t LoopJudgment::too_near() const {
-  return static_cast<uint64_t>(std::ranges::count(loops, true, &JudgedLoop::is_too_near));
-}
-
-uint64_t LoopJudgment::frames_with_loop() const {
-  return static_cast<uint64_t>(std::ranges::count(has_loop, true));
-}
-
-uint64_t LoopJudgment::frames_found() const {
-  return static_cast<uint64_t>(std::ranges::count(is_found, true));
-}
-
-uint64_t LoopJudgment::revisits_found() const {
-  return static_cast<uint64_t>(std::ranges::count(revisits, true, &Revisit::is_found));
-}
-
 std::optional<Revisit> LoopJudgment::longest_missed() const {
   std::optional<Revisit> longest;
   for (size_t first = 0; first < has_loop.size(); ++first) {

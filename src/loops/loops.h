@@ -1,6 +1,7 @@
 // Loop closures: lists of any SLAM system, judged by a trajectory.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -93,11 +94,13 @@ struct LoopJudgment {
   /// those to ignore. Recall is over the frames near an earlier one.
   std::optional<Curve> curve;
 
-  uint64_t count(PlaceLabel label) const;
-  uint64_t too_near() const;
-  uint64_t frames_with_loop() const;
-  uint64_t frames_found() const;
-  uint64_t revisits_found() const;
+  uint64_t count(PlaceLabel label) const {
+    return std::ranges::count(loops, label, &JudgedLoop::label);
+  }
+  uint64_t too_near() const { return std::ranges::count(loops, true, &JudgedLoop::is_too_near); }
+  uint64_t frames_with_loop() const { return std::ranges::count(has_loop, true); }
+  uint64_t frames_found() const { return std::ranges::count(is_found, true); }
+  uint64_t revisits_found() const { return std::ranges::count(revisits, true, &Revisit::is_found); }
   /// The longest run of consecutive frames with a loop but without a found one, ties to the first.
   std::optional<Revisit> longest_missed() const;
 };

@@ -1,6 +1,7 @@
 #include "tune/sweep.h"
 
 #include <algorithm>
+#include <cassert>
 #include <deque>
 #include <string>
 
@@ -25,8 +26,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
                                     const std::string& query_name, const ResolvedSettings& base,
                                     const Grid& grid, const QueryResources& resources,
                                     const Monitor& monitor) {
-  if (grid.windows.empty() || grid.thresholds.empty())
-    throw Error(ErrorKind::usage, "a sweep needs at least one c_l and one t_r");
+  assert(!grid.windows.empty() && !grid.thresholds.empty());
   // Most warnings are the same for every setting.
   const Monitor once = with_each_warning_once(monitor);
   std::vector<LengthSweep> sweeps;
@@ -128,16 +128,14 @@ std::optional<uint64_t> untrained_windows(const LengthSweep& length, size_t thre
 }
 
 void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
-  if (grid.windows.empty() || grid.thresholds.empty())
-    throw Error(ErrorKind::usage, "a sweep needs at least one c_w and one t_p");
+  assert(!grid.windows.empty() && !grid.thresholds.empty());
   if (base.loop)
     throw Error(ErrorKind::usage, "a sweep cannot query loops. Omit \"loop\" in the settings.");
   for (const uint64_t window : grid.windows)
     for (const auto& threshold : grid.thresholds) {
-      if (!threshold) throw Error(ErrorKind::usage, "t_p must be a number; it is never automatic");
       FabmapQuerySettings settings = base;
       settings.window = window;
-      settings.place_threshold = *threshold;
+      settings.place_threshold = threshold.value();  // never automatic
       check_query_settings(settings);
     }
 }

@@ -15,10 +15,10 @@
 
 namespace vpr {
 
-/// Windows by thresholds: c_l and t_r or margins, or c_w and t_p.
+/// Windows by thresholds, at least one each: c_l and t_r or margins, or c_w and t_p.
 struct Grid {
   std::vector<uint64_t> windows;
-  std::vector<std::optional<double>> thresholds;  ///< nullopt: automatic
+  std::vector<std::optional<double>> thresholds;  ///< nullopt: automatic, never for FAB-MAP
 };
 
 /// The grid of a finished sweep, for further queries.
@@ -41,7 +41,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
                       const Monitor& monitor);
 
 /// The counts for FAB-MAP, from one pass of posteriors. Throws Error(usage) for settings out of
-/// range, an automatic threshold, and loop queries.
+/// range and loop queries.
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
                    const TruthReader& read_truth, uint64_t seed, const Monitor& monitor);

@@ -16,10 +16,6 @@ namespace {
 
 Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
 
-Json best_json(const BestMatchCounts& best) {
-  return {{"frames", best.frames}, {"correct", best.correct}, {"incorrect", best.incorrect}};
-}
-
 Json named_cell_json(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
   Json json = {{"query", query},
                {std::string(sweep.score->window_symbol), cell.window},
@@ -27,7 +23,9 @@ Json named_cell_json(const std::string& query, const CellCounts& cell, const Swe
   if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
   json["counts"] = counts_json(cell.counts);
   if (cell.unknown_place) json["unknown_place"] = *cell.unknown_place;
-  json["best_match"] = best_json(cell.counts.best_match);
+  const BestMatchCounts& best = cell.counts.best_match;
+  json["best_match"] = {
+      {"frames", best.frames}, {"correct", best.correct}, {"incorrect", best.incorrect}};
   return json;
 }
 
