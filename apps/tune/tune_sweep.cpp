@@ -16,6 +16,12 @@ namespace {
 constexpr const char* kValidationGroup = "Validation";
 constexpr const char* kOutputGroup = "Outputs";
 
+template <class Settings>
+struct SweepCommand {
+  TuneOptions options;
+  Settings settings;
+};
+
 std::string result_text(const TuneOptions& options, const CommonOptions& common,
                         const std::vector<Sweep>& sweeps) {
   if (options.format == TableFormat::csv)
@@ -64,10 +70,11 @@ std::vector<Sweep> sweep_all(const std::vector<Source>& queries,
   std::optional<Grid> grid;
   for (const Source& query : queries) {
     Sweep& found = sweeps.emplace_back(sweep(query, grid ? &*grid : nullptr, reader_of(query)));
-    grid = grid_of(found.cells);
+    grid = found.grid;
     const auto& recommended = found.recommendation.cell;
     if (!recommended || !validation) continue;
-    const Grid one = grid_of({&found.cells[*recommended], 1});
+    const CellCounts& cell = found.cells[*recommended];
+    const Grid one = {{cell.window}, {cell.threshold}};
     found.validation = {validation->sequence.name,
                         sweep(*validation, &one, reader_of(*validation)).cells.front()};
   }
@@ -184,11 +191,7 @@ void add_sweep_flags(const Command& command, TuneOptions& options) {
 }  // namespace
 
 void add_fastable(Program& program) {
-  struct Fastable {
-    TuneOptions options;
-    SequenceQuerySettings settings;
-  };
-  const auto tune = std::make_shared<Fastable>();
+  const auto tune = std::make_shared<SweepCommand<SequenceQuerySettings>>();
   const Command command = program.add_command(
       "fastable", "Count a grid of c_l and t_r, or margins. All cells are counted in one pass.",
       "  vpr-tune fastable corridor.vprdb --query tuesday --ground-truth pairs.csv\n"
@@ -206,11 +209,7 @@ void add_fastable(Program& program) {
 }
 
 void add_fabmap(Program& program) {
-  struct Fabmap {
-    TuneOptions options;
-    FabmapQuerySettings settings;
-  };
-  const auto tune = std::make_shared<Fabmap>();
+  const auto tune = std::make_shared<SweepCommand<FabmapQuerySettings>>();
   const Command command = program.add_command(
       "fabmap", "Count a grid of c_w and t_p. All cells are counted in one pass.",
       "  vpr-tune fabmap fabmap.vprdb --query tuesday --ground-truth pairs.csv\n"

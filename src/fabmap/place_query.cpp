@@ -21,6 +21,8 @@ namespace {
 
 constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values in memory at the same time
 constexpr size_t kMostFramesAtOnce = 64;
+constexpr size_t kExplainedWords = 8;  // on each side
+constexpr size_t kExplainedPlaces = 3;
 
 void check_share(std::string_view name, double value) {
   if (!(value >= 0 && value <= 1))

@@ -66,13 +66,9 @@ struct FabmapMatcher {
   double new_place(const WordSet& words) const;
 };
 
-/// The largest numbers of words on each side, and of places.
-inline constexpr size_t kExplainedWords = 8;
-inline constexpr size_t kExplainedPlaces = 3;
-
-/// Explains the likeliest places of a frame, each by its likeliest view. `searched`: the database,
-/// or with_query's. `posterior`: of the frame, new place first; empty for an unreadable frame,
-/// which has no places.
+/// Explains the three likeliest places of a frame, each by its likeliest view and at most eight
+/// words on each side. `searched`: the database, or with_query's. `posterior`: of the frame, new
+/// place first; empty for an unreadable frame, which has no places.
 Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
                           std::span<const double> posterior, const FabmapQuerySettings& settings);
 

@@ -132,6 +132,15 @@ size_t first_own_place(const Result& result) {
   return result.places ? result.sequences.front().sequence.frames - result.query.frames : 0;
 }
 
+PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
+                         const Nearness& nearness) {
+  const auto label = label_of(*trajectory.poses[a], *trajectory.poses[b], nearness);
+  if (!label)
+    throw Error(ErrorKind::data, "{}: has no headings or orientations, which --angle needs",
+                trajectory.name);
+  return *label;
+}
+
 }  // namespace
 
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
@@ -200,23 +209,6 @@ std::optional<Revisit> LoopJudgment::longest_missed() const {
   return longest;
 }
 
-double distance_between(const Trajectory& trajectory, size_t a, size_t b) {
-  return std::sqrt(square_distance(*trajectory.poses[a], *trajectory.poses[b]));
-}
-
-namespace {
-
-PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
-                         const Nearness& nearness) {
-  const auto label = label_of(*trajectory.poses[a], *trajectory.poses[b], nearness);
-  if (!label)
-    throw Error(ErrorKind::data, "{}: has no headings or orientations, which --angle needs",
-                trajectory.name);
-  return *label;
-}
-
-}  // namespace
-
 std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
   // Frames are sorted into cubes, whose side is larger than the radius by more than rounding.
   using Cube = std::array<double, 3>;  // integers
@@ -265,7 +257,8 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
       ++judgment.repeated;
       continue;
     }
-    JudgedLoop judged{loop, distance_between(trajectory, loop.query, loop.match)};
+    JudgedLoop judged{loop, std::sqrt(square_distance(*trajectory.poses[loop.query],
+                                                      *trajectory.poses[loop.match]))};
     judged.is_too_near = !is_past(rules.gap, trajectory.times_ns, loop.query, loop.match);
     judged.label = judged.is_too_near
                        ? PlaceLabel::ignore

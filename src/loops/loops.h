@@ -105,9 +105,6 @@ struct LoopJudgment {
   std::optional<Revisit> longest_missed() const;
 };
 
-/// Meters between the positions of two frames with poses.
-double distance_between(const Trajectory& trajectory, size_t a, size_t b);
-
 /// By frame, whether an earlier frame, by at least the gap, shows the same place. False for frames
 /// without a pose. Times must increase for a gap in time.
 std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules);

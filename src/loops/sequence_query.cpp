@@ -89,8 +89,6 @@ std::vector<int64_t> times_of_names(const std::string& query, const Monitor& mon
   }
 }
 
-}  // namespace
-
 DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySettings& settings,
                            const Monitor& monitor) {
   const std::string usual(sequence.kind == SequenceKind::descriptors ? kVectorKind : "ldb");
@@ -101,6 +99,8 @@ DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySe
     described.descriptors.unit = coordinate_unit(name, {&sequence, 1}, monitor);
   return describe_frames(sequence, described, settings.skip_unreadable, monitor);
 }
+
+}  // namespace
 
 SequenceDatabase own_database(const DescriptorSet& query, const std::string& name) {
   SequenceDatabase database;

@@ -17,11 +17,6 @@
 
 namespace vpr {
 
-/// Describes a sequence by settings.descriptor; if this is empty, by LDB, or as vectors if its
-/// frames are arrays. Throws as describe_frames does.
-DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySettings& settings,
-                           const Monitor& monitor);
-
 /// A database with the query as the only training sequence, without training statistics.
 SequenceDatabase own_database(const DescriptorSet& query, const std::string& name);
 
@@ -56,9 +51,10 @@ QueryData describe_for(std::shared_ptr<SequenceDatabase> database, const NamedAr
                        const ResolvedSettings& settings, ResultContext& context,
                        const Monitor& monitor);
 
-/// Describes a query that is matched with its own past, and reads the times of its frames if the
-/// gap is in seconds: from the file `times`, or if that is empty, from the names of the frames.
-/// Throws Error(usage) if these are not times, Error(data) for another number of times.
+/// Describes a query that is matched with its own past, by settings.descriptor; if this is empty,
+/// by LDB, or as vectors if its frames are arrays. Reads the times of its frames if the gap is in
+/// seconds: from the file `times`, or if that is empty, from the names of the frames. Throws
+/// Error(usage) if these are not times, Error(data) for another number of times.
 QueryData describe_loop(const NamedArgument& query, const std::string& times,
                         const SequenceQuerySettings& settings, ResultContext& context,
                         const Monitor& monitor);

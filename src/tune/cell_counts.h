@@ -17,6 +17,12 @@
 
 namespace vpr {
 
+/// Windows by thresholds, at least one each: c_l and t_r or margins, or c_w and t_p.
+struct Grid {
+  std::vector<uint64_t> windows;
+  std::vector<std::optional<double>> thresholds;  ///< nullopt: automatic, never for FAB-MAP
+};
+
 /// One setting of a grid and its counts.
 struct CellCounts {
   uint64_t window = 0;                  ///< c_l or c_w
@@ -105,7 +111,8 @@ struct Sweep {
   const ScoreKind* score = &score_kind(Score::raw);
   std::string threshold_symbol = "t_r";               ///< t_r, t_p or a margin
   ScoreOrder threshold_order = ScoreOrder::distance;  ///< distance: larger values accept more
-  std::vector<CellCounts> cells;                      ///< by window, then threshold
+  Grid grid;
+  std::vector<CellCounts> cells;  ///< by window, then threshold
   Recommendation recommendation;
   std::optional<QuerySettings> recommended_settings;
   std::optional<SweepIntervals> intervals;

@@ -149,11 +149,6 @@ size_t block_of(const Result& result) {
   return std::min(block, result.query_windows);
 }
 
-template <class T>
-void add_once(std::vector<T>& values, const T& value) {
-  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
-}
-
 // The scale of t_r; nullopt for a margin or t_p.
 std::optional<ThresholdScale> threshold_scale(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
@@ -172,6 +167,7 @@ struct SweepCells {
 Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTruth& truth,
                   uint64_t seed, const Monitor& monitor) {
   Sweep sweep;
+  sweep.grid = cells.grid;
   sweep.query = shape.query;
   sweep.score = &shape.score();
   sweep.protocol = truth.protocol;
@@ -253,15 +249,6 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     return result;
   };
   return count_cells(all, {grid, result_of}, read_truth(scope_of(all)), seed, monitor);
-}
-
-Grid grid_of(std::span<const CellCounts> cells) {
-  Grid grid;
-  for (const CellCounts& cell : cells) {
-    add_once(grid.windows, cell.window);
-    add_once(grid.thresholds, cell.threshold);
-  }
-  return grid;
 }
 
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {

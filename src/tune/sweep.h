@@ -15,15 +15,6 @@
 
 namespace vpr {
 
-/// Windows by thresholds, at least one each: c_l and t_r or margins, or c_w and t_p.
-struct Grid {
-  std::vector<uint64_t> windows;
-  std::vector<std::optional<double>> thresholds;  ///< nullopt: automatic, never for FAB-MAP
-};
-
-/// The grid of a finished sweep, for further queries.
-Grid grid_of(std::span<const CellCounts> cells);
-
 /// 95 % intervals of the recognitions and clusters of a result, by the block bootstrap over query
 /// windows. Blocks have c_l windows, because neighbors share most of their frames; for FAB-MAP they
 /// have c_w frames, at least 8.

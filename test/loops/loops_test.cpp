@@ -33,7 +33,8 @@ std::vector<bool> reference_frames_with_loop(const Trajectory& trajectory, const
     for (size_t match = 0; match < query; ++match)
       if (trajectory.poses[query] && trajectory.poses[match] &&
           is_past(rules.gap, trajectory.times_ns, query, match) &&
-          distance_between(trajectory, query, match) <= rules.nearness.radius_m)
+          std::sqrt(square_distance(*trajectory.poses[query], *trajectory.poses[match])) <=
+              rules.nearness.radius_m)
         has_loop[query] = true;
   return has_loop;
 }
