@@ -101,7 +101,7 @@ void claim_outputs(const Session& session, const EvalInputs& inputs);
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames);
 
 struct OpenedScores {
-  std::optional<StoredResult> stored;
+  std::shared_ptr<const StoredResult> stored;  ///< null: scores
   std::optional<ScoreMatrix> matrix;  ///< scores, or the matrix that was saved with the result
 };
 

@@ -19,7 +19,7 @@ namespace {
 TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluation,
                               const GroundTruthOptions& options, const Monitor& monitor) {
   TrainPositions positions;
-  if (evaluation.result && evaluation.result->result.places) {
+  if (evaluation.result && evaluation.result->result->places) {
     Poses& places = positions.emplace_back();
     if (dataset.place_poses.empty()) return positions;
     for (const RoutePoint& point : read_place_positions(dataset.place_poses))

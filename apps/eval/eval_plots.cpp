@@ -74,7 +74,7 @@ FrameSources find_frames(const EvalInputs& inputs, const Evaluated& evaluated) {
 MapPanel panel_of(const Evaluated& evaluated) {
   const Evaluation& evaluation = evaluated.evaluation;
   return {title_with_settings(evaluated.report), meanings_of(evaluation.judgment, evaluation.truth),
-          evaluation.result && evaluation.result->result.places};
+          evaluation.result && evaluation.result->result->places};
 }
 
 RouteMap read_map(const Dataset& dataset, const std::string& where, const Evaluation& evaluation) {

@@ -209,7 +209,8 @@ std::vector<std::vector<std::string>> train_names(const EvalInputs& inputs) {
 OpenedScores open_inputs(const Session& session, const EvalInputs& inputs) {
   OpenedScores opened;
   if (!inputs.result.empty()) {
-    opened.stored = read_result(inputs.result, session.monitor);
+    opened.stored =
+        std::make_shared<const StoredResult>(read_result(inputs.result, session.monitor));
     opened.matrix = open_saved_matrix(session, *opened.stored, inputs);
   } else if (!inputs.scores.source().empty()) {
     opened.matrix.emplace(open_scores(inputs));
@@ -231,8 +232,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
                           has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
   if (stored) {
     evaluated.run = stored->run;
-    evaluation =
-        evaluate_stored(std::move(*stored), std::move(matrix), evaluated.by, session.monitor);
+    evaluation = evaluate_stored(stored, std::move(matrix), evaluated.by, session.monitor);
   } else {
     warn_of_order(session, inputs);
     check_rows(inputs.scores, matrix->queries(),

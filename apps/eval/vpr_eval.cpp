@@ -168,7 +168,8 @@ void run_one(Session& session, const EvalInputs& inputs) {
   csv.write(session, inputs);
   write_trajectory(session, inputs, evaluated, dataset_fps(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
-              evaluation.judgment.layout, evaluation.result ? &evaluation.result->result : nullptr);
+              evaluation.judgment.layout,
+              evaluation.result ? evaluation.result->result.get() : nullptr);
   const std::vector<std::string> unmet = unmet_expectations(values);
   const std::string brief = evaluation_text(evaluation, evaluated.report, summary,
                                             tuning_command(session, inputs, evaluated.run),

@@ -31,7 +31,7 @@ struct MatchedFrame {
 std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
   std::vector<MatchedFrame> all;
   if (evaluation.result) {
-    const Result& result = evaluation.result->result;
+    const Result& result = *evaluation.result->result;
     for (const Match* recognition : recognitions_by_frame(result))
       if (recognition != nullptr)
         all.push_back(
@@ -130,10 +130,10 @@ std::string label_caution(const GroundTruth& truth, const Outcomes& outcomes) {
 void judge_by_answers(Evaluation& evaluation, const std::filesystem::path& file,
                       std::span<const double> traveled_m) {
   EvaluatedResult& judged = *evaluation.result;
-  const std::vector<PlaceLabel> labels = read_place_answers(file, judged.result);
+  const std::vector<PlaceLabel> labels = read_place_answers(file, *judged.result);
   for (size_t c = 0; c < labels.size(); ++c) judged.clusters[c].label = labels[c];
   count_clusters(judged.counts, judged.clusters);
-  judge_by_places(evaluation.judgment, judged.result, labels, traveled_m);
+  judge_by_places(evaluation.judgment, *judged.result, labels, traveled_m);
   evaluation.truth.protocol =
       fmt::format("answers to {} of {}", labels.size() - judged.counts.clusters->ignored,
                   counted(labels.size(), "place"));
@@ -185,22 +185,22 @@ GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
   return truth;
 }
 
-Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
+Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor) {
   Evaluation evaluation;
-  const GroundTruthScope scope = scope_of(result);
+  const GroundTruthScope scope = scope_of(*result);
   evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
   const std::vector<double> traveled_m = traveled_by(by, scope, monitor);
-  evaluation.judgment = matrix ? judge(result, *matrix, truth, traveled_m, monitor)
-                               : judge(result, truth, traveled_m, monitor);
+  evaluation.judgment = matrix ? judge(*result, *matrix, truth, traveled_m, monitor)
+                               : judge(*result, truth, traveled_m, monitor);
   present_by(evaluation.judgment, by);
   EvaluatedResult& judged = evaluation.result.emplace();
-  judged.counts = count_recognitions(result, truth, monitor);
+  judged.counts = count_recognitions(*result, truth, monitor);
   if (truth.is_known)
     judged.by_keyframe =
-        count_by_keyframe(result, truth, evaluation.judgment.outcomes.confidence, monitor);
-  judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
+        count_by_keyframe(*result, truth, evaluation.judgment.outcomes.confidence, monitor);
+  judged.clusters = judge_clusters(*result, clusters_of(*result), truth, monitor);
   judged.result = std::move(result);
   if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);
   evaluation.matrix = std::move(matrix);

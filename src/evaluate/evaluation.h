@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,7 +44,7 @@ struct ScoreSettings {
 };
 
 struct EvaluatedResult {
-  Result result;
+  std::shared_ptr<const Result> result;
   Counts counts;
   std::optional<CountsByKeyframe> by_keyframe;  ///< nullopt without keyframes or ground truth
   std::vector<JudgedCluster> clusters;          ///< by index of clusters_of(result)
@@ -74,7 +75,7 @@ GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
 
 /// Evaluates a result, with the matrix that was saved with it, if there is one. Throws what
 /// read_ground_truth, read_place_answers, read_traveled, judge and set_confidence throw.
-Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix,
+Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor);
 
 /// Evaluates scores of any program. `by` has a ground truth. Throws as evaluate_result does, and

@@ -32,7 +32,7 @@ std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& eval
       if (judgment.verdicts[query.frame] != FrameVerdict::none) matches[query.frame] = query.best;
     return matches;
   }
-  const Result& result = evaluation.result->result;
+  const Result& result = *evaluation.result->result;
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
     if (const Match* match = recognitions[frame])
@@ -95,7 +95,7 @@ std::string outcomes_csv(const Judgment& judgment, const std::string& name,
 }
 
 std::string recognitions_csv(const EvaluatedResult& judged, const std::string& name) {
-  const Result& result = judged.result;
+  const Result& result = *judged.result;
   const std::string start = prefix(name, result.query.name);
   const size_t length = result.window_length();
   const Clusters clusters = clusters_of(result);

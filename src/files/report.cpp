@@ -21,7 +21,7 @@ constexpr const char* kFramesProtocol =
 
 std::vector<ReportedCluster> places_of(const EvaluatedResult& judged) {
   std::vector<ReportedCluster> places;
-  const Result& result = judged.result;
+  const Result& result = *judged.result;
   const auto anchor = [&](size_t window) { return anchor_of(window, result.window_length()); };
   for (size_t c = 0; c < judged.clusters.size(); ++c) {
     const Cluster& cluster = result.clusters->all[c];
@@ -161,7 +161,7 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
 
 /// The parts that scores do not have.
 void add_result(Report& report, const EvaluatedResult& judged) {
-  const Result& result = judged.result;
+  const Result& result = *judged.result;
   report.method = method_of(result.settings);
   report.selection = result.query.selection;
   report.settings = result.settings;

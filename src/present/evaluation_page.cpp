@@ -173,7 +173,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   const Gallery gallery = make_gallery(judgment, truth, score_unit(report), sources, monitor);
   const PageCharts charts = page_charts(evaluation, report, monitor);
   const std::string settings =
-      evaluation.result ? settings_text(evaluation.result->result) + ". " : "";
+      evaluation.result ? settings_text(*evaluation.result->result) + ". " : "";
   Json json = report_json(report);
   Json& made = json["provenance"];
   if (!run.command_line.empty()) made["command_line"] = run.command_line;

@@ -145,13 +145,13 @@ std::string places_text(const Report& report) {
 std::string next_step(const Evaluation& evaluation, const std::string& tuning) {
   if (!evaluation.result || evaluation.warned_of_ground_truth) return "";
   if (evaluation.judgment.by == JudgedBy::nothing)
-    return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result.places
+    return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result->places
                ? "next: judge each place by its images with --ask-places PAGE.html"
                : "";
   if (!evaluation.truth.is_known || !evaluation.truth.asked.empty()) return "";
   const Localization& path = evaluation.judgment.localization;
   if (path.correct > 0 && path.incorrect == 0) return "";
-  if (evaluation.result->result.places)
+  if (evaluation.result->result->places)
     return path.incorrect == 0 ? "" : "next: a larger --t-p of vpr-query accepts fewer places";
   return tuning.empty() ? "" : "next: compare methods with\n" + tuning;
 }
@@ -179,7 +179,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
                             const std::string& summary, const std::string& tuning,
                             size_t most_ranges) {
   std::string text = wrapped_text(summary);
-  const Result* result = evaluation.result ? &evaluation.result->result : nullptr;
+  const Result* result = evaluation.result ? evaluation.result->result.get() : nullptr;
   if (result != nullptr) text += line("settings", settings_text(*result));
   if (evaluation.truth.is_known) {
     text += line("ground truth", report.protocol.ground_truth);

@@ -143,7 +143,7 @@ std::vector<size_t> asked_queries(const Judgment& judgment, const GroundTruth& t
 std::string place_questions_page(const Evaluation& evaluation, const Report& report,
                                  const FrameSources& sources, const Monitor& monitor) {
   const EvaluatedResult& judged = *evaluation.result;
-  const Result& result = judged.result;
+  const Result& result = *judged.result;
   require_places(result);
   const std::vector<std::vector<FramePair>> pairs = pairs_of(result);
   std::vector<Question> questions;

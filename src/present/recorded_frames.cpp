@@ -58,11 +58,13 @@ void add_recorded_names(EvaluationSettings& by, const RecordedRun& run, size_t s
     });
 }
 
-Evaluation evaluate_stored(StoredResult stored, std::optional<ScoreMatrix> matrix,
-                           EvaluationSettings by, const Monitor& monitor) {
-  if (!stored.result.places) add_recorded_names(by, stored.run, stored.result.sequences.size());
-  Evaluation evaluation = evaluate_result(std::move(stored.result), std::move(matrix), by, monitor);
-  evaluation.fingerprint = stored.fingerprint;
+Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
+                           std::optional<ScoreMatrix> matrix, EvaluationSettings by,
+                           const Monitor& monitor) {
+  const std::shared_ptr<const Result> result(stored, &stored->result);
+  if (!result->places) add_recorded_names(by, stored->run, result->sequences.size());
+  Evaluation evaluation = evaluate_result(result, std::move(matrix), by, monitor);
+  evaluation.fingerprint = stored->fingerprint;
   return evaluation;
 }
 

@@ -13,8 +13,9 @@ void add_recorded_names(EvaluationSettings& by, const RecordedRun& run, size_t s
 
 /// Evaluates a result of a file by the names that the run has recorded (add_recorded_names), unless
 /// it has places. Throws as evaluate_result does.
-Evaluation evaluate_stored(StoredResult stored, std::optional<ScoreMatrix> matrix,
-                           EvaluationSettings by, const Monitor& monitor);
+Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
+                           std::optional<ScoreMatrix> matrix, EvaluationSettings by,
+                           const Monitor& monitor);
 
 /// The sequences of the run, as far as their frames are still the same. `has_places`: of FAB-MAP,
 /// whose training frames are not searched for.

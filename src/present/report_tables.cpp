@@ -108,11 +108,11 @@ std::string best_match_words(const Evaluation& evaluation) {
 std::string pair_words(const Evaluation& evaluation) {
   if (!evaluation.result) return "";
   const LabelCounts& pairs = evaluation.result->counts.recognitions;
-  if (pairs.incorrect == 0 || evaluation.result->result.path) return "";
+  if (pairs.incorrect == 0 || evaluation.result->result->path) return "";
   return fmt::format(
       "; {} of the {} accepted {} {} incorrect", pairs.incorrect,
       pairs.correct + pairs.incorrect + pairs.ignored,
-      evaluation.result->result.places ? "pairs of a frame and a place" : "window pairs",
+      evaluation.result->result->places ? "pairs of a frame and a place" : "window pairs",
       pairs.incorrect == 1 ? "is" : "are");
 }
 

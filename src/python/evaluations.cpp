@@ -75,17 +75,17 @@ ReportPointer evaluated(
   return made;
 }
 
-ReportPointer evaluate(const StoredResult& result, const std::string& truth,
+ReportPointer evaluate(const std::shared_ptr<StoredResult>& result, const std::string& truth,
                        const std::string& text, const py::object& progress) {
   Call call("vpr.evaluate", text, progress);
   const auto made = evaluated(
       call, truth, [&](const EvaluationSettings& by, const std::string&, const Monitor& monitor) {
         Evaluation evaluation = evaluate_stored(result, std::nullopt, by, monitor);
-        if (result.fingerprint.empty())
-          evaluation.fingerprint = sealed_result_json(result.result, result.context)["checksum"];
+        if (result->fingerprint.empty())
+          evaluation.fingerprint = sealed_result_json(result->result, result->context)["checksum"];
         return evaluation;
       });
-  made->recorded = result.run;
+  made->recorded = result->run;
   return made;
 }
 

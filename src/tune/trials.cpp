@@ -67,8 +67,8 @@ void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& t
   for (const Query& query : queries) {
     QueryRun done = run(query);
     for (const auto& [step, seconds] : done.seconds) trial.seconds += seconds;
-    const Evaluation found =
-        evaluate_result(std::move(done.result), std::nullopt, query.by, truth_monitor);
+    const Evaluation found = evaluate_result(std::make_shared<const Result>(std::move(done.result)),
+                                             std::nullopt, query.by, truth_monitor);
     trial.counts.push_back({found.judgment.localization, found.result->counts.recognitions});
   }
 }

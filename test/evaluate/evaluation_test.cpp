@@ -34,6 +34,10 @@ Result example() {
   return result;
 }
 
+std::shared_ptr<const Result> shared(Result result) {
+  return std::make_shared<const Result>(std::move(result));
+}
+
 std::vector<uint64_t> numbers(const LabelCounts& counts) {
   return {counts.correct, counts.incorrect, counts.ignored};
 }
@@ -41,7 +45,7 @@ std::vector<uint64_t> numbers(const LabelCounts& counts) {
 }  // namespace
 
 TEST_CASE("a result is evaluated and counted by one ground truth") {
-  const Evaluation found = evaluate_result(example(), {}, kAligned, {});
+  const Evaluation found = evaluate_result(shared(example()), {}, kAligned, {});
   CHECK(found.query().name == "walk");
   CHECK(found.truth.is_known);
   CHECK_FALSE(found.matrix);
@@ -65,13 +69,13 @@ TEST_CASE("poses of the query yield distances in meters") {
   test::write_text("poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
   EvaluationSettings by = kAligned;
   by.poses = "poses.csv";
-  const Evaluation found = evaluate_result(example(), {}, by, {});
+  const Evaluation found = evaluate_result(shared(example()), {}, by, {});
   CHECK(found.judgment.localization.first_recognition_m == 0);
   CHECK(found.judgment.localization.longest_gap_m == 5);
 }
 
 TEST_CASE("without ground truth, a result is shown without evaluation") {
-  const Evaluation found = evaluate_result(example(), {}, {}, {});
+  const Evaluation found = evaluate_result(shared(example()), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
   CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
   CHECK(found.judgment.verdicts[0] == FrameVerdict::unjudged);
@@ -89,7 +93,7 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
     test::write_text("places.csv", "place,query,sequence,train,same\n" + rows);
     EvaluationSettings by;
     by.places = "places.csv";
-    return evaluate_result(example(), {}, by, {});
+    return evaluate_result(shared(example()), {}, by, {});
   };
   // The first place has two recognitions, at frames 0 and 1; the second one has frame 2.
   const Evaluation found = judged_by("2,2,ref,0,no\n1,0,ref,0,yes\n");
@@ -140,7 +144,7 @@ TEST_CASE("without clusters, every recognition of a result is evaluated separate
   result.settings = FabmapQuerySettings{};
   result.clusters.reset();
   result.places.emplace().names = {"a", "b", "c", "d"};
-  const Evaluation found = evaluate_result(std::move(result), {}, kAligned, {});
+  const Evaluation found = evaluate_result(shared(std::move(result)), {}, kAligned, {});
   REQUIRE(found.result->clusters.size() == 3);
   CHECK(found.result->clusters[1].label == PlaceLabel::same);
   CHECK(found.result->clusters[2].label == PlaceLabel::different);
@@ -166,7 +170,7 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
                                   FrameVerdict::incorrect, FrameVerdict::none});
   REQUIRE(alone.judgment.all_pairs);
 
-  const Evaluation both = evaluate_result(example(), matrix(), kAligned, {});
+  const Evaluation both = evaluate_result(shared(example()), matrix(), kAligned, {});
   REQUIRE(both.matrix);
   REQUIRE(both.judgment.all_pairs);
   CHECK(both.judgment.all_pairs->curve.points.size() ==

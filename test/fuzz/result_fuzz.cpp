@@ -37,7 +37,7 @@ void report(const Result& result) {
   for (size_t frame = 0; frame < result.query.frames; ++frame)
     poses += fmt::format("{},{},0\n", frame, frame);
   const EvaluationSettings by{GroundTruthArgument{"aligned", {}, 1}, fuzz::memory_file(poses), {}};
-  report_json(report_of(evaluate_result(result, {}, by, {}), {}));
+  report_json(report_of(evaluate_result(std::make_shared<const Result>(result), {}, by, {}), {}));
 }
 
 }  // namespace
