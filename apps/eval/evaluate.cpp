@@ -164,34 +164,6 @@ void warn_of_order(const Session& session, const EvalInputs& inputs) {
                   *(std::ranges::is_sorted_until(names) - 1), *std::ranges::is_sorted_until(names));
 }
 
-// Warns if the opposite of --distance or --similarity is correct for more queries.
-void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
-  constexpr double kClear = 0.05;  // of the queries: more than chance
-  const uint64_t queries = frames_with_match(judgment.outcomes);
-  const auto found = recall_at(judgment.outcomes, 1);
-  if (!found || !judgment.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
-    return;
-  const double other =
-      static_cast<double>(judgment.all_pairs->worst_correct) / static_cast<double>(queries);
-  if (other < 2 * *found || other < *found + kClear) return;
-  warn(monitor, "{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(), 100 * *found,
-       inputs.matrix.is_distance ? "--distance" : "--similarity", 100 * other,
-       inputs.matrix.is_distance ? "--similarity" : "--distance");
-}
-
-// Warns if the best score may be the missing value of vpr-query.
-void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgment& judgment) {
-  const auto& points = judgment.single_best.points;
-  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.path.empty() || points.empty())
-    return;
-  const double best = judgment.single_best.threshold(points.front());
-  if (std::ranges::find(score_kinds(), best, &ScoreKind::missing) == score_kinds().end()) return;
-  warn(monitor,
-       "{0}: the smallest distance is {1}. If it stands for a missing score, as in a matrix of "
-       "vpr-query, add --missing {1}",
-       inputs.source(), best);
-}
-
 }  // namespace
 
 std::vector<std::string> query_names(const EvalInputs& inputs) {
@@ -239,8 +211,8 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
                inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
     const ScoreSettings settings = score_settings(inputs, *matrix, session.options.process.seed);
     evaluation = evaluate_scores(std::move(*matrix), settings, evaluated.by, session.monitor);
-    warn_reversed(session.monitor, inputs.scores, evaluation.judgment);
-    warn_negative(session.monitor, inputs.scores, evaluation.judgment);
+    warn_of_scores(evaluation.judgment, inputs.scores.matrix, inputs.scores.source(),
+                   session.monitor);
   }
   if (!inputs.name.empty()) evaluation.name = inputs.name;
   evaluated.report = report_of(evaluation, session.run, session.monitor);

@@ -7,7 +7,7 @@
 
 #include "common/flags.h"
 #include "files/result_file.h"
-#include "run/query.h"
+#include "loops/sequence_query.h"
 
 namespace vpr {
 
@@ -19,13 +19,10 @@ struct QueryOptions {
   std::string dataset;
   SelectionSettings selection;
   std::string query_times;  ///< times of the frames, for --fps
-  ScoreInput scores;
-  std::string matrix_name;                   ///< name of the query of a matrix
-  std::vector<std::string> train_sequences;  ///< of a matrix: NAME=FIRST:LAST
-  std::string loop_times;
-  std::string loop_list;  ///< output
-  std::string matrix;     ///< output
-  std::string fuse;       ///< FAB-MAP database of the same training sequences
+  QueryInputs inputs;       ///< without frames and database
+  std::string loop_list;    ///< output
+  std::string matrix;       ///< output
+  std::string fuse;         ///< FAB-MAP database of the same training sequences
   size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;
   std::string posteriors;  ///< output

@@ -169,7 +169,7 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                      "write one line query,match,score per best match, for vpr-eval loops; only "
                      "recognitions with --t-r or --margin",
                      kEssentialGroup, "FILE");
-  command.add_option("--frame-times", options.loop_times,
+  command.add_option("--frame-times", options.inputs.frame_times,
                      "times of the frames for a gap in seconds: a list with one per line (default: "
                      "from names of images, or from the video)",
                      kQueryGroup, "FILE");
@@ -180,13 +180,13 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
 
 void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
   command
-      .add_option("SCORES", options.scores.path,
+      .add_option("SCORES", options.inputs.scores.path,
                   "score matrix (.npy): query frames x training frames")
       .required();
-  add_score_flags(command, options.scores);
-  command.add_option("--name", options.matrix_name,
+  add_score_flags(command, options.inputs.scores);
+  command.add_option("--name", options.inputs.query.name,
                      "name of the query (default: the name of the file)", kQueryGroup);
-  command.add_list("--train-sequence", options.train_sequences,
+  command.add_list("--train-sequence", options.inputs.train_sequences,
                    "NAME=FIRST:LAST: training frames of the matrix that form a sequence (from 0, "
                    "without LAST), which windows do not cross; repeatable (default: one sequence)",
                    kQueryGroup);
@@ -251,10 +251,7 @@ ResultContext make_context(const QueryOptions& options, const Session& session) 
   ResultContext context;
   context.run = session.run;
   context.run.simd_target = session.kernels.target;
-  if (!options.scores.path.empty())
-    context.run.paths["scores"] = options.scores.path;
-  else if (!options.database.empty())
-    context.run.paths["database"] = options.database;
+  if (!options.database.empty()) context.run.paths["database"] = options.database;
   if (!options.fuse.empty()) context.run.paths["fuse"] = options.fuse;
   return context;
 }

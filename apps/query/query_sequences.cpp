@@ -6,7 +6,6 @@
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "files/matrix_file.h"
-#include "loops/sequence_query.h"
 #include "present/matrix_chart.h"
 #include "query.h"
 #include "run/advice.h"
@@ -17,19 +16,20 @@ namespace {
 
 constexpr size_t kMatrixPixels = 2000;  // per side
 
-QueryData open_data(ResultContext& context, const QueryOptions& options,
-                    const ResolvedSettings& settings, const Session& session) {
-  if (!options.scores.path.empty())
-    return open_scores(options.scores, options.matrix_name, options.train_sequences,
-                       options.selection.speed, session.options.process.seed, context,
-                       session.monitor);
-  const NamedSequence found = find_query(options, false, session);
-  const NamedArgument query{found.name, found.sequence};
-  if (settings->loop)
-    return describe_loop(query, options.loop_times, *settings, context, session.monitor);
-  return describe_for(std::make_shared<SequenceDatabase>(
-                          open_database(options.database, settings, options.fuse, session.monitor)),
-                      query, settings, context, session.monitor);
+QueryInputs inputs_of(const QueryOptions& options, const ResolvedSettings& settings,
+                      const Session& session) {
+  QueryInputs inputs = options.inputs;
+  if (!inputs.scores.path.empty()) {
+    inputs.query.sequence.speed = options.selection.speed;
+    inputs.query.sequence.seed = session.options.process.seed;
+    return inputs;
+  }
+  const NamedSequence query = find_query(options, false, session);
+  inputs.query = {query.name, query.sequence};
+  if (!settings->loop)
+    inputs.database = std::make_shared<SequenceDatabase>(
+        open_database(options.database, settings, options.fuse, session.monitor));
+  return inputs;
 }
 
 /// The score matrix of --save-matrix, from the rows of a query.
@@ -101,7 +101,8 @@ void query_sequences(Session& session, const QueryOptions& options,
   const QueryResources resources = resources_of(options, session);
   const Stopwatch watch;
   ResultContext context = make_context(options, session);
-  const QueryData data = open_data(context, options, settings, session);
+  const QueryData data =
+      open_query(inputs_of(options, settings, session), settings, context, monitor);
   context.seconds["describe"] = watch.elapsed_s();
   SavedMatrix matrix;
   const auto observers = [&](const QueryPlan& plan) -> Sinks {

@@ -134,7 +134,7 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
     throw Error(ErrorKind::usage, "{}: has the settings of vpr-query loops",
                 session.options.config);
   settings.sequence.loop = settings.fabmap.loop = is_loop;
-  refuse(!options.loop_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
+  refuse(!options.inputs.frame_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
          "needs a gap in seconds, as in --gap 30s");
   const bool has_own_frames = is_loop || command == Feature::matrix;
   const DatabaseFamily family = family_of(options, !has_own_frames);

@@ -227,4 +227,26 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   return evaluation;
 }
 
+void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,
+                    const Monitor& monitor) {
+  constexpr double kClear = 0.05;  // of the queries: more than chance
+  const auto found = recall_at(judgment.outcomes, 1);
+  if (found && judgment.all_pairs && scores.is_distance != scores.is_similarity) {
+    const double other = static_cast<double>(judgment.all_pairs->worst_correct) /
+                         static_cast<double>(frames_with_match(judgment.outcomes));
+    if (other >= 2 * *found && other >= *found + kClear)
+      warn(monitor, "{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", source, 100 * *found,
+           scores.is_distance ? "--distance" : "--similarity", 100 * other,
+           scores.is_distance ? "--similarity" : "--distance");
+  }
+  const auto& points = judgment.single_best.points;
+  if (scores.is_similarity || scores.missing || points.empty()) return;
+  const double best = judgment.single_best.threshold(points.front());
+  if (std::ranges::count(score_kinds(), best, &ScoreKind::missing) > 0)
+    warn(monitor,
+         "{0}: the smallest distance is {1}. If it stands for a missing score, as in a matrix of "
+         "vpr-query, add --missing {1}",
+         source, best);
+}
+
 }  // namespace vpr

@@ -100,6 +100,56 @@ DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySe
   return describe_frames(sequence, described, settings.skip_unreadable, monitor);
 }
 
+QueryData describe_for(const QueryInputs& inputs, const ResolvedSettings& settings,
+                       ResultContext& context, const Monitor& monitor) {
+  QueryData data{inputs.query.name, inputs.database};
+  data.query = describe_query(inputs.query.sequence, *data.database, settings, monitor);
+  context.database_fingerprint = data.database->fingerprint;
+  context.query_fingerprint = fingerprint_of(data.query);
+  if (const FusedViews* fused = fused_views(*data.database))
+    context.fused_fingerprint = fused->fabmap.fingerprint;
+  return data;
+}
+
+QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& settings,
+                        ResultContext& context, const Monitor& monitor) {
+  QueryData data{inputs.query.name};
+  const std::string& times = inputs.frame_times;
+  const std::string path = argument_text(inputs.query.sequence);
+  const bool needs_times = settings.loop_gap_s != 0;
+  if (needs_times)
+    data.times_ns =
+        times.empty() ? times_of_names(path, monitor) : read_frame_times(times, monitor);
+  data.query = describe_own(open_sequence(inputs.query.sequence), settings, monitor);
+  const size_t frames = data.query.rows().size();
+  if (needs_times && data.times_ns.size() != frames)
+    throw Error(ErrorKind::data, "{}: has {}, and {} has {}", times.empty() ? path : times,
+                counted(data.times_ns.size(), "time"), path, counted(frames, "frame"));
+  data.database = std::make_shared<SequenceDatabase>(own_database(data.query, data.name));
+  context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);
+  return data;
+}
+
+QueryData open_scores(const QueryInputs& inputs, ResultContext& context, const Monitor& monitor) {
+  const ScoreInput& scores = inputs.scores;
+  require_order(scores);
+  const auto distances = std::make_shared<const PrecomputedDistances>(scores.open(), monitor);
+  std::vector<NamedArgument> sequences;
+  for (const std::string& range : inputs.train_sequences)
+    sequences.push_back(parse_named_range(range, "", "--train-sequence"));
+  MatrixQuery made = matrix_query(*distances, sequences);
+  const PrecomputedUnits& units = distances->units();
+  if (!scores.array) context.run.paths["scores"] = scores.path;
+  context.scores = {scores.order(), units.best, units.unit, units.is_exact};
+  context.database_fingerprint = context.query_fingerprint = distances->fingerprint(monitor);
+  const auto& [name, query] = inputs.query;
+  return {name.empty() ? std::filesystem::path(scores.path).stem().string() : name,
+          std::make_shared<SequenceDatabase>(std::move(made.database)),
+          selected(std::move(made.query), at_speed(query.speed, distances->queries(), query.seed)),
+          {},
+          distances};
+}
+
 }  // namespace
 
 SequenceDatabase own_database(const DescriptorSet& query, const std::string& name) {
@@ -137,56 +187,12 @@ MatrixQuery matrix_query(const PrecomputedDistances& matrix,
   return made;
 }
 
-QueryData describe_for(std::shared_ptr<SequenceDatabase> database, const NamedArgument& query,
-                       const ResolvedSettings& settings, ResultContext& context,
-                       const Monitor& monitor) {
-  QueryData data{query.name, std::move(database)};
-  data.query = describe_query(query.sequence, *data.database, settings, monitor);
-  set_query_path(context.run, query.sequence);
-  context.database_fingerprint = data.database->fingerprint;
-  context.query_fingerprint = fingerprint_of(data.query);
-  if (const FusedViews* fused = fused_views(*data.database))
-    context.fused_fingerprint = fused->fabmap.fingerprint;
-  return data;
-}
-
-QueryData describe_loop(const NamedArgument& query, const std::string& times,
-                        const SequenceQuerySettings& settings, ResultContext& context,
-                        const Monitor& monitor) {
-  QueryData data{query.name};
-  const std::string path = argument_text(query.sequence);
-  const bool needs_times = settings.loop_gap_s != 0;
-  if (needs_times)
-    data.times_ns =
-        times.empty() ? times_of_names(path, monitor) : read_frame_times(times, monitor);
-  data.query = describe_own(open_sequence(query.sequence), settings, monitor);
-  const size_t frames = data.query.rows().size();
-  if (needs_times && data.times_ns.size() != frames)
-    throw Error(ErrorKind::data, "{}: has {}, and {} has {}", times.empty() ? path : times,
-                counted(data.times_ns.size(), "time"), path, counted(frames, "frame"));
-  data.database = std::make_shared<SequenceDatabase>(own_database(data.query, data.name));
-  set_query_path(context.run, query.sequence);
-  context.database_fingerprint = context.query_fingerprint = fingerprint_of(data.query);
-  return data;
-}
-
-QueryData open_scores(const ScoreInput& scores, const std::string& name,
-                      const std::vector<std::string>& ranges, const std::string& speed,
-                      uint64_t seed, ResultContext& context, const Monitor& monitor) {
-  require_order(scores);
-  const auto distances = std::make_shared<const PrecomputedDistances>(scores.open(), monitor);
-  std::vector<NamedArgument> sequences;
-  for (const std::string& range : ranges)
-    sequences.push_back(parse_named_range(range, "", "--train-sequence"));
-  MatrixQuery made = matrix_query(*distances, sequences);
-  const PrecomputedUnits& units = distances->units();
-  context.scores = {scores.order(), units.best, units.unit, units.is_exact};
-  context.database_fingerprint = context.query_fingerprint = distances->fingerprint(monitor);
-  return {name.empty() ? std::filesystem::path(scores.path).stem().string() : name,
-          std::make_shared<SequenceDatabase>(std::move(made.database)),
-          selected(std::move(made.query), at_speed(speed, distances->queries(), seed)),
-          {},
-          distances};
+QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,
+                     ResultContext& context, const Monitor& monitor) {
+  if (!inputs.scores.path.empty()) return open_scores(inputs, context, monitor);
+  set_query_path(context.run, inputs.query.sequence);
+  return inputs.database ? describe_for(inputs, settings, context, monitor)
+                         : describe_loop(inputs, *settings, context, monitor);
 }
 
 QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,

@@ -44,27 +44,24 @@ struct QueryData {
   std::shared_ptr<const PrecomputedDistances> scores{};  ///< to which the other members refer
 };
 
-/// Describes a query like the frames of a database that has what the settings need
-/// (prepare_database). Adds the paths and fingerprints of both to the context. Throws as
-/// describe_query does.
-QueryData describe_for(std::shared_ptr<SequenceDatabase> database, const NamedArgument& query,
-                       const ResolvedSettings& settings, ResultContext& context,
-                       const Monitor& monitor);
+/// Frames or scores to match, before they are read.
+struct QueryInputs {
+  NamedArgument query = {};  ///< of scores, only its name (empty: that of the file) and its speed
+  /// With what the settings need (prepare_database); null: the query is matched with its own past.
+  std::shared_ptr<SequenceDatabase> database = {};
+  /// A file with the times of a loop query with a gap in seconds; empty: the names of its frames.
+  std::string frame_times = {};
+  ScoreInput scores = {};  ///< instead of frames, if it has a path
+  /// Training frames of scores that form sequences, "NAME=FIRST:LAST"; empty: all are one sequence.
+  std::vector<std::string> train_sequences = {};
+};
 
-/// Describes a query that is matched with its own past, by settings.descriptor; if this is empty,
-/// by LDB, or as vectors if its frames are arrays. Reads the times of its frames if the gap is in
-/// seconds: from the file `times`, or if that is empty, from the names of the frames. Throws
-/// Error(usage) if these are not times, Error(data) for another number of times.
-QueryData describe_loop(const NamedArgument& query, const std::string& times,
-                        const SequenceQuerySettings& settings, ResultContext& context,
-                        const Monitor& monitor);
-
-/// Opens scores with the ranges of training frames "NAME=FIRST:LAST" as sequences; without any, all
-/// frames are one. `speed`: simulated, with its seed. Throws as require_order, parse_named_range
-/// and matrix_query do.
-QueryData open_scores(const ScoreInput& scores, const std::string& name,
-                      const std::vector<std::string>& ranges, const std::string& speed,
-                      uint64_t seed, ResultContext& context, const Monitor& monitor);
+/// Describes the frames like those of the database, or by the settings, or opens the scores. Adds
+/// paths and fingerprints to the context. Throws as describe_query, describe_own, require_order,
+/// parse_named_range and matrix_query do, Error(usage) for frames whose names are not times, and
+/// Error(data) for another number of times than frames.
+QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,
+                     ResultContext& context, const Monitor& monitor);
 
 /// Sinks of the rows of a planned query, in addition to its result.
 using Observers = std::function<Sinks(const QueryPlan& plan)>;

@@ -1,16 +1,12 @@
-#include "python/call.h"
-
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <exception>
 #include <filesystem>
 #include <future>
 #include <mutex>
-#include <optional>
-#include <vector>
 
 #include "base/error.h"
+#include "match/row_kernels.h"
+#include "python/module.h"
 
 namespace py = pybind11;
 
@@ -19,30 +15,21 @@ namespace {
 
 /// Reports of the worker to the calling thread.
 struct Reports {
-  struct Step {
-    std::string name;
-    size_t done = 0;
-    size_t total = 0;
-  };
-  std::optional<Step> step;  ///< the latest
+  std::function<void()> progress;  ///< of the latest step; null: no news
   std::vector<std::string> warnings;
 };
 
 // Raises what Python code raises.
-void deliver(const Reports& reports, const py::object& progress) {
+void deliver(const Reports& reports) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   for (const std::string& sentence : reports.warnings)
     if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 2) != 0) throw py::error_already_set();
-  if (reports.step && !progress.is_none())
-    progress(reports.step->name, reports.step->done, reports.step->total);
+  if (reports.progress) reports.progress();
 }
 
-/// Classes of the package, by ErrorKind.
-constexpr std::array<const char*, 7> kClasses = {"UsageError",   "InputError",    "OutputError",
-                                                 "DataError",    "InternalError", "Interrupted",
-                                                 "InternalError"};
-
 void raise(const Error& error) {
+  constexpr std::array kClasses = {"UsageError",    "InputError",  "OutputError",  "DataError",
+                                   "InternalError", "Interrupted", "InternalError"};
   if (error.kind() == ErrorKind::interrupted) return PyErr_SetNone(PyExc_KeyboardInterrupt);
   const char* name = kClasses[static_cast<size_t>(error.kind())];
   PyErr_SetString(py::module_::import("vpr").attr(name).ptr(), error.what());
@@ -66,10 +53,11 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
   std::atomic<bool> stop{false};
   Monitor monitor;
   monitor.stop = &stop;
-  monitor.progress = [&](const std::string& step, size_t done, size_t total) {
-    const std::scoped_lock lock(mutex);
-    reports.step = {step, done, total};
-  };
+  if (!progress.is_none())
+    monitor.progress = [&](const std::string& step, size_t done, size_t total) {
+      const std::scoped_lock lock(mutex);
+      reports.progress = [this, step, done, total] { progress(step, done, total); };
+    };
   monitor.warn = [&](const std::string& sentence) {
     const std::scoped_lock lock(mutex);
     reports.warnings.push_back(sentence);
@@ -88,9 +76,8 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
       const std::scoped_lock lock(mutex);
       std::swap(latest, reports);
     }
-    if (raised) continue;
     try {
-      deliver(latest, progress);
+      if (!raised) deliver(latest);
     } catch (const py::error_already_set&) {
       raised = std::current_exception();
       stop = true;
@@ -101,12 +88,12 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
 }
 
 RunInfo Call::run_info(const std::string& program) const {
-  RunInfo run;
-  run.program = program;
-  run.command_line = {function};
-  run.threads = thread_count();
-  run.seed = process.seed;
-  return run;
+  return {.program = program,
+          .command_line = {function},
+          .paths = {},
+          .simd_target = std::string(select_kernels().target),
+          .threads = thread_count(),
+          .seed = process.seed};
 }
 
 void translate_errors() {

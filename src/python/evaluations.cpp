@@ -49,15 +49,15 @@ struct EvaluationReport {
 };
 using ReportPointer = std::shared_ptr<EvaluationReport>;
 
+using Evaluate = std::function<Evaluation(const EvaluationSettings& by, const std::string& name,
+                                          const Monitor& monitor)>;
+
 // Runs an evaluation with the remaining keywords. `truth`: empty for none.
-ReportPointer evaluated(
-    Call& call, const std::string& truth,
-    const std::function<Evaluation(const EvaluationSettings& by, const std::string& name,
-                                   const Monitor& monitor)>& evaluate) {
+ReportPointer evaluated(Call& call, const std::string& truth, const Evaluate& evaluate) {
   EvaluationSettings by;
   std::string name;
-  NestedObject inputs{[&](auto&& visit) { visit("name", name); }};
-  call.take(by, inputs);
+  NestedObject own{[&](auto&& visit) { visit("name", name); }};
+  call.take(by, own);
   GroundTruthArgument argument;
   if (!truth.empty()) argument = parse_ground_truth_argument(truth, 0);
   read_ground_truth_settings(call.keywords, "", call.function, argument);
@@ -92,13 +92,14 @@ ReportPointer evaluate(const std::shared_ptr<StoredResult>& result, const std::s
 ReportPointer evaluate_matrix(const py::object& scores, const std::string& truth,
                               const std::string& text, const py::object& progress) {
   Call call("vpr.evaluate_scores", text, progress, {.order = FrameOrder::rows});
-  ScoreInput input = scores_of(scores);
+  ScoreInput input;
   ScoreSettings settings;
   NestedObject layout{[&](auto&& visit) {
     visit("rows_are_windows_of", settings.window_length);
     visit("threshold", settings.threshold);
   }};
   call.take(input, layout);
+  set_source(input, scores);
   require_order(input);
   settings.format = input.format();
   settings.query.name = kUnnamedQuery;
@@ -106,7 +107,9 @@ ReportPointer evaluate_matrix(const py::object& scores, const std::string& truth
       call, truth,
       [&](const EvaluationSettings& by, const std::string& name, const Monitor& monitor) {
         settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
-        return evaluate_scores(ScoreMatrix(input.open()), settings, by, monitor);
+        Evaluation evaluation = evaluate_scores(ScoreMatrix(input.open()), settings, by, monitor);
+        warn_of_scores(evaluation.judgment, input, input.path, monitor);
+        return evaluation;
       });
 }
 

@@ -1,8 +1,9 @@
 // The Python module _vpr: each function reads settings, runs the steps of one program, and returns
-// their values. vpr/__init__.py has the interface of users. Declares what its topics share: NumPy
-// arrays, databases, choices of queries, outputs.
+// their values. vpr/__init__.py has the interface of users. Declares what its topics share: calls,
+// NumPy arrays, databases.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,74 +11,91 @@
 
 #include <pybind11/numpy.h>
 
+#include "base/json.h"
 #include "base/npy.h"
 #include "base/output.h"
 #include "evaluate/score_matrix.h"
-#include "files/result_arrays.h"
-#include "python/call.h"
-#include "run/plan.h"
+#include "files/run_info.h"
 #include "run/train_sequences.h"
-#include "settings/choices.h"
+#include "sequence/process_settings.h"
 #include "words/database.h"
 
 namespace vpr {
 
+/// A call from Python: settings from keyword arguments, and work without the interpreter's lock.
+struct Call {
+  std::string function;  ///< names itself in errors
+  Json keywords;         ///< that were not read yet
+  pybind11::object progress;
+  ProcessSettings process;
+
+  /// Reads the settings of the process. `text`: the keywords as JSON.
+  explicit Call(std::string name, const std::string& text = "{}",
+                pybind11::object observer = pybind11::none(), ProcessSettings initial = {});
+
+  /// Reads and removes the keywords of these settings. Throws Error(usage) for wrong values.
+  template <class... S>
+  void take(S&... settings) {
+    NestedObject all{[&](auto&& visit) { (visit_fields(settings, visit), ...); }};
+    Json own = Json::object();
+    visit_fields(all, [&](const std::string& key, auto&) {
+      if (keywords.contains(key)) own[key] = keywords[key];
+      keywords.erase(key);
+    });
+    value_from_json(own, all, function, "the settings");
+  }
+  /// Reads the other keywords. Throws Error(usage) also for unknown ones, with the nearest name.
+  template <class S>
+  void rest(S& settings) const {
+    value_from_json(keywords, settings, function, "the settings");
+  }
+
+  /// Runs `work` in a thread without the interpreter's lock. Works of several threads run one after
+  /// the other, because settings of libraries belong to the process. Meanwhile the calling thread
+  /// calls `progress(step, done, total)` unless it is None, and Python's warnings. An interrupt or
+  /// an exception of these stops the work and is raised.
+  void run(const std::function<void(const Monitor&)>& work) const;
+
+  /// The provenance of files as `program` writes them; call it while work runs.
+  RunInfo run_info(const std::string& program) const;
+};
+
+/// Raises errors as the classes of the package.
+void translate_errors();
+
+/// Runs `write`, and commits its outputs.
+void save(bool force, const std::function<void(Outputs& outputs)>& write);
+
+/// Whether an object is text or has a path. Other objects are arrays, or become arrays.
+bool is_path(const pybind11::object& source);
+/// Its text.
+std::string path_of(const pybind11::object& source);
+
 /// A view of an array, which it keeps. Only an array in neither C nor Fortran order is copied.
 std::shared_ptr<const NpyArray> view_of(pybind11::array array, const std::string& name);
 
-/// The sequence of a path, as on the command line, or of an array with one row per frame.
-SequenceArgument sequence_of(const pybind11::object& source, const std::string& name);
-
-/// The score matrix at a path, or in an array, "scores".
-ScoreInput scores_of(const pybind11::object& source);
-
-/// Paths and arrays with their names; empty names are those of the paths.
+/// Paths, as on the command line, and arrays of one row per frame, with names. An empty name is
+/// that of the path, or `array_name`, numbered if there are several sources.
 using Sources = std::vector<std::pair<std::string, pybind11::object>>;
-std::vector<NamedArgument> arguments_of(const Sources& sources);
+std::vector<NamedArgument> arguments_of(const Sources& sources, const std::string& array_name);
+
+/// Sets the path or the array, which is called "scores".
+void set_source(ScoreInput& scores, const pybind11::object& source);
 
 /// An object of the class Fields.
 pybind11::object fields_of(const Json& json);
 
-/// The rows as a read-only view; `owner` keeps them.
-pybind11::array view_of(const DescriptorRows& rows, const pybind11::object& owner);
-
-/// A copy, with columns as fields.
-pybind11::array array_of(const ResultArray& array);
-
 struct Database {
   AnyDatabase content;
-  std::string path;  ///< from which it was read; empty: trained by this process
+  std::string path = {};  ///< from which it was read; empty: trained by this process
 
   /// Throws Error(data) for FAB-MAP.
   SequenceDatabase& sequences();
 };
 using DatabasePointer = std::shared_ptr<Database>;
 
-/// The choices of a query by a sequence method, besides its frames.
-struct QueryChoices {
-  std::string fuse;                         ///< a FAB-MAP database; empty: none
-  std::string frame_times;                  ///< a file with the times of a loop query
-  std::vector<std::string> train_sequence;  ///< ranges of a score matrix
-  std::string speed;                        ///< of a score matrix
-  QueryResources resources;
-  ResolvedSettings settings;
-
-  /// Reads all keywords that are left. `command`: of vpr-query.
-  QueryChoices(Call& call, Feature command);
-
-  /// The database with the statistics and fused views that the settings need; views are added to a
-  /// copy.
-  std::shared_ptr<SequenceDatabase> prepare(const DatabasePointer& database,
-                                            const Monitor& monitor) const;
-};
-
-/// Writes outputs in a call, and commits them.
-void save(bool force, const std::function<void(Outputs& outputs)>& write);
-
 /// Add the classes and functions of one topic to the module.
-void add_databases(pybind11::module_& module);
 void add_queries(pybind11::module_& module);
-void add_live(pybind11::module_& module);
 void add_evaluations(pybind11::module_& module);
 
 }  // namespace vpr

@@ -1,11 +1,12 @@
-// Queries, their results, and frame distances.
+// Queries, their results, live queries, and frame distances.
+#include <opencv2/core.hpp>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "fabmap/place_query.h"
+#include "files/live_lines.h"
 #include "loops/sequence_query.h"
 #include "python/module.h"
 #include "run/open.h"
@@ -14,57 +15,125 @@
 namespace py = pybind11;
 
 namespace vpr {
-
-QueryChoices::QueryChoices(Call& call, Feature command)
-    : resources{select_kernels(), kDefaultMemoryLimit, 0, call.process.seed} {
-  const bool is_loop = command == Feature::loops;
-  const bool is_matrix = command == Feature::matrix;
-  NestedObject inputs{[&](auto&& visit) {
-    visit("max_memory", resources.memory_limit);
-    if (is_loop) visit("frame_times", frame_times);
-    if (is_matrix) visit("train_sequence", train_sequence);
-    if (is_matrix) visit("speed", speed);
-    if (!is_loop && !is_matrix) visit("fuse", fuse);
-  }};
-  call.take(inputs);
-  SequenceQuerySettings chosen;
-  call.rest(chosen);
-  chosen.loop = is_loop;
-  std::vector<std::string> keys;
-  for (const auto& item : call.keywords.items()) keys.push_back(item.key());
-  Features run = {command};
-  if (!is_loop && !is_matrix) run.push_back(Feature::database);
-  if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
-  if (!fuse.empty()) run.push_back(Feature::fuse);
-  add_given_features(run, chosen, keys);
-  settings = ResolvedSettings(chosen, run);
-}
-
-std::shared_ptr<SequenceDatabase> QueryChoices::prepare(const DatabasePointer& database,
-                                                        const Monitor& monitor) const {
-  std::shared_ptr<SequenceDatabase> sequences(database, &database->sequences());
-  if (!fuse.empty()) sequences = std::make_shared<SequenceDatabase>(*sequences);
-  prepare_database(*sequences, settings, fuse, monitor);
-  if (sequences->fingerprint.empty()) sequences->fingerprint = database_fingerprint(*sequences);
-  return sequences;
-}
-
 namespace {
 
-using ResultPointer = std::shared_ptr<StoredResult>;
+/// A query by a sequence method: all keywords of the call, and its frames.
+struct SequenceQuery {
+  QueryInputs inputs;
+  SelectionSettings selection;
+  std::string fuse;  ///< a FAB-MAP database; empty: none
+  QueryResources resources;
+  ResolvedSettings settings;
 
-// Runs a query, and completes its context. `database`: null for none.
-ResultPointer queried(const Call& call, const Database* database,
-                      const std::function<QueryRun(StoredResult&, const Monitor&)>& query) {
+  /// `command`: of vpr-query.
+  SequenceQuery(Call& call, Feature command)
+      : resources{select_kernels(), kDefaultMemoryLimit, 0, call.process.seed} {
+    const bool is_loop = command == Feature::loops;
+    const bool is_matrix = command == Feature::matrix;
+    NestedObject own{[&](auto&& visit) {
+      visit("max_memory", resources.memory_limit);
+      if (is_loop) visit("frame_times", inputs.frame_times);
+      if (is_matrix) visit("train_sequence", inputs.train_sequences);
+      if (is_matrix) visit("speed", selection.speed);
+      if (is_matrix) visit_fields(inputs.scores, visit);
+      if (command == Feature::query) visit_fields(selection, visit);
+      if (!is_loop && !is_matrix) visit("fuse", fuse);
+    }};
+    call.take(own);
+    SequenceQuerySettings chosen;
+    call.rest(chosen);
+    chosen.loop = is_loop;
+    std::vector<std::string> keys;
+    for (const auto& item : call.keywords.items()) keys.push_back(item.key());
+    Features run = {command};
+    if (!is_loop && !is_matrix) run.push_back(Feature::database);
+    if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
+    if (!fuse.empty()) run.push_back(Feature::fuse);
+    add_given_features(run, chosen, keys);
+    settings = ResolvedSettings(chosen, run);
+  }
+
+  /// Adds what the settings need; fused views to a copy of the database.
+  void prepare(const DatabasePointer& database, const Monitor& monitor) {
+    inputs.database = {database, &database->sequences()};
+    if (!fuse.empty()) inputs.database = std::make_shared<SequenceDatabase>(*inputs.database);
+    prepare_database(*inputs.database, settings, fuse, monitor);
+  }
+};
+
+using ResultPointer = std::shared_ptr<StoredResult>;
+using Work = std::function<QueryRun(StoredResult& made, const Monitor& monitor)>;
+
+// The work of a query with FAB-MAP's places.
+Work place_work(const Call& call, const FabmapDatabase& database, NamedArgument query,
+                const SelectionSettings& selection, bool is_loop) {
+  FabmapQuerySettings settings;
+  call.rest(settings);
+  settings.loop = is_loop;
+  return [=, &call, &database](StoredResult& made, const Monitor& monitor) mutable {
+    query.sequence = selected(query.sequence, selection, {}, call.process.seed, monitor);
+    set_query_path(made.context.run, query.sequence);
+    const SequenceWords words =
+        describe_words(open_sequence(query.sequence), database, settings.skip_unreadable, monitor);
+    made.context.database_fingerprint = database.fingerprint;
+    made.context.query_fingerprint = words_fingerprint(words);
+    return query_fabmap(
+        database, words, query.name, settings, call.process.seed, [](auto, auto) {}, monitor);
+  };
+}
+
+// The work of a query by a sequence method.
+Work window_work(Call& call, Feature command, const DatabasePointer& database,
+                 const std::string& name, const py::object& source) {
+  SequenceQuery by(call, command);
+  if (command != Feature::matrix) {
+    by.inputs.query = arguments_of({{name, source}}, "query").front();
+  } else {
+    by.inputs.query.name = name;
+    by.inputs.query.sequence.speed = by.selection.speed;
+    by.inputs.query.sequence.seed = call.process.seed;
+    set_source(by.inputs.scores, source);
+  }
+  return [=, &call](StoredResult& made, const Monitor& monitor) mutable {
+    if (command == Feature::query) {
+      SequenceArgument& sequence = by.inputs.query.sequence;
+      sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
+      by.prepare(database, monitor);
+      if (!by.fuse.empty()) made.context.run.paths["fuse"] = by.fuse;
+      made.run.train =
+          std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
+    }
+    const QueryData data = open_query(by.inputs, by.settings, made.context, monitor);
+    return run_query(data, by.settings, by.resources, {}, made.context, monitor);
+  };
+}
+
+ResultPointer query(const std::string& function, const DatabasePointer& database,
+                    const std::string& name, const py::object& source, const std::string& text,
+                    const py::object& progress) {
+  Call call(function, text, progress);
+  const Feature command = function == "vpr.query"   ? Feature::query
+                          : function == "vpr.loops" ? Feature::loops
+                                                    : Feature::matrix;
+  Work work;
+  if (database && std::holds_alternative<FabmapDatabase>(database->content)) {
+    SelectionSettings selection;
+    if (command == Feature::query) call.take(selection);
+    work = place_work(call, std::get<FabmapDatabase>(database->content),
+                      arguments_of({{name, source}}, "query").front(), selection,
+                      command == Feature::loops);
+  } else if (database && command == Feature::loops) {
+    throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
+  } else {
+    work = window_work(call, command, database, name, source);
+  }
   const auto made = std::make_shared<StoredResult>();
   ResultContext& context = made->context;
   call.run([&](const Monitor& monitor) {
     const Stopwatch watch;
     context.run = call.run_info("vpr-query");
-    context.run.simd_target = select_kernels().target;
-    if (database != nullptr && !database->path.empty())
-      context.run.paths["database"] = database->path;
-    QueryRun run = query(*made, monitor);
+    if (database && !database->path.empty()) context.run.paths["database"] = database->path;
+    QueryRun run = work(*made, monitor);
     context.seconds = std::move(run.seconds);
     context.seconds["total"] = watch.elapsed_s();
     made->run.paths = context.run.paths;
@@ -73,71 +142,6 @@ ResultPointer queried(const Call& call, const Database* database,
     made->result = std::move(run.result);
   });
   return made;
-}
-
-ResultPointer query_places(const Call& call, Database& database, NamedArgument query,
-                           const SelectionSettings& selection, bool is_loop) {
-  auto* fabmap = std::get_if<FabmapDatabase>(&database.content);
-  if (fabmap == nullptr) throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
-  FabmapQuerySettings settings;
-  call.rest(settings);
-  settings.loop = is_loop;
-  return queried(call, &database, [&](StoredResult& made, const Monitor& monitor) {
-    query.sequence = selected(query.sequence, selection, {}, call.process.seed, monitor);
-    set_query_path(made.context.run, query.sequence);
-    const SequenceWords words =
-        describe_words(open_sequence(query.sequence), *fabmap, settings.skip_unreadable, monitor);
-    if (fabmap->fingerprint.empty()) fabmap->fingerprint = database_fingerprint(*fabmap);
-    made.context.database_fingerprint = fabmap->fingerprint;
-    made.context.query_fingerprint = words_fingerprint(words);
-    return query_fabmap(
-        *fabmap, words, query.name, settings, call.process.seed, [](auto, auto) {}, monitor);
-  });
-}
-
-ResultPointer query(const DatabasePointer& database, const std::string& name,
-                    const py::object& source, const std::string& text, const py::object& progress) {
-  Call call("vpr.query", text, progress);
-  NamedArgument query = arguments_of({{name, source}}).front();
-  SelectionSettings selection;
-  call.take(selection);
-  if (std::holds_alternative<FabmapDatabase>(database->content))
-    return query_places(call, *database, query, selection, false);
-  const QueryChoices by(call, Feature::query);
-  return queried(call, database.get(), [&](StoredResult& made, const Monitor& monitor) {
-    if (!by.fuse.empty()) made.context.run.paths["fuse"] = by.fuse;
-    query.sequence = selected(query.sequence, selection, {}, call.process.seed, monitor);
-    const auto trained = by.prepare(database, monitor);
-    made.run.train = std::make_shared<const std::vector<TrainSequence>>(trained->sequences);
-    return run_query(describe_for(trained, query, by.settings, made.context, monitor), by.settings,
-                     by.resources, {}, made.context, monitor);
-  });
-}
-
-ResultPointer loops(const DatabasePointer& database, const std::string& name,
-                    const py::object& source, const std::string& text, const py::object& progress) {
-  Call call("vpr.loops", text, progress);
-  const NamedArgument query = arguments_of({{name, source}}).front();
-  if (database) return query_places(call, *database, query, {}, true);
-  const QueryChoices by(call, Feature::loops);
-  return queried(call, nullptr, [&](StoredResult& made, const Monitor& monitor) {
-    return run_query(describe_loop(query, by.frame_times, *by.settings, made.context, monitor),
-                     by.settings, by.resources, {}, made.context, monitor);
-  });
-}
-
-ResultPointer query_scores(const py::object& source, const std::string& name,
-                           const std::string& text, const py::object& progress) {
-  Call call("vpr.query_scores", text, progress);
-  ScoreInput scores = scores_of(source);
-  call.take(scores);
-  const QueryChoices by(call, Feature::matrix);
-  return queried(call, nullptr, [&](StoredResult& made, const Monitor& monitor) {
-    if (!scores.array) made.context.run.paths["scores"] = scores.path;
-    const QueryData data = open_scores(scores, name, by.train_sequence, by.speed, call.process.seed,
-                                       made.context, monitor);
-    return run_query(data, by.settings, by.resources, {}, made.context, monitor);
-  });
 }
 
 ResultPointer load(const std::filesystem::path& path) {
@@ -155,14 +159,73 @@ void save_result(const StoredResult& result, const std::filesystem::path& path, 
   });
 }
 
+// A copy, with columns as fields.
 py::object array_named(const StoredResult& result, const std::string& name) {
   py::object found = py::none();
   visit_arrays(result.result, [&](const ResultArray& array) {
-    if (array.name == name) found = array_of(array);
+    if (array.name != name) return;
+    py::object type = py::str(std::string(array.type));
+    if (array.columns.size() > 1) {
+      py::list fields;
+      for (const auto column : array.columns) fields.append(py::make_tuple(column, type));
+      type = fields;
+    }
+    found = py::array(py::dtype::from_args(type), array.rows, array.values.data());
   });
   if (found.is_none()) throw py::attribute_error("the result has no " + name);
   return found;
 }
+
+// A copy of the pixels.
+std::shared_ptr<const cv::Mat> picture_of(const py::object& frame) {
+  const auto pixels = py::array_t<uint8_t, py::array::c_style>::ensure(frame);
+  if (!pixels || pixels.ndim() < 2 || pixels.ndim() > 3 ||
+      (pixels.ndim() == 3 && pixels.shape(2) != 3))
+    throw Error(ErrorKind::data,
+                "an image has height x width gray levels, or height x width x 3 values (blue, "
+                "green, red), of type uint8");
+  const cv::Mat view(static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(1)),
+                     pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3, const_cast<uint8_t*>(pixels.data()));
+  return std::make_shared<const cv::Mat>(view.clone());
+}
+
+struct Live {
+  Call call;
+  SequenceQuery by;
+  std::optional<LiveLines> lines;
+
+  Live(const DatabasePointer& database, const std::string& text)
+      : call("vpr.Live", text), by(call, Feature::live) {
+    call.run([&](const Monitor& monitor) {
+      by.prepare(database, monitor);
+      lines.emplace(*by.inputs.database, "live", by.settings, by.resources, monitor);
+    });
+  }
+
+  py::object add(const py::object& frame, const std::string& name) {
+    LiveFrame image;
+    image.name = name;
+    if (is_path(frame)) {
+      image.file = path_of(frame);
+      if (name.empty()) image.name = image.file.filename().string();
+    } else if (by.inputs.database->descriptors.kind->is_imported && !frame.is_none()) {
+      image.array = view_of(py::array(frame).attr("reshape")(1, -1), name);
+    } else if (!frame.is_none()) {
+      image.picture = picture_of(frame);
+    }
+    Json line;
+    call.run([&](const Monitor& monitor) {
+      line = frame.is_none() ? lines->take_missing(name) : lines->take(image, monitor);
+    });
+    return fields_of(line);
+  }
+
+  py::object finish() {
+    std::optional<Json> line;
+    call.run([&](const Monitor&) { line = lines->finish(); });
+    return line ? fields_of(*line) : py::none();
+  }
+};
 
 /// Frame distances of a query to all training frames, computed on request.
 struct Distances {
@@ -172,30 +235,22 @@ struct Distances {
   std::pair<size_t, size_t> shape;  ///< query frames, training frames
   double unit = 1;                  ///< size of one step
 
-  py::array rows(size_t first, size_t count) const {
-    py::array_t<uint16_t> matrix({count, shape.second});
-    uint16_t* out = matrix.mutable_data();
-    Call("vpr.distances").run([&](const Monitor& monitor) {
-      parallel_for(count, monitor, [&](size_t i) {
-        std::vector<uint16_t> row(shape.second + kBlockFrames);
-        compute_row(distances, first + i, row);
-        std::copy_n(row.begin(), shape.second, out + i * shape.second);
-      });
-    });
-    return matrix;
-  }
-
-  py::object row(py::ssize_t index) const {
+  py::array row(py::ssize_t index) const {
     const auto frames = static_cast<py::ssize_t>(shape.first);
     if (index < -frames || index >= frames) throw py::index_error("no such query frame");
-    return rows(static_cast<size_t>(index < 0 ? index + frames : index), 1)[py::int_(0)];
-  }
-
-  py::object matrix(const py::object& type, const py::object&) const {
-    py::object all = rows(0, shape.first);
-    return type.is_none() ? all : all.attr("astype")(type);
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    std::vector<uint16_t> values;
+    {
+      const py::gil_scoped_release release;
+      compute_row(distances, static_cast<size_t>(index < 0 ? index + frames : index), values);
+    }
+    return py::array_t<uint16_t>(static_cast<py::ssize_t>(shape.second), values.data());
   }
 };
+
+py::object matrix_of(const py::object& rows, const py::object& type, const py::object&) {
+  return py::module_::import("numpy").attr("array")(py::list(rows), type);
+}
 
 std::shared_ptr<Distances> distances(const DatabasePointer& database, const py::object& source,
                                      const std::string& text, const py::object& progress) {
@@ -206,7 +261,7 @@ std::shared_ptr<Distances> distances(const DatabasePointer& database, const py::
   call.take(selection);
   call.rest(inputs);
   const SequenceDatabase& sequences = database->sequences();
-  const SequenceArgument query = sequence_of(source, "query");
+  const SequenceArgument query = arguments_of({{"", source}}, "query").front().sequence;
   const auto made = std::make_shared<Distances>();
   made->database = database;
   call.run([&](const Monitor& monitor) {
@@ -235,8 +290,8 @@ void add_queries(py::module_& module) {
            "Writes the result file of vpr-query and its arrays.")
       .def_property_readonly(
           "json",
-          [](const StoredResult& self) {
-            return fields_of(result_json(self.result, self.context));
+          [](const StoredResult& made) {
+            return fields_of(result_json(made.result, made.context));
           },
           "The content of the result file, without the checksums of arrays.")
       .def("__getattr__", array_named);
@@ -246,13 +301,15 @@ void add_queries(py::module_& module) {
       "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer.")
       .def("__len__", [](const Distances& self) { return self.shape.first; })
       .def("__getitem__", &Distances::row)
-      .def("__array__", &Distances::matrix, "dtype"_a = py::none(), "copy"_a = py::none())
+      .def("__array__", matrix_of, "dtype"_a = py::none(), "copy"_a = py::none())
       .def_readonly("unit", &Distances::unit,
                     "Size of one step: 1 bit, or the fraction of a cosine or other distance.")
       .def_readonly("shape", &Distances::shape, "Query frames and training frames.");
+  py::class_<Live>(module, "Live")
+      .def(py::init<DatabasePointer, const std::string&>())
+      .def("add", &Live::add)
+      .def("finish", &Live::finish);
   module.def("query", query);
-  module.def("loops", loops);
-  module.def("query_scores", query_scores);
   module.def("load_result", load);
   module.def("distances", distances);
 }

@@ -216,6 +216,7 @@ def test_results_are_judged_as_by_the_program(run, walks, tmp_path, saved):
     assert written(tmp_path / "p.json") == program
     assert report.recall_at[1] == program["metrics"]["recall_at"]["1"]
     assert report.counts.pairs.correct == program["counts"]["pairs"]["correct"] > 0
+    assert report.counts.recognitions == report.counts.pairs
     assert 0 < report.curve[-1, 1] <= report.single_best.positives
     report.html(tmp_path / "page.html")
     assert report.summary in (tmp_path / "page.html").read_text()
@@ -244,8 +245,10 @@ def test_scores_are_judged_as_by_the_program(run, walks, tmp_path):
         assert own == program
     report = vpr.evaluate_scores(scores, "aligned", similarity=True, recall_at=[20, 5, 5])
     assert list(report.recall_at) == [1, 5, 20]
-    with pytest.raises(vpr.UsageError, match="--similarity"):
-        vpr.evaluate_scores(scores, "aligned")
+    by_default = vpr.evaluate_scores(scores.tolist(), "aligned", name="S", recall_at=[1, 5, 20])
+    assert by_default.json.metrics == report.json.metrics
+    with pytest.warns(UserWarning, match="with --similarity"):
+        vpr.evaluate_scores(-scores, "aligned")
 
 
 def test_ground_truths_may_be_arrays(walks):
@@ -253,6 +256,7 @@ def test_ground_truths_may_be_arrays(walks):
     frames = np.arange(200)
     aligned = vpr.evaluate(result, "aligned").counts
     assert vpr.evaluate(result, np.column_stack([frames, frames])).counts == aligned
+    assert vpr.evaluate(result, [(i, i) for i in frames]).counts == aligned
     assert vpr.evaluate(result, np.eye(200, dtype=bool)).counts == aligned
     positions = np.column_stack([1.5 * frames, np.zeros(200)])
     assert vpr.evaluate(result, positions, reference=positions.copy(), radius_m=1).counts == aligned
@@ -302,6 +306,7 @@ def test_live_descriptors_are_matched_as_in_a_query(walks):
     live = vpr.Live(db, **settings)
     lines = [live.add(row) for row in rows]
     assert [line["match"]["sum"] for line in lines[4:]] == result.best_scores.tolist()
+    assert live.add(None)["readable"] is False
 
 
 @pytest.mark.parametrize("call, kind", [

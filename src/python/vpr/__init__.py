@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _vpr
 from ._vpr import Database, Distances, Result, __version__
@@ -31,7 +31,7 @@ __all__ = ["Database", "DataError", "Distances", "Error", "Fields", "InputError"
            "evaluate_scores", "load", "loops", "query", "query_scores", "train"]
 
 Path = Union[str, "os.PathLike[str]"]
-Array = NDArray[Any]
+Source = Union[None, Path, ArrayLike]
 Progress = Optional[Callable[[str, int, int], object]]
 
 
@@ -62,70 +62,56 @@ class InternalError(Error):
 class Fields(dict[Any, Any]):
     """A JSON object whose keys are also attributes. Keys that are numbers are int."""
 
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        super().__init__((int(key) if key.isdigit() else key, values[key]) for key in values)
+
     def __getattr__(self, name: str) -> Any:
         if name not in self:
             raise AttributeError(name)
         return self[name]
 
 
-def _read(text: str) -> Fields:
-    def fields(values: dict[str, Any]) -> Fields:
-        return Fields((int(key) if key.isdigit() else key, value) for key, value in values.items())
-    result: Fields = _json.loads(text, object_hook=fields)
-    return result
+def _read(text: str) -> Any:
+    return _json.loads(text, object_hook=Fields)
 
 
 def _text(settings: Mapping[str, object]) -> str:
     def plain(value: object) -> object:
-        if isinstance(value, (np.generic, np.ndarray)):
-            return value.tolist()
-        return os.fspath(value)  # type: ignore[call-overload]
+        is_array = isinstance(value, (np.generic, np.ndarray))
+        return value.tolist() if is_array else os.fspath(value)  # type: ignore
     return _json.dumps({key: value for key, value in settings.items() if value is not None},
                        default=plain)
 
 
-def _source(value: Union[None, Path, Array]) -> _vpr.Source:
-    if value is None:
-        raise UsageError("frames are missing: pass images or descriptors")
-    return value if isinstance(value, np.ndarray) else os.fspath(value)
-
-
-def _sources(value: Any) -> list[tuple[str, _vpr.Source]]:
-    """One sequence, a list, or a mapping, as names and sources; "": the name of the path."""
+def _sources(value: Any) -> list[tuple[str, Any]]:
+    """The names, as far as there are any, and sources of one sequence, a list or a mapping."""
     if isinstance(value, Mapping):
-        return [(name, _source(item)) for name, item in value.items()]
-    items = list(value) if isinstance(value, (list, tuple)) else [value]
-    names = ["train"] if len(items) == 1 else [f"train{i}" for i in range(len(items))]
-    return [(name if isinstance(item, np.ndarray) else "", _source(item))
-            for name, item in zip(names, items)]
-
-
-def _query(images: Optional[Path], descriptors: Union[None, Path, Array],
-           name: str) -> tuple[str, _vpr.Source]:
-    source = _source(images if descriptors is None else descriptors)
-    return name or ("query" if isinstance(source, np.ndarray) else ""), source
+        return list(value.items())
+    return [("", item) for item in (value if isinstance(value, (list, tuple)) else [value])]
 
 
 class Report:
     """An evaluation. Attributes are the keys of the report file (docs/reference/files.md) and of
-    its "metrics": report.counts.pairs.correct, report.recall_at[1], report.localization.share."""
+    its "metrics": report.counts.pairs.correct, report.recall_at[1], report.localization.share.
+    counts.recognitions is another name of counts.pairs."""
 
-    def __init__(self, made: _vpr.Report) -> None:
+    def __init__(self, made: Any) -> None:
         self._made = made
         self.json = _read(made.text())
-        self.summary = made.summary()
+        self.summary: str = made.summary()
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        metrics = self.json.get("metrics", Fields())
-        return metrics[name] if name in metrics else getattr(self.json, name)
+        value = self.json.get("metrics", {}).get(name) or getattr(self.json, name)
+        return Fields({**value, "recognitions": value.pairs}) if name == "counts" else value
 
     @property
     def curve(self) -> NDArray[np.float64]:
         """Columns threshold, correct and incorrect: best matches accepted at each threshold, the
         strictest first. Recall is correct / report.single_best.positives."""
-        return self._made.curve()
+        curve: NDArray[np.float64] = self._made.curve()
+        return curve
 
     def save(self, path: Path, force: bool = False) -> None:
         """Writes the report file of vpr-eval."""
@@ -155,18 +141,18 @@ class Live:
     def __init__(self, db: Database, **settings: object) -> None:
         self._live = _vpr.Live(db, _text(settings))
 
-    def add(self, frame: Union[None, Path, Array], name: str = "") -> Fields:
+    def add(self, frame: Source, name: str = "") -> Fields:
         """Matches the next frame: an image file; an image (uint8), height x width gray levels or
         height x width x 3 in the order blue, green, red; for a database of descriptors, d values;
         or None if it is missing. Returns the line of vpr-query live; its decisions are in
         recognized."""
-        is_path = not (frame is None or isinstance(frame, np.ndarray))
-        source = None if frame is None else _source(frame)
-        return self._live.add(source, name or (os.path.basename(str(source)) if is_path else ""))
+        line: Fields = self._live.add(frame, name)
+        return line
 
     def finish(self) -> Optional[Fields]:
         """The decisions of the filter that the end of the query settles; None without any."""
-        return self._live.finish()
+        line: Optional[Fields] = self._live.finish()
+        return line
 
 
 def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
@@ -184,9 +170,8 @@ def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
     >>> db.sequences, db.descriptors.dtype, db.descriptors.shape
     (['train'], dtype('int16'), (200, 64))
     """
-    sources = _sources(images if descriptors is None else descriptors)
-    return _vpr.train(sources, [] if pretrain is None else _sources(pretrain), _text(settings),
-                      progress)
+    return _vpr.train(_sources(images if descriptors is None else descriptors),
+                      [] if pretrain is None else _sources(pretrain), _text(settings), progress)
 
 
 def load(path: Path) -> Any:
@@ -195,9 +180,8 @@ def load(path: Path) -> Any:
     return _vpr.load_result(path) if is_result else _vpr.load_database(path)
 
 
-def query(db: Database, images: Optional[Path] = None, *,
-          descriptors: Union[None, Path, Array] = None, name: str = "",
-          progress: Progress = None, **settings: object) -> Result:
+def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = None,
+          name: str = "", progress: Progress = None, **settings: object) -> Result:
     """Recognizes the places of a query sequence, by default at any walking speed.
 
     images: a folder, list or video. descriptors: an array or a .npy file. name: in results; by
@@ -210,10 +194,11 @@ def query(db: Database, images: Optional[Path] = None, *,
     >>> result.best[7], len(result.recognitions)
     ((7, 0, 7), 196)
     """
-    return _vpr.query(db, *_query(images, descriptors, name), _text(settings), progress)
+    return _vpr.query("vpr.query", db, name, images if descriptors is None else descriptors,
+                      _text(settings), progress)
 
 
-def loops(images: Optional[Path] = None, *, descriptors: Union[None, Path, Array] = None,
+def loops(images: Optional[Path] = None, *, descriptors: Source = None,
           db: Optional[Database] = None, name: str = "", progress: Progress = None,
           **settings: object) -> Result:
     """Recognizes the places of a sequence in its own past, as vpr-query loops.
@@ -227,11 +212,12 @@ def loops(images: Optional[Path] = None, *, descriptors: Union[None, Path, Array
     >>> result.recognitions[-1]
     (395, 0, 195)
     """
-    return _vpr.loops(db, *_query(images, descriptors, name), _text(settings), progress)
+    return _vpr.query("vpr.loops", db, name, images if descriptors is None else descriptors,
+                      _text(settings), progress)
 
 
-def query_scores(scores: Union[Path, Array], *, name: str = "",
-                 progress: Progress = None, **settings: object) -> Result:
+def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
+                 **settings: object) -> Result:
     """Matches windows of scores of any program, query x training frames, as vpr-query matrix.
 
     scores: an array or a .npy file. Pass similarity=True if large scores are good, or distance=True.
@@ -241,36 +227,36 @@ def query_scores(scores: Union[Path, Array], *, name: str = "",
     >>> result.best[7]
     (7, 0, 7)
     """
-    return _vpr.query_scores(_source(scores), name, _text(settings), progress)
+    return _vpr.query("vpr.query_scores", None, name, scores, _text(settings), progress)
 
 
-def _evaluate(truth: Union[None, Path, Array], settings: dict[str, Any],
-              judge: Callable[[str, str], _vpr.Report]) -> Report:
+def _evaluate(judge: Callable[..., Any], judged: object, truth: Source, settings: dict[str, Any],
+              progress: Progress) -> Report:
     """Arrays go through temporary files, so that the readers of ground truths check them."""
-    reference = settings.get("reference")
     with tempfile.TemporaryDirectory() as folder:
-        def csv(name: str, array: Array, columns: str) -> str:
-            path = os.path.join(folder, name + ".csv")
-            np.savetxt(path, array, "%.17g", ",", header=columns, comments="")
-            return path
+        def saved(name: str, value: Any, is_positions: bool) -> str:
+            if value is None or isinstance(value, (str, os.PathLike)):
+                return os.fspath(value or "")
+            array = np.asarray(value)
+            path = os.path.join(folder, name)
+            if is_positions:
+                array = np.column_stack([np.arange(len(array)), array])
+            elif array.shape[1:] != (2,) or array.dtype.kind not in "iu":
+                np.save(path + ".npy", array)
+                return path + ".npy"
+            columns = ["frame", "x", "y", "heading"] if is_positions else ["query", "reference"]
+            header = ",".join(columns[:array.shape[1]])
+            np.savetxt(path + ".csv", array, "%.17g", ",", header=header, comments="")
+            return path + ".csv"
+        has_positions = settings.get("reference") is not None
+        if has_positions:
+            settings["reference"] = saved("reference", settings["reference"], True)
+        path = saved("query", truth, has_positions)
+        return Report(judge(judged, path, _text(settings), progress))
 
-        def positions(name: str, array: Array) -> str:
-            columns = "frame,x,y,heading" if array.shape[1] == 3 else "frame,x,y"
-            return csv(name, np.column_stack([np.arange(len(array)), array]), columns)
-        if isinstance(reference, np.ndarray):
-            settings["reference"] = positions("reference", reference)
-        if isinstance(truth, np.ndarray) and "reference" in settings:
-            truth = positions("query", truth)
-        elif isinstance(truth, np.ndarray) and truth.shape[1:] == (2,) and truth.dtype.kind in "iu":
-            truth = csv("query", truth, "query,reference")
-        elif isinstance(truth, np.ndarray):
-            np.save(os.path.join(folder, "query.npy"), truth)
-            truth = os.path.join(folder, "query.npy")
-        return Report(judge("" if truth is None else os.fspath(truth), _text(settings)))
 
-
-def evaluate(result: Result, ground_truth: Union[None, Path, Array] = None, *,
-             progress: Progress = None, **settings: object) -> Report:
+def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress = None,
+             **settings: object) -> Report:
     """Judges a result by a ground truth; without one, it counts what was recognized.
 
     ground_truth: a file or folder of any format, "aligned", or an array: pairs (n x 2 integers,
@@ -283,29 +269,28 @@ def evaluate(result: Result, ground_truth: Union[None, Path, Array] = None, *,
     >>> db = vpr.train(descriptors=monday)
     >>> result = vpr.query(db, descriptors=tuesday, c_l=5, t_r=0.5)
     >>> report = vpr.evaluate(result, "aligned", tolerance=3)
-    >>> report.counts.pairs.correct, report.recall_at[1]
+    >>> report.counts.recognitions.correct, report.recall_at[1]
     (196, 0.98)
     """
-    return _evaluate(ground_truth, settings,
-                     lambda truth, text: _vpr.evaluate(result, truth, text, progress))
+    return _evaluate(_vpr.evaluate, result, ground_truth, settings, progress)
 
 
-def evaluate_scores(scores: Union[Path, Array], ground_truth: Union[Path, Array], *,
-                    progress: Progress = None, **settings: object) -> Report:
+def evaluate_scores(scores: Source, ground_truth: Source, *, progress: Progress = None,
+                    **settings: object) -> Report:
     """Judges scores of any program, query x training frames, as vpr-eval matrix.
 
-    scores: an array or a .npy file of any number type; NaN is not a score. Pass similarity=True if
-        large scores are good, or distance=True.
+    scores: an array or a .npy file of any number type; NaN is not a score. By default, large scores
+        are good; pass distance=True if small ones are.
     Settings: those of evaluate, and train_first, missing, threshold and rows_are_windows_of.
 
-    >>> vpr.evaluate_scores(tuesday @ monday.T, "aligned", similarity=True).recall_at[1]
+    >>> vpr.evaluate_scores(tuesday @ monday.T, "aligned").recall_at[1]
     1.0
     """
-    return _evaluate(ground_truth, settings, lambda truth, text: _vpr.evaluate_scores(
-        _source(scores), truth, text, progress))
+    settings.setdefault("similarity", not settings.get("distance"))
+    return _evaluate(_vpr.evaluate_scores, scores, ground_truth, settings, progress)
 
 
-def distances(db: Database, query: Union[Path, Array], *, progress: Progress = None,
+def distances(db: Database, query: Source, *, progress: Progress = None,
               **settings: object) -> Distances:
     """Frame distances of a query (images, a .npy file or an array) to all training frames.
 
@@ -313,4 +298,4 @@ def distances(db: Database, query: Union[Path, Array], *, progress: Progress = N
     >>> d.shape, d[0].argmin(), np.asarray(d).dtype
     ((200, 200), 0, dtype('uint16'))
     """
-    return _vpr.distances(db, _source(query), _text(settings), progress)
+    return _vpr.distances(db, query, _text(settings), progress)

@@ -1,12 +1,10 @@
-from typing import Any, Optional, Union
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Array, Fields, Path, Progress
-
-Source = Union[str, Array]
-Sources = list[tuple[str, Source]]
+from . import Fields, Path
 
 __version__: str
 
@@ -18,23 +16,10 @@ class Database:
 class Result:
     json: Fields
     recognitions: NDArray[Any]
-    recognition_scores: NDArray[np.float64]
     best: NDArray[Any]
-    best_scores: NDArray[np.float64]
     margins: NDArray[np.float64]
-    path: NDArray[Any]
-    keyframes: NDArray[Any]
-    best_rates: NDArray[np.float64]
-    new_place: NDArray[np.float64]
-    source_frames: NDArray[np.int32]
-    train_source_frames: NDArray[np.int32]
+    def __getattr__(self, name: str) -> NDArray[Any]: ...
     def save(self, path: Path, force: bool = ...) -> None: ...
-
-class Report:
-    def text(self) -> str: ...
-    def summary(self) -> str: ...
-    def page(self, is_preview: bool) -> str: ...
-    def curve(self) -> NDArray[np.float64]: ...
 
 class Distances:
     shape: tuple[int, int]
@@ -43,20 +28,13 @@ class Distances:
     def __getitem__(self, index: int) -> NDArray[np.uint16]: ...
     def __array__(self, dtype: Any = ..., copy: Any = ...) -> NDArray[Any]: ...
 
-class Live:
-    def __init__(self, database: Database, settings: str) -> None: ...
-    def add(self, frame: Optional[Source], name: str) -> Fields: ...
-    def finish(self) -> Optional[Fields]: ...
-
-def train(sources: Sources, pretrain: Sources, settings: str, progress: Progress) -> Database: ...
-def load_database(path: Path) -> Database: ...
-def load_result(path: Path) -> Result: ...
-def query(database: Database, name: str, source: Source, settings: str,
-          progress: Progress) -> Result: ...
-def loops(database: Optional[Database], name: str, source: Source, settings: str,
-          progress: Progress) -> Result: ...
-def query_scores(scores: Source, name: str, settings: str, progress: Progress) -> Result: ...
-def evaluate(result: Result, truth: str, settings: str, progress: Progress) -> Report: ...
-def evaluate_scores(scores: Source, truth: str, settings: str, progress: Progress) -> Report: ...
-def distances(database: Database, query: Source, settings: str, progress: Progress) -> Distances: ...
-def save_text(path: Path, text: str, force: bool) -> None: ...
+Live: Callable[..., Any]
+Report: type
+train: Callable[..., Database]
+load_database: Callable[..., Database]
+load_result: Callable[..., Result]
+query: Callable[..., Result]
+evaluate: Callable[..., Any]
+evaluate_scores: Callable[..., Any]
+distances: Callable[..., Distances]
+save_text: Callable[..., None]
