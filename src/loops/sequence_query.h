@@ -46,7 +46,7 @@ struct QueryData {
 
 /// Frames or scores to match, before they are read.
 struct QueryInputs {
-  NamedArgument query = {};  ///< of scores, only its name (empty: that of the file) and its speed
+  NamedArgument query = {};  ///< of scores, only the name (empty: the file's) and the speed
   /// With what the settings need (prepare_database); null: the query is matched with its own past.
   std::shared_ptr<SequenceDatabase> database = {};
   /// A file with the times of a loop query with a gap in seconds; empty: the names of its frames.

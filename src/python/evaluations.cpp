@@ -38,13 +38,11 @@ struct EvaluationReport {
   // Points of the curve of best matches: threshold, correct and incorrect ones.
   py::array curve() const {
     const Curve& best = evaluation.judgment.single_best;
-    py::array_t<double> rows({best.points.size(), size_t{3}});
-    double* out = rows.mutable_data();
+    std::vector<double> rows;
     for (const CurvePoint& point : best.points)
-      for (const double value : {best.threshold(point), static_cast<double>(point.correct),
-                                 static_cast<double>(point.incorrect)})
-        *out++ = value;
-    return rows;
+      rows.insert(rows.end(), {best.threshold(point), static_cast<double>(point.correct),
+                               static_cast<double>(point.incorrect)});
+    return py::array_t<double>({best.points.size(), size_t{3}}, rows.data());
   }
 };
 using ReportPointer = std::shared_ptr<EvaluationReport>;

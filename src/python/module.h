@@ -74,8 +74,8 @@ std::string path_of(const pybind11::object& source);
 /// A view of an array, which it keeps. Only an array in neither C nor Fortran order is copied.
 std::shared_ptr<const NpyArray> view_of(pybind11::array array, const std::string& name);
 
-/// Paths, as on the command line, and arrays of one row per frame, with names. An empty name is
-/// that of the path, or `array_name`, numbered if there are several sources.
+/// Paths, as on the command line, and arrays of one row per frame, with names. Without a name, it
+/// is the one of the path, or `array_name`, numbered if there are several sources.
 using Sources = std::vector<std::pair<std::string, pybind11::object>>;
 std::vector<NamedArgument> arguments_of(const Sources& sources, const std::string& array_name);
 

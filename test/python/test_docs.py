@@ -64,3 +64,12 @@ def test_stubs_have_the_names_of_the_module():
     for node in stub.body:
         if isinstance(node, ast.ClassDef) and node.name != "Result" and "Error" not in node.name:
             assert names_of(node.body) <= set(dir(getattr(_vpr, node.name)))
+
+
+def test_the_overhead_of_a_call_is_measured(request):
+    programs = request.config.getoption("--programs")
+    script = pathlib.Path(__file__).with_name("overhead.py")
+    done = subprocess.run([sys.executable, script, programs, "1", "3000"], text=True,
+                          capture_output=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("of the program") == 6
