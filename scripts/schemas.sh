@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Updates the settings in docs/schemas/settings.txt after a setting was added, removed or changed, and writes
-# docs/schemas/*.schema.json. Descriptions and bounds remain; add a description to each new setting.
+# docs/schemas/*.schema.json. Descriptions and bounds remain; the description of a new setting is its help.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cmake --preset ci >/dev/null

@@ -1,5 +1,7 @@
 // docs/schemas/settings.txt defines the settings as in their structs: keys, types, names and order
-// follow visit_fields; the file adds descriptions, and bounds that a type does not imply.
+// follow visit_fields; the file adds descriptions, at first the help, and bounds that a type does
+// not imply.
+#include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -18,6 +20,7 @@
 #include "present/table.h"
 #include "run/train_sequences.h"
 #include "settings/query_settings.h"
+#include "settings/setting_rows.h"
 #include "support.h"
 #include "words/database.h"
 
@@ -73,6 +76,18 @@ std::string type_of() {
   }
 }
 
+// The help of a setting as the description of its key; empty without a flag.
+std::string help_of(std::string_view key) {
+  for (const auto rows : {sequence_setting_rows(), fabmap_setting_rows()})
+    for (const SettingRow& row : rows) {
+      if (row.key != key) continue;
+      std::string text(row.help.substr(0, row.help.find(" (default")));
+      text[0] = static_cast<char>(std::toupper(text[0]));
+      return fmt::format("  {}.", text);
+    }
+  return "";
+}
+
 // The lines of a struct; each keeps the "?", bounds and description of the old line with its key.
 template <class S>
 std::string lines_of(const std::map<std::string, std::string>& old_lines) {
@@ -81,7 +96,9 @@ std::string lines_of(const std::map<std::string, std::string>& old_lines) {
   S settings;
   visit_fields(settings, [&]<class T>(const char* key, T&) {
     const auto old = old_lines.find(key);
-    const std::string line = old == old_lines.end() ? fmt::format("  {}: ", key) : old->second;
+    const std::string line = old == old_lines.end()
+                                 ? fmt::format("  {}: {}{}", key, type_of<T>(), help_of(key))
+                                 : old->second;
     const size_t type_at = line.find(": ") + 2;
     const size_t end = std::min(line.size(), line.find("  ", type_at));
     const std::string type = line.substr(type_at, end - type_at);
