@@ -117,6 +117,38 @@ void add_flags(const CommandEntry& command, std::vector<std::string>& known) {
     known.insert(known.end(), flag.names.begin(), flag.names.end());
 }
 
+// Describes the first unknown flag, or the unknown or missing command, with the nearest known name
+// and the help to read; nullopt if all words are known. `words`: the command line without the
+// program.
+std::optional<std::string> unknown_word(const CommandEntry& program,
+                                        const std::vector<std::string>& words) {
+  std::vector<std::string> flags;
+  add_flags(program, flags);
+  std::vector<std::string> commands;
+  for (const CommandEntry& command : program.commands) commands.push_back(command.name);
+  std::string path = program.name;
+  for (const std::string& word : words) {
+    const auto named = std::find(commands.begin(), commands.end(), word);
+    if (named != commands.end() && path == program.name) {
+      add_flags(program.commands[static_cast<size_t>(named - commands.begin())], flags);
+      path += " " + word;
+    } else if (&word == &words.front() && !program.runs_itself && !word.starts_with('-')) {
+      return fmt::format("unknown command {}{} There are {}", word, did_you_mean(word, commands),
+                         fmt::join(commands, ", "));
+    }
+  }
+  if (path == program.name && !program.runs_itself)
+    return fmt::format("a command is missing: {}; see {} --help", fmt::join(commands, ", "), path);
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    const std::string name = word.substr(0, word.find('='));
+    const bool is_flag = name.size() > 2 && name.starts_with("--");
+    if (is_flag && std::ranges::count(flags, name) == 0)
+      return fmt::format("unknown flag {}{} See {} --help", name, did_you_mean(name, flags), path);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Flag Flag::required() {
@@ -313,35 +345,6 @@ Json read_config(const std::string& path) {
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");
   return json;
-}
-
-std::optional<std::string> unknown_word(const CommandEntry& program,
-                                        const std::vector<std::string>& words) {
-  std::vector<std::string> flags;
-  add_flags(program, flags);
-  std::vector<std::string> commands;
-  for (const CommandEntry& command : program.commands) commands.push_back(command.name);
-  std::string path = program.name;
-  for (const std::string& word : words) {
-    const auto named = std::find(commands.begin(), commands.end(), word);
-    if (named != commands.end() && path == program.name) {
-      add_flags(program.commands[static_cast<size_t>(named - commands.begin())], flags);
-      path += " " + word;
-    } else if (&word == &words.front() && !program.runs_itself && !word.starts_with('-')) {
-      return fmt::format("unknown command {}{} There are {}", word, did_you_mean(word, commands),
-                         fmt::join(commands, ", "));
-    }
-  }
-  if (path == program.name && !program.runs_itself)
-    return fmt::format("a command is missing: {}; see {} --help", fmt::join(commands, ", "), path);
-  for (const std::string& word : words) {
-    if (word == "--") break;
-    const std::string name = word.substr(0, word.find('='));
-    const bool is_flag = name.size() > 2 && name.starts_with("--");
-    if (is_flag && std::ranges::count(flags, name) == 0)
-      return fmt::format("unknown flag {}{} See {} --help", name, did_you_mean(name, flags), path);
-  }
-  return std::nullopt;
 }
 
 std::vector<Section> split_sections(const std::string& footer) {

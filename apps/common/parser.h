@@ -160,12 +160,6 @@ Json flag_value(const std::string& text);
 /// if the file cannot be read, Error(usage) if it is neither, Error(data) for a damaged result.
 Json read_config(const std::string& path);
 
-/// Describes the first unknown flag, or the unknown or missing command, with the nearest known name
-/// and the help to read; nullopt if all words are known. `words`: the command line without the
-/// program.
-std::optional<std::string> unknown_word(const CommandEntry& program,
-                                        const std::vector<std::string>& words);
-
 /// The columns of a line of help, unless a single word is longer.
 inline constexpr size_t kHelpWidth = 80;
 /// The first column of the help of a flag.

@@ -99,9 +99,11 @@ void compute_thresholds(Session& session, const Threshold& command) {
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
     check_window_length(length);
     check_sums(database.descriptors, length);
-    all.push_back(compute_thresholds(code_spans(database), length, command.safety_factor,
-                                     session.kernels, session.monitor));
-    warn_of_overlaps(database, all.back(), session.monitor);
+    const std::vector<DescribedFrames> spans = code_spans(database);
+    all.push_back(
+        compute_thresholds(spans, length, command.safety_factor, session.kernels, session.monitor));
+    if (const auto sentence = overlap_warning(all.back(), database.sequences, spans))
+      warn(session.monitor, *sentence);
   }
   if (command.write) store_thresholds(session, command.database, database, all);
   const Json json = thresholds_json(database.sequences, all, command.safety_factor, session.run);

@@ -130,7 +130,8 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
          "{}: cannot be recognized without an automatic t_r, because no other training sequence "
          "has a window to compare with",
          fmt::join(without, ", "));
-  warn_of_overlaps(database, table, monitor);
+  if (const auto sentence = overlap_warning(table, database.sequences, code_spans(database)))
+    warn(monitor, *sentence);
 }
 
 // Thresholds, and the limits that need no distances: of automatic thresholds, and of numbers that

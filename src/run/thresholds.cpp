@@ -154,10 +154,4 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
          "--method filter";
 }
 
-void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
-                      const Monitor& monitor) {
-  const auto sentence = overlap_warning(table, database.sequences, code_spans(database));
-  if (sentence) warn(monitor, *sentence);
-}
-
 }  // namespace vpr

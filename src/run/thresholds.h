@@ -55,8 +55,4 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
                                            std::span<const TrainSequence> sequences,
                                            std::span<const DescribedFrames> spans);
 
-/// Warns of overlapping sequences (overlap_warning).
-void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
-                      const Monitor& monitor);
-
 }  // namespace vpr
