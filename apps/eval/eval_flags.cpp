@@ -35,7 +35,7 @@ void check_range(const char* flag, uint64_t value, uint64_t most) {
 std::string metrics_help() {
   std::string text = "Metrics (of best matches, all pairs of a matrix, and the path):\n";
   for (const Metric& metric : metrics()) {
-    if (metric.symbol.empty()) continue;
+    if (metric.meaning.empty()) continue;
     const char* parameter = metric.of_query != nullptr       ? "K"
                             : metric.of_stretches != nullptr ? "r"
                                                              : "";

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <functional>
 
 #include <fmt/format.h>
 
@@ -37,8 +36,18 @@ constexpr Metric of_curve(std::string_view key, std::string_view symbol, std::st
           .of_curve = compute};
 }
 
+constexpr Metric of_counts(std::string_view key, JudgedBy needs, std::string_view symbol,
+                           ValueOf<Counts> value) {
+  return {.key = key, .symbol = symbol, .digits = 0, .needs = needs, .of_counts = value};
+}
+
+constexpr Metric of_best_match(std::string_view key, ValueOf<BestMatchCounts> value,
+                               std::string_view symbol = {}) {
+  return {.key = key, .symbol = symbol, .digits = 0, .of_best_match = value};
+}
+
 // Without a symbol in JSON only.
-constexpr Metric of_path(std::string_view key, JudgedBy needs, PathValue value,
+constexpr Metric of_path(std::string_view key, JudgedBy needs, ValueOf<Localization> value,
                          std::string_view symbol = {}, std::string_view meaning = {},
                          bool is_low_good = true, int digits = 0) {
   return {.key = key,
@@ -110,7 +119,28 @@ constexpr Metric kMetrics[] = {
             "first recognition", "frames before the first correct recognition"),
     of_path("first_recognition_m", JudgedBy::places, &Localization::first_recognition_m,
             "first recognition m", "distance before the first correct recognition, in meters", true,
-            2)};
+            2),
+    of_counts("pairs", JudgedBy::nothing, "pairs", &Counts::recognitions),
+    of_counts("distinct", JudgedBy::places, "distinct", &Counts::distinct),
+    of_counts("pairs_by_place", JudgedBy::places, "pairs by place", &Counts::recognitions_by_place),
+    of_counts("places", JudgedBy::nothing, "places", &Counts::clusters),
+    of_counts("mixed_places", JudgedBy::ground_truth, "of these mixed", &Counts::mixed_clusters),
+    of_best_match("best_match.frames", &BestMatchCounts::frames, "of frames"),
+    of_best_match("best_match.correct", &BestMatchCounts::correct, "best matches correct"),
+    of_best_match("best_match.incorrect", &BestMatchCounts::incorrect),
+    of_best_match("best_match.ignored", &BestMatchCounts::ignored),
+    of_best_match("best_match.no_answer", &BestMatchCounts::no_answer),
+    of_best_match("best_match.without_match", &BestMatchCounts::without_match),
+    {.key = "best_match.rate",
+     .symbol = "%",
+     .is_percent = true,
+     .digits = 1,
+     .of_best_match = &BestMatchCounts::rate}};
+
+constexpr std::array<std::pair<std::string_view, uint64_t LabelCounts::*>, 3> kVerdicts = {
+    {{"correct", &LabelCounts::correct},
+     {"incorrect", &LabelCounts::incorrect},
+     {"ignored", &LabelCounts::ignored}}};
 
 // The rows for which this holds, which are consecutive.
 template <class Condition>
@@ -326,10 +356,6 @@ std::span<const Metric> rank_metrics() {
   return rows_with([](const Metric& metric) { return metric.of_query != nullptr; });
 }
 
-std::span<const Metric> path_metrics() {
-  return rows_with([](const Metric& metric) { return metric.is_of_path(); });
-}
-
 const Metric& find_metric(std::string_view key) {
   const auto found = std::ranges::find(kMetrics, key, &Metric::key);
   assert(found != std::end(kMetrics));
@@ -341,20 +367,23 @@ bool Metric::is_known_at(const Outcomes& outcomes, size_t k) const {
   return needs_all_ranks ? outcomes.has_ranks && k <= kMaxRank : outcomes.has_ranks || k == 1;
 }
 
-std::optional<double> path_value(const Metric& metric, const Localization& path) {
-  const auto value_in = [&](auto value) -> std::optional<double> {
-    return std::invoke(value, path);
-  };
-  return std::visit(value_in, metric.of_path);
+MetricAt metric_at(std::string_view key, size_t k) {
+  const size_t dot = key.rfind('.');
+  const auto* counts = std::ranges::find(kMetrics, key.substr(0, dot), &Metric::key);
+  if (dot == std::string_view::npos || counts == std::end(kMetrics)) return {&find_metric(key), k};
+  const auto* verdict =
+      std::ranges::find(kVerdicts, key.substr(dot + 1), [](const auto& one) { return one.first; });
+  assert(verdict != kVerdicts.end());
+  return {counts, 0, verdict->second};
 }
-
-MetricAt metric_at(std::string_view key, size_t k) { return {&find_metric(key), k}; }
 
 std::string MetricAt::key() const {
   return k == 0 ? std::string(metric->key) : fmt::format("{}_{}", metric->key, k);
 }
 
 std::string MetricAt::symbol() const {
+  for (const auto& [name, counted] : kVerdicts)
+    if (counted == verdict) return fmt::format("{} {}", metric->symbol, name);
   return k == 0 ? std::string(metric->symbol) : fmt::format("{}{}", metric->symbol, k);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -134,18 +135,18 @@ enum class FrameVerdict { none, correct, incorrect, unjudged };
 
 /// Fixes along the path. Meters are unset if positions are unknown.
 struct Localization {
-  size_t frames = 0;             ///< of the whole query, frames before the first anchor included
-  size_t recognized = 0;         ///< with a recognition of any label
-  size_t frames_with_match = 0;  ///< in the ground truth; set by judge
-  size_t correct = 0;
-  size_t incorrect = 0;
-  size_t off_map = 0;                   ///< of the incorrect ones, without a match; set by judge
-  size_t longest_gap_frames = 0;        ///< consecutive frames without a correct recognition
+  uint64_t frames = 0;             ///< of the whole query, frames before the first anchor included
+  uint64_t recognized = 0;         ///< with a recognition of any label
+  uint64_t frames_with_match = 0;  ///< in the ground truth; set by judge
+  uint64_t correct = 0;
+  uint64_t incorrect = 0;
+  uint64_t off_map = 0;                 ///< of the incorrect ones, without a match; set by judge
+  uint64_t longest_gap_frames = 0;      ///< consecutive frames without a correct recognition
   std::optional<double> longest_gap_m;  ///< traveled between two correct recognitions; the ends of
                                         ///< the path count as verdicts here
-  std::optional<size_t> first_recognition_frames;  ///< frames before the decision on the first
-                                                   ///< correct recognition; unset: none
-  std::optional<double> first_recognition_m;       ///< traveled before it
+  std::optional<uint64_t> first_recognition_frames;  ///< frames before the decision on the first
+                                                     ///< correct recognition; unset: none
+  std::optional<double> first_recognition_m;         ///< traveled before it
 
   /// correct / frames_with_match; unset without a frame that has a match.
   std::optional<double> share() const;
@@ -158,19 +159,21 @@ struct Localization {
 Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
                       std::span<const std::optional<uint32_t>> decided = {});
 
-/// A metric of the path: a member or a function of Localization.
-using PathValue =
-    std::variant<std::optional<double> (Localization::*)() const, size_t Localization::*,
-                 std::optional<size_t> Localization::*, std::optional<double> Localization::*>;
+/// A member or a function of S.
+template <class S>
+using ValueOf =
+    std::variant<std::optional<double> (S::*)() const, uint64_t S::*, std::optional<uint64_t> S::*,
+                 std::optional<double> S::*, LabelCounts S::*, std::optional<LabelCounts> S::*>;
 
-/// A row of the table of metrics; exactly one of the functions, or of_path, is set.
+/// A row of the table of metrics; exactly one of its last members is set.
 struct Metric {
-  std::string_view key;         ///< in JSON; metrics of ranks append _K in comparisons
-  std::string_view symbol;      ///< in tables; K or the target follows; empty: in JSON only
-  std::string_view meaning;     ///< in --help
-  std::string_view title = {};  ///< of a table, for metrics of ranks
+  std::string_view key;           ///< in JSON; metrics of ranks append _K in comparisons
+  std::string_view symbol;        ///< in tables; K, the target or the verdict follows
+  std::string_view meaning = {};  ///< in --help; empty: a count, or in JSON only
+  std::string_view title = {};    ///< of a table, for metrics of ranks
   bool is_low_good = false;
   bool is_share = false;                    ///< of the frames with a match, for K = 1
+  bool is_percent = false;                  ///< in tables
   int digits = 4;                           ///< in tables; 0: an integer
   JudgedBy needs = JudgedBy::ground_truth;  ///< the least known source of verdicts
   bool needs_all_ranks = false;             ///< of correct references, not only the first
@@ -179,9 +182,10 @@ struct Metric {
   double (*of_query)(const QueryOutcome& query, size_t k) = nullptr;
   std::optional<double> (*of_stretches)(const std::vector<std::optional<double>>& recalls,
                                         double target) = nullptr;
-  PathValue of_path = {};
+  std::optional<ValueOf<Localization>> of_path = {};
+  std::optional<ValueOf<BestMatchCounts>> of_best_match = {};
+  std::optional<ValueOf<Counts>> of_counts = {};
 
-  bool is_of_path() const { return of_path != PathValue{}; }
   /// Whether a metric of ranks can be computed at K.
   bool is_known_at(const Outcomes& outcomes, size_t k) const;
 };
@@ -190,23 +194,37 @@ struct Metric {
 std::span<const Metric> metrics();
 std::span<const Metric> curve_metrics();
 std::span<const Metric> rank_metrics();
-std::span<const Metric> path_metrics();
 
 /// `key` must be in the table.
 const Metric& find_metric(std::string_view key);
 
-/// The value of a metric of the path.
-std::optional<double> path_value(const Metric& metric, const Localization& path);
+/// The value of `from`. `verdict`: of a count by verdicts; null: their sum.
+template <class S>
+std::optional<double> value_in(const S& from, const ValueOf<S>& row,
+                               uint64_t LabelCounts::*verdict = nullptr) {
+  const auto number = [&](const auto& value) -> std::optional<double> {
+    if constexpr (std::is_convertible_v<decltype(value), std::optional<LabelCounts>>) {
+      const std::optional<LabelCounts> counts = value;
+      if (!counts) return std::nullopt;
+      return verdict != nullptr ? (*counts).*verdict : counts->all();
+    } else {
+      return value;
+    }
+  };
+  return std::visit([&](auto member) { return number(std::invoke(member, from)); }, row);
+}
 
-/// A metric, with K for metrics of ranks.
+/// A metric, with K for metrics of ranks, and a verdict for counts by verdicts.
 struct MetricAt {
   const Metric* metric = nullptr;
   size_t k = 0;
+  uint64_t LabelCounts::*verdict = nullptr;
 
   std::string key() const;     ///< "recall_at_5"
-  std::string symbol() const;  ///< "R@5"
+  std::string symbol() const;  ///< "R@5", "pairs correct"
   bool operator==(const MetricAt&) const = default;
 };
+/// `key`: of a metric or, with a verdict, "pairs.correct".
 MetricAt metric_at(std::string_view key, size_t k = 0);
 
 /// A metric of ranks: ties to the first, references labeled ignore skipped, missing ranks

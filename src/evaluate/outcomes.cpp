@@ -168,10 +168,9 @@ void count_clusters(Counts& counts, const std::vector<JudgedCluster>& clusters) 
   counts.recognitions_by_place.emplace();
   counts.mixed_clusters = 0;
   for (const JudgedCluster& cluster : clusters) {
-    const auto& [correct, incorrect, ignored] = cluster.recognitions;
     counts.clusters->add(cluster.label);
-    counts.recognitions_by_place->add(cluster.label, correct + incorrect + ignored);
-    counts.mixed_clusters += cluster.is_mixed();
+    counts.recognitions_by_place->add(cluster.label, cluster.recognitions.all());
+    *counts.mixed_clusters += cluster.is_mixed();
   }
   counts.distinct = counts.clusters->correct;
 }

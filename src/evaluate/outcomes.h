@@ -110,6 +110,7 @@ struct LabelCounts {
   uint64_t ignored = 0;
 
   void add(PlaceLabel label, uint64_t pairs = 1);
+  uint64_t all() const { return correct + incorrect + ignored; }
 };
 
 /// Counts of the recognitions, clusters and best matches of a result.
@@ -117,8 +118,8 @@ struct Counts {
   LabelCounts recognitions;  ///< judged at both anchors (FAB-MAP: frame and place)
   /// Each with the verdict on the representative of its cluster (paper, section 3.2).
   std::optional<LabelCounts> recognitions_by_place;
-  std::optional<LabelCounts> clusters;  ///< judged at the anchors of their representatives
-  uint64_t mixed_clusters = 0;          ///< correct clusters with incorrect recognitions
+  std::optional<LabelCounts> clusters;     ///< judged at the anchors of their representatives
+  std::optional<uint64_t> mixed_clusters;  ///< correct clusters with incorrect recognitions
   uint64_t distinct = 0;  ///< correct clusters; without clusters, correctly recognized places
   BestMatchCounts best_match;
 };

@@ -250,11 +250,14 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
 }
 
 std::optional<double> value_of(const Report& report, const MetricAt& metric) {
-  if (metric.metric->is_of_path()) return path_value(*metric.metric, report.localization);
+  const Metric& row = *metric.metric;
+  if (row.of_path) return value_in(report.localization, *row.of_path);
+  if (row.of_best_match) return value_in(report.counts.best_match, *row.of_best_match);
+  if (row.of_counts) return value_in(report.counts, *row.of_counts, metric.verdict);
   const auto index = [&](std::span<const Metric> all) {
-    return static_cast<size_t>(metric.metric - all.data());
+    return static_cast<size_t>(&row - all.data());
   };
-  if (metric.metric->of_curve != nullptr)
+  if (row.of_curve != nullptr)
     return report.metrics.curves.single_best.values[index(curve_metrics())].value;
   const RankValues& ranks = report.metrics.ranks[index(rank_metrics())];
   const auto found = ranks.find(metric.k);

@@ -134,8 +134,8 @@ struct Report {
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
 
-/// A metric of best matches, by their confidence, or of the path: over all query frames that have a
-/// match, which is the same for all methods on a query.
+/// A count, or a metric of best matches, by their confidence, or of the path: over all query frames
+/// that have a match, which is the same for all methods on a query.
 std::optional<double> value_of(const Report& report, const MetricAt& metric);
 
 CurveNumbers numbers_of(const Curve& curve);

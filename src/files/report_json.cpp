@@ -121,31 +121,32 @@ struct OutcomesForm {
 
 VPR_FIELDS(LabelCounts, correct, incorrect, ignored)
 
-template <class Visitor>
-void visit_counts(Counts& counts, JudgedBy judge, Visitor&& visit) {
-  visit("pairs", counts.recognitions);
-  if (judge != JudgedBy::nothing) {
-    visit("distinct", counts.distinct);
-    visit("pairs_by_place", IfSet{counts.recognitions_by_place});
+/// The rows of the table of metrics that a struct has, if the source of verdicts determines them.
+template <class S, class Visitor>
+void visit_metrics(S& from, std::optional<ValueOf<S>> Metric::*of, JudgedBy judge,
+                   Visitor&& visit) {
+  for (const Metric& metric : metrics()) {
+    if (!(metric.*of) || judge > metric.needs) continue;
+    const std::string_view key = metric.key.substr(metric.key.find('.') + 1);
+    const auto visit_member = [&](auto member) {
+      if constexpr (std::is_member_function_pointer_v<decltype(member)>)
+        visit(key, Derived{(from.*member)()});
+      else if constexpr (std::is_same_v<S, Counts> &&
+                         detail::kIsOptional<std::remove_cvref_t<decltype(from.*member)>>)
+        visit(key, IfSet{from.*member});  // a result without places
+      else
+        visit(key, from.*member);
+    };
+    std::visit(visit_member, *(metric.*of));
   }
-  visit("places", IfSet{counts.clusters});
-  if (counts.clusters && judge == JudgedBy::ground_truth)
-    visit("mixed_places", counts.mixed_clusters);
 }
 template <class Visitor>
 void visit_fields(Counts& counts, Visitor&& visit) {
-  visit_counts(counts, JudgedBy::ground_truth, visit);
+  visit_metrics(counts, &Metric::of_counts, JudgedBy::ground_truth, visit);
 }
-
 template <class Visitor>
 void visit_fields(BestMatchCounts& counts, Visitor&& visit) {
-  visit("frames", counts.frames);
-  visit("correct", counts.correct);
-  visit("incorrect", counts.incorrect);
-  visit("ignored", counts.ignored);
-  visit("no_answer", counts.no_answer);
-  visit("without_match", counts.without_match);
-  visit("rate", Derived{counts.rate()});
+  visit_metrics(counts, &Metric::of_best_match, JudgedBy::ground_truth, visit);
 }
 
 VPR_FIELDS(KeyframeCounts, correct, incorrect, mixed, ignored)
@@ -207,19 +208,6 @@ void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
           for (size_t t = 0; t < kRecallTargets.size(); ++t)
             inner(fmt::format("{:g}", kRecallTargets[t]), achievement.shares[t]);
         }});
-}
-
-template <class Visitor>
-void visit_localization(Localization& path, JudgedBy judge, Visitor&& visit) {
-  for (const Metric& metric : path_metrics()) {
-    const auto visit_value = [&](auto value) {
-      if constexpr (std::is_member_object_pointer_v<decltype(value)>)
-        visit(metric.key, path.*value);
-      else
-        visit(metric.key, Derived{path_value(metric, path)});
-    };
-    if (judge <= metric.needs) std::visit(visit_value, metric.of_path);
-  }
 }
 
 template <class Visitor>
@@ -297,15 +285,16 @@ void visit_fields(Report& report, Visitor&& visit) {
                       read_settings(fields, key, report);
                     }});
   if (report.query_settings() != nullptr)
-    visit("counts",
-          NestedObject{[&](auto&& inner) { visit_counts(report.counts, report.judged, inner); }});
+    visit("counts", NestedObject{[&](auto&& inner) {
+            visit_metrics(report.counts, &Metric::of_counts, report.judged, inner);
+          }});
   const bool has_truth = report.judged == JudgedBy::ground_truth;
   if (has_truth) visit("best_match", report.counts.best_match);
   visit("by_keyframe", IfSet{report.by_keyframe});
   visit("recognized_places", IfSet{report.recognitions});
   if (has_truth) visit("metrics", report.metrics);
   visit("localization", NestedObject{[&](auto&& inner) {
-          visit_localization(report.localization, report.judged, inner);
+          visit_metrics(report.localization, &Metric::of_path, report.judged, inner);
         }});
   if (has_truth) visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
   visit("oracle", Unless{report.is_oracle, false});

@@ -26,7 +26,7 @@ struct GridMetric {
   std::string_view title;
 
   MetricAt measure() const { return metric_at(key, k); }
-  bool is_of_path() const { return find_metric(key).is_of_path(); }  ///< not of best matches
+  bool is_of_path() const { return find_metric(key).of_path.has_value(); }  ///< not of best matches
   bool has_best() const { return !find_metric(key).is_low_good; }
 };
 

@@ -72,7 +72,7 @@ const std::vector<MetricAt>& paper_columns() {
 }
 
 Value value_of(const ComparisonReport& comparison, size_t report, const MetricAt& metric) {
-  if (metric.metric->is_of_path()) return value_of(comparison.reports[report], metric);
+  if (metric.metric->of_path) return value_of(comparison.reports[report], metric);
   for (const ComparedValue& value : comparison.found.values)
     if (value.metric == metric && value.method == report) return value.value;
   return {};
@@ -132,7 +132,7 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
       values.push_back(value_of(comparison, r, column));
       table.rows[r].push_back(metric_cell(metric, values.back()));
       // An easier query, or a threshold from the ground truth, does not make a better method.
-      if (!comparison.is_paired(r) || (metric.is_of_path() && reports[r].is_oracle != all_oracle))
+      if (!comparison.is_paired(r) || (metric.of_path && reports[r].is_oracle != all_oracle))
         values.back() = {};
     }
     if (std::ranges::count_if(values, &Value::has_value) > 1 &&

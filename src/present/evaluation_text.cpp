@@ -165,8 +165,8 @@ bool has_incorrect_pairs(const Report& report) {
 // "412 of 639".
 std::string pairs_cell(const Report& report) {
   if (report.query_settings() == nullptr || report.has_paths()) return "-";
-  const auto& [correct, incorrect, ignored] = report.counts.recognitions;
-  return fmt::format("{} of {}", incorrect, correct + incorrect + ignored);
+  const LabelCounts& pairs = report.counts.recognitions;
+  return fmt::format("{} of {}", pairs.incorrect, pairs.all());
 }
 
 }  // namespace

@@ -110,8 +110,7 @@ std::string pair_words(const Evaluation& evaluation) {
   const LabelCounts& pairs = evaluation.result->counts.recognitions;
   if (pairs.incorrect == 0 || evaluation.result->result->path) return "";
   return fmt::format(
-      "; {} of the {} accepted {} {} incorrect", pairs.incorrect,
-      pairs.correct + pairs.incorrect + pairs.ignored,
+      "; {} of the {} accepted {} {} incorrect", pairs.incorrect, pairs.all(),
       evaluation.result->result->places ? "pairs of a frame and a place" : "window pairs",
       pairs.incorrect == 1 ? "is" : "are");
 }
@@ -229,10 +228,10 @@ Table localization_table(const Report& report) {
              report.localization.frames_with_match);
   const Localization& path = report.localization;
   for (const bool in_meters : {false, true})
-    for (const Metric& metric : path_metrics())
-      if (!metric.symbol.empty() && metric.key.ends_with("_m") == in_meters &&
+    for (const Metric& metric : metrics())
+      if (metric.of_path && !metric.symbol.empty() && metric.key.ends_with("_m") == in_meters &&
           (!in_meters || path.longest_gap_m))  // positions are known
-        add_column(table, metric.symbol, metric_cell(metric, path_value(metric, path)));
+        add_column(table, metric.symbol, metric_cell(metric, value_in(path, *metric.of_path)));
   return table;
 }
 
@@ -275,6 +274,14 @@ std::string recognitions_text(const Report& report) {
               : "");
 }
 
+// A column per key.
+void add_metrics(Table& table, const Report& report, std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    const MetricAt metric = metric_at(key);
+    add_column(table, metric.symbol(), metric_cell(*metric.metric, value_of(report, metric)));
+  }
+}
+
 Table csv_row(const Report& report) {
   Table table;
   add_column(table, "method", report.method);
@@ -282,11 +289,9 @@ Table csv_row(const Report& report) {
   const Table counts = report_table(report);
   table.title = counts.title;
   add_columns(table, counts);
-  if (const auto& by_place = report.counts.recognitions_by_place) {
-    add_column(table, "pairs by place correct", by_place->correct);
-    add_column(table, "pairs by place incorrect", by_place->incorrect);
-    add_column(table, "pairs by place ignored", by_place->ignored);
-  }
+  if (report.counts.recognitions_by_place)
+    add_metrics(table, report,
+                {"pairs_by_place.correct", "pairs_by_place.incorrect", "pairs_by_place.ignored"});
   if (report.by_keyframe) add_columns(table, keyframe_table(*report.by_keyframe));
   for (const NamedNumbers& curve : curves_of(report))
     for (size_t m = 0; m < curve_metrics().size(); ++m)
@@ -301,6 +306,7 @@ Table csv_row(const Report& report) {
 }  // namespace
 
 std::string metric_cell(const Metric& metric, std::optional<double> value) {
+  if (metric.is_percent) return percent(value);
   return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
 }
 
@@ -356,11 +362,9 @@ std::string summary_sentence(const Evaluation& evaluation,
 
 Table report_table(const Report& report) {
   const QuerySettings* of_query = report.query_settings();
-  const BestMatchCounts& best = report.counts.best_match;
   Table table;
   table.title = fmt::format("{} ({})", evaluation_title(report), report.protocol.ground_truth);
   if (of_query != nullptr) {
-    const Counts& counts = report.counts;
     for (const auto& [symbol, value] : {window_of(*of_query), decided_by(*of_query)})
       add_column(table, symbol, value);
     if (const auto* windows = std::get_if<SequenceQuerySettings>(of_query);
@@ -368,22 +372,16 @@ Table report_table(const Report& report) {
       add_column(table, "scale",
                  enum_name(windows->distance_threshold ? scale_of(*windows)
                                                        : score_of(*of_query).frame_scale));
-    add_column(table, "pairs correct", counts.recognitions.correct);
-    add_column(table, "pairs incorrect", counts.recognitions.incorrect);
-    if (counts.clusters) {
-      add_column(table, "places correct", counts.clusters->correct);
-      add_column(table, "of these mixed", counts.mixed_clusters);
-      add_column(table, "places incorrect", counts.clusters->incorrect);
-    }
-    add_column(table, "distinct", counts.distinct);
+    add_metrics(table, report, {"pairs.correct", "pairs.incorrect"});
+    if (report.counts.clusters)
+      add_metrics(table, report, {"places.correct", "mixed_places", "places.incorrect"});
+    add_metrics(table, report, {"distinct"});
   } else {
     const auto& of_scores = std::get<ScoreSettings>(report.settings);
     add_column(table, "scores", enum_name(order_of(of_scores.format)));
     add_column(table, "window", of_scores.window_length);
   }
-  add_column(table, "best matches correct", best.correct);
-  add_column(table, "of frames", best.frames);
-  add_column(table, "%", percent(best.rate()));
+  add_metrics(table, report, {"best_match.correct", "best_match.frames", "best_match.rate"});
   return table;
 }
 
@@ -395,7 +393,7 @@ Table places_table(const Report& report) {
   table.title = fmt::format("{} ({})", evaluation_title(report),
                             is_judged ? report.protocol.ground_truth : "not judged");
   const auto add = [&](const std::string& noun, const LabelCounts& labels) {
-    add_column(table, noun, labels.correct + labels.incorrect + labels.ignored);
+    add_column(table, noun, labels.all());
     if (!is_judged) return;
     add_column(table, noun + " correct", labels.correct);
     add_column(table, noun + " incorrect", labels.incorrect);

@@ -223,7 +223,7 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
         any_mixed ? "places, judged at their mean (in brackets: with incorrect recognitions)"
                   : "places",
         [](const Counts& counts) {
-          const uint64_t mixed = counts.mixed_clusters;
+          const uint64_t mixed = counts.mixed_clusters.value_or(0);
           return label_texts(*counts.clusters, mixed > 0 ? fmt::format(" ({})", mixed) : "");
         },
         true, false));
@@ -264,8 +264,8 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
               cell.scale ? enum_name(*cell.scale) : sweep.score->measure, recognitions.correct,
               recognitions.incorrect, recognitions.ignored, of_places(pairs.correct),
               of_places(pairs.incorrect), of_places(pairs.ignored), of_places(judged.correct),
-              of_places(mixed), of_places(judged.incorrect), of_places(judged.ignored), distinct,
-              best.correct, best.incorrect, best.frames, is_pareto ? "yes" : "no",
+              of_places(mixed.value_or(0)), of_places(judged.incorrect), of_places(judged.ignored),
+              distinct, best.correct, best.incorrect, best.frames, is_pareto ? "yes" : "no",
               choice.cell == c ? "yes" : "no");
     }
   return table;

@@ -176,13 +176,19 @@ TEST_CASE("every measure has its key in the schemas and in the reference") {
   const Json of_curves = properties("common", "/$defs/precision_recall/properties");
   const Json of_report = properties("report", "/properties/metrics/properties");
   const Json of_path = properties("report", "/properties/localization/properties");
+  Json of_counts = properties("common", "/$defs/counts/properties");
+  of_counts.update(properties("common", "/$defs/place_counts/properties"));
+  Json of_best_match = properties("common", "/$defs/best_match/properties");
+  of_best_match.update(properties("report", "/properties/best_match/properties"));
   const std::string reference = read_text(source_path("docs/reference/metrics.md"));
   for (const Metric& metric : metrics()) {
-    const std::string key(metric.key);
+    const std::string key(metric.key.substr(metric.key.find('.') + 1));
     INFO(key);
     CHECK(has(reference, "`" + key));
     CHECK((metric.of_curve != nullptr ? of_curves
-           : metric.is_of_path()      ? of_path
+           : metric.of_path           ? of_path
+           : metric.of_counts         ? of_counts
+           : metric.of_best_match     ? of_best_match
                                       : of_report)
               .contains(key));
   }
