@@ -39,7 +39,7 @@ inline Judgment judgment_of(const std::string& letters, size_t window_length,
     layout.columns.push_back({s, column, windows});
     column += windows;
   }
-  judgment.verdicts.assign(layout.scope.query.frames, FrameVerdict::none);
+  judgment.verdicts.assign(layout.scope.query.frames, Verdict::none);
   judgment.outcomes.window_length = window_length;
   judgment.outcomes.queries.resize(layout.scope.query.frames);
   for (size_t w = 0; w < letters.size(); ++w) {
@@ -50,8 +50,8 @@ inline Judgment judgment_of(const std::string& letters, size_t window_length,
     query.verdict = is_right ? Verdict::correct : Verdict::incorrect;
     query.best = FrameMatch{is_right ? 0U : last, query.frame};
     query.key = score_key(double(w), ScoreOrder::distance);
-    if (letters[w] == 'C') judgment.verdicts[query.frame] = FrameVerdict::correct;
-    if (letters[w] == 'W') judgment.verdicts[query.frame] = FrameVerdict::incorrect;
+    if (letters[w] == 'C') judgment.verdicts[query.frame] = Verdict::correct;
+    if (letters[w] == 'W') judgment.verdicts[query.frame] = Verdict::incorrect;
   }
   judgment.single_best = single_best_curve(judgment.outcomes);
   return judgment;

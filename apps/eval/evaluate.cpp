@@ -6,7 +6,6 @@
 #include "eval.h"
 #include "evaluate/metrics.h"
 #include "evaluate/prediction_lists.h"
-#include "present/recorded_frames.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {

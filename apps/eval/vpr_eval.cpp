@@ -11,7 +11,7 @@
 #include "eval.h"
 #include "evaluate/expectation.h"
 #include "files/exports.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "files/run_info.h"
 #include "present/evaluation_text.h"
 #include "present/report_tables.h"

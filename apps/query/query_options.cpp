@@ -280,7 +280,8 @@ std::string summary_text(const Result& result, const Session& session) {
   if (result.places && result.places->featureless > 0)
     text += fmt::format("; {} without features", counted(result.places->featureless, "frame"));
   text += recognized == 0 ? ".\n" : ":\n";
-  text += ranges_text(result, session.options.verbose ? SIZE_MAX : kRanges);
+  text += ranges_text(result, recognized_ranges(result),
+                      session.options.verbose ? SIZE_MAX : kRanges, "shorter range");
   text += fmt::format("Settings: {}\n", settings_text(result));
   if (result.path && result.path->reversed_frames)
     text += fmt::format("Check: with reversed training sequences, {} would be recognized\n",

@@ -1,12 +1,10 @@
-#include "chart/palette.h"
-
 #include <array>
 
 #include <fmt/format.h>
 #include <opencv2/core/matx.hpp>
 
-#include "evaluate/metrics.h"
-#include "truth/ground_truth.h"
+#include "chart/chart.h"
+#include "evaluate/outcomes.h"
 
 namespace vpr {
 namespace {
@@ -68,16 +66,10 @@ cv::Vec3b bgr_of(Meaning meaning) {
 
 std::span<const std::string_view> series_colors() { return kSeries; }
 
-Meaning meaning_of(FrameVerdict verdict) {
-  return verdict == FrameVerdict::correct     ? Meaning::correct
-         : verdict == FrameVerdict::incorrect ? Meaning::incorrect
-                                              : Meaning::unjudged;
-}
-
-Meaning meaning_of(PlaceLabel label) {
-  return label == PlaceLabel::same        ? Meaning::correct
-         : label == PlaceLabel::different ? Meaning::incorrect
-                                          : Meaning::unjudged;
+Meaning meaning_of(Verdict verdict) {
+  return verdict == Verdict::correct     ? Meaning::correct
+         : verdict == Verdict::incorrect ? Meaning::incorrect
+                                         : Meaning::unjudged;
 }
 
 std::string palette_css() {

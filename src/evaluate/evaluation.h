@@ -1,4 +1,5 @@
-// Evaluation of a result, or of the scores of any method, by ground truth.
+// Evaluation of a result, or of the scores of any method, by ground truth or by the answers of a
+// person who saw images of each place: the same place, or not.
 #pragma once
 
 #include <filesystem>
@@ -87,5 +88,20 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
 /// be the missing value of vpr-query. `source`: of the scores, for messages.
 void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,
                     const Monitor& monitor);
+
+/// The columns of a file of answers.
+inline constexpr const char* kAnswerColumns = "place,query,sequence,train,same";
+
+/// The first four columns of the row of a cluster: its number, counted from 1, the query frame, the
+/// training sequence and the training frame; frames are the anchors of the representative.
+std::string answer_row(const Result& result, size_t cluster);
+
+/// Throws Error(usage) for a result without clusters, as of FAB-MAP.
+void require_places(const Result& result);
+
+/// A label per cluster: `same` or `different` by the column "same" (yes or no), `ignore` without a
+/// row. Throws as require_places does, Error(input) if the file cannot be read, and Error(data),
+/// with the line, if it has no answer, has two for a place, or a row is not a cluster of `result`.
+std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path, const Result& result);
 
 }  // namespace vpr

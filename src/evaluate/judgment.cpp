@@ -19,11 +19,11 @@ void count_matches(Judgment& judgment) {
   Localization& path = judgment.localization;
   for (const QueryOutcome& query : judgment.outcomes.queries) {
     path.frames_with_match += query.has_match;
-    path.off_map += !query.has_match && judgment.verdicts[query.frame] == FrameVerdict::incorrect;
+    path.off_map += !query.has_match && judgment.verdicts[query.frame] == Verdict::incorrect;
   }
 }
 
-void set_verdicts(Judgment& judgment, std::vector<FrameVerdict> verdicts,
+void set_verdicts(Judgment& judgment, std::vector<Verdict> verdicts,
                   std::span<const double> traveled_m,
                   std::span<const std::optional<uint32_t>> decided = {}) {
   judgment.localization = localize(verdicts, traveled_m, decided);
@@ -36,18 +36,10 @@ size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
   return columns == nullptr ? 0 : columns->first + window;
 }
 
-FrameVerdict frame_verdict_of(Verdict verdict) {
-  return verdict == Verdict::correct     ? FrameVerdict::correct
-         : verdict == Verdict::incorrect ? FrameVerdict::incorrect
-         : verdict == Verdict::ignored   ? FrameVerdict::unjudged
-                                         : FrameVerdict::none;
-}
-
 }  // namespace
 
 bool is_recognized(const Judgment& judgment, const QueryOutcome& query) {
-  return query.verdict != Verdict::none &&
-         judgment.verdicts[query.frame] == frame_verdict_of(query.verdict);
+  return query.verdict != Verdict::none && judgment.verdicts[query.frame] == query.verdict;
 }
 
 void set_confidence(Judgment& judgment, Confidence confidence) {
@@ -89,8 +81,7 @@ void judge_by_places(Judgment& judgment, const Result& result, std::span<const P
     return verdict_of(labels[result.clusters->of_recognition[recognition]]);
   };
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
-    if (recognitions[frame] != nullptr)
-      judgment.verdicts[frame] = frame_verdict_of(verdict_at(frame));
+    if (recognitions[frame] != nullptr) judgment.verdicts[frame] = verdict_at(frame);
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = judgment.outcomes.at_window(window);
     const Match* recognition = recognitions[query.frame];
@@ -146,22 +137,20 @@ std::vector<const Match*> recognitions_by_frame(const Result& result) {
   return recognitions;
 }
 
-std::vector<FrameVerdict> verdicts_of(const Result& result, const GroundTruth& truth) {
+std::vector<Verdict> verdicts_of(const Result& result, const GroundTruth& truth) {
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
-  std::vector<FrameVerdict> verdicts(recognitions.size(), FrameVerdict::none);
+  std::vector<Verdict> verdicts(recognitions.size(), Verdict::none);
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
     if (recognitions[frame] != nullptr)
-      verdicts[frame] = frame_verdict_of(
-          verdict_of(label_of(truth, *recognitions[frame], result.window_length())));
+      verdicts[frame] = verdict_of(label_of(truth, *recognitions[frame], result.window_length()));
   return verdicts;
 }
 
-std::vector<FrameVerdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
-  std::vector<FrameVerdict> verdicts(outcomes.queries.size(), FrameVerdict::none);
+std::vector<Verdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
+  std::vector<Verdict> verdicts(outcomes.queries.size(), Verdict::none);
   if (!accepted) return verdicts;
   for (const QueryOutcome& query : outcomes.queries)
-    if (query.best && query.key <= *accepted)
-      verdicts[query.frame] = frame_verdict_of(query.verdict);
+    if (query.best && query.key <= *accepted) verdicts[query.frame] = query.verdict;
   return verdicts;
 }
 

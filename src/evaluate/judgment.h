@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "evaluate/matrix_scan.h"
 #include "evaluate/metrics.h"
 
 namespace vpr {
@@ -14,9 +13,29 @@ namespace vpr {
 /// score, ties to the first; null if there is none. They point into the result.
 std::vector<const Match*> recognitions_by_frame(const Result& result);
 /// The verdicts by these recognitions.
-std::vector<FrameVerdict> verdicts_of(const Result& result, const GroundTruth& truth);
+std::vector<Verdict> verdicts_of(const Result& result, const GroundTruth& truth);
 /// The verdicts by best matches whose key is at most `accepted`; unset: none.
-std::vector<FrameVerdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
+std::vector<Verdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
+
+/// All pairs of readable queries, except pairs labeled ignore.
+struct PairJudgment {
+  Curve curve;                      ///< recall is over all pairs of the same place
+  uint64_t ignored = 0;             ///< pairs labeled ignore
+  uint64_t same_without_score = 0;  ///< included in curve.positives, but never found
+  uint64_t worst_correct = 0;       ///< queries whose worst score, ties to the first, is correct
+};
+
+struct MatrixScan {
+  Outcomes outcomes;
+  PairJudgment pairs;
+};
+
+/// Best matches and ranks skip references labeled ignore; ties go to the first column. Reads the
+/// matrix twice: memory is 8 bytes per pair of the same place, and about 60 per distinct score
+/// among them, since all other pairs are only counted between these. Throws as
+/// ScoreMatrix::for_each_row does.
+MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
+                       const ScoreLayout& layout, const Monitor& monitor);
 
 /// A recognition as a query window and a column of the layout.
 struct RecognizedCell {
@@ -34,7 +53,7 @@ struct Judgment {
   std::vector<RecognizedCell> recognized;  ///< of a result; without one, accepted best matches
   std::optional<double> threshold;         ///< of accepted best matches
   bool is_oracle = false;                  ///< the threshold was chosen from the ground truth
-  std::vector<FrameVerdict> verdicts;      ///< one per query frame
+  std::vector<Verdict> verdicts;           ///< one per query frame
   Localization localization;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K to report
   size_t stretch_frames = kDefaultStretch;  ///< of the reported recall achievement rate

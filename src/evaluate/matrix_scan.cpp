@@ -1,11 +1,11 @@
-#include "evaluate/matrix_scan.h"
-
+// All pairs of a score matrix judged by the ground truth.
 #include <algorithm>
 #include <bit>
 #include <limits>
 #include <utility>
 
 #include "base/parallel.h"
+#include "evaluate/judgment.h"
 
 namespace vpr {
 namespace {

@@ -311,15 +311,15 @@ std::optional<double> Localization::recognized_share() const {
   return share_of(recognized, frames);
 }
 
-Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
+Localization localize(std::span<const Verdict> verdicts, std::span<const double> traveled_m,
                       std::span<const std::optional<uint32_t>> decided) {
   assert(traveled_m.empty() || traveled_m.size() == verdicts.size());
   Localization found;
   found.frames = verdicts.size();
   found.recognized = static_cast<size_t>(
-      std::ranges::count_if(verdicts, [](auto one) { return one != FrameVerdict::none; }));
+      std::ranges::count_if(verdicts, [](auto one) { return one != Verdict::none; }));
   found.incorrect =
-      static_cast<size_t>(std::count(verdicts.begin(), verdicts.end(), FrameVerdict::incorrect));
+      static_cast<size_t>(std::count(verdicts.begin(), verdicts.end(), Verdict::incorrect));
   const bool has_meters = !traveled_m.empty();
   double gap_m = 0;
   size_t gap_begin = 0;  // first frame after the last correct recognition
@@ -329,7 +329,7 @@ Localization localize(std::span<const FrameVerdict> verdicts, std::span<const do
     if (has_meters) gap_m = std::max(gap_m, here_m - last_correct_m);
   };
   for (size_t frame = 0; frame < verdicts.size(); ++frame) {
-    if (verdicts[frame] != FrameVerdict::correct) continue;
+    if (verdicts[frame] != Verdict::correct) continue;
     const double here_m = has_meters ? traveled_m[frame] : 0;
     if (found.correct == 0) {
       const size_t known = decided.empty() ? frame : decided[frame].value();

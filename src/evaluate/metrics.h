@@ -129,10 +129,6 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<JudgedBy> = {"ground_truth", "places",
                                                                          "nothing"};
 
-/// How a frame of the path is localized: not at all, correctly, incorrectly, or by a recognition
-/// whose pair is labeled ignore, which counts as none.
-enum class FrameVerdict { none, correct, incorrect, unjudged };
-
 /// Fixes along the path. Meters are unset if positions are unknown.
 struct Localization {
   uint64_t frames = 0;             ///< of the whole query, frames before the first anchor included
@@ -154,9 +150,10 @@ struct Localization {
   std::optional<double> recognized_share() const;
 };
 
-/// `traveled_m`: the distance from the start to each frame, or empty. `decided`: the frame of the
-/// path at which each frame was recognized, as in ResultPath; empty: at once.
-Localization localize(std::span<const FrameVerdict> verdicts, std::span<const double> traveled_m,
+/// `verdicts`: of the recognition of each frame; none without one, and an ignored one counts as
+/// none. `traveled_m`: the distance from the start to each frame, or empty. `decided`: the frame of
+/// the path at which each frame was recognized, as in ResultPath; empty: at once.
+Localization localize(std::span<const Verdict> verdicts, std::span<const double> traveled_m,
                       std::span<const std::optional<uint32_t>> decided = {});
 
 /// A member or a function of S.

@@ -13,13 +13,16 @@
 
 namespace vpr {
 
-/// How the ground truth judges the best match of a query frame.
+/// How the ground truth judges the best match, or the recognition, of a query frame.
 enum class Verdict {
   correct,    ///< it shows the frame's place
   incorrect,  ///< it shows another place
   ignored,    ///< its pair is labeled ignore
-  none  ///< there is no best match: no readable window ends at the frame, or nothing was found
+  none        ///< there is none: no readable window ends at the frame, or nothing was found
 };
+template <>
+inline constexpr std::array<std::string_view, 4> kEnumNames<Verdict> = {"correct", "incorrect",
+                                                                        "ignored", "none"};
 
 Verdict verdict_of(PlaceLabel label);
 

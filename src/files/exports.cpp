@@ -13,12 +13,6 @@
 namespace vpr {
 namespace {
 
-// By Verdict and FrameVerdict.
-constexpr std::array<std::string_view, 4> kVerdictWords = {"correct", "incorrect", "ignored",
-                                                           "none"};
-constexpr std::array<std::string_view, 4> kFrameVerdictWords = {"none", "correct", "incorrect",
-                                                                "ignored"};
-
 std::string prefix(const std::string& name, const std::string& query) {
   return csv_field(name) + "," + csv_field(query) + ",";
 }
@@ -29,7 +23,7 @@ std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& eval
   std::vector<std::optional<FrameMatch>> matches(judgment.verdicts.size());
   if (!evaluation.result) {
     for (const QueryOutcome& query : judgment.outcomes.queries)
-      if (judgment.verdicts[query.frame] != FrameVerdict::none) matches[query.frame] = query.best;
+      if (judgment.verdicts[query.frame] != Verdict::none) matches[query.frame] = query.best;
     return matches;
   }
   const Result& result = *evaluation.result->result;
@@ -85,9 +79,8 @@ std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                         query.frame + 1 < outcomes.window_length
                             ? ""
                             : std::to_string(query.frame + 1 - outcomes.window_length),
-                        query.frame, best, kVerdictWords[static_cast<size_t>(query.verdict)],
-                        query.has_match ? "yes" : "no",
-                        kFrameVerdictWords[static_cast<size_t>(judgment.verdicts[query.frame])],
+                        query.frame, best, enum_name(query.verdict), query.has_match ? "yes" : "no",
+                        enum_name(judgment.verdicts[query.frame]),
                         query.rank ? std::to_string(*query.rank) : "",
                         query.margin ? fmt::format("{}", *query.margin) : "");
   }

@@ -4,6 +4,39 @@
 #include "run/train_sequences.h"
 
 namespace vpr {
+namespace {
+
+Json match_json(const Result& result, const Match& match) {
+  const size_t length = result.window_length();
+  return {{"sequence", result.sequences[match.sequence].sequence.name},
+          {"frame", anchor_of(match.train, length)},
+          {"score", result.score().frame_value(match.score, length)},
+          {"sum", static_cast<int64_t>(match.score)}};
+}
+
+}  // namespace
+
+Json live_line(const LineFrame& frame, const Result* result, size_t window) {
+  Json line = {{"schema", schema_name("live")},
+               {"frame", frame.number},
+               {"name", frame.name},
+               {"readable", frame.is_readable},
+               {"match", nullptr},
+               {"margin", nullptr},
+               {"rate", nullptr},
+               {"recognized", Json::array()}};
+  if (result == nullptr) return line;
+  if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
+  if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
+  if (result->path) line["rate"] = or_null(result->path->rates[window]);
+  for (const Match& match : result->recognitions) {
+    if (!result->path && match.query != window) continue;
+    Json recognized = match_json(*result, match);
+    recognized["query"] = result->path ? match.query : frame.number;
+    line["recognized"].push_back(std::move(recognized));
+  }
+  return line;
+}
 
 LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_name,
                      const ResolvedSettings& settings, const QueryResources& resources,

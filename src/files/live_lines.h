@@ -1,4 +1,4 @@
-// A live query from frames to the lines of JSON of vpr-query live.
+// A live query from frames to the lines of JSON of vpr-query live (vpr.live/3).
 #pragma once
 
 #include <optional>
@@ -9,6 +9,17 @@
 #include "sequence/live_source.h"
 
 namespace vpr {
+
+/// The newest frame of a live query.
+struct LineFrame {
+  size_t number = 0;
+  std::string name;
+  bool is_readable = true;
+};
+
+/// docs/schemas/live.schema.json. `window`: the query window that ends at the frame. Null `result`:
+/// the frame ends no window.
+Json live_line(const LineFrame& frame, const Result* result, size_t window);
 
 class LiveLines {
  public:

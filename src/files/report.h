@@ -1,9 +1,12 @@
-// Evaluation reports: the numbers of one evaluated result, or of evaluated scores.
+// Evaluation reports: the numbers of one evaluated result, or of evaluated scores. As JSON: of one
+// result (vpr.report/4), of several results (vpr.reports/4), and of one result under several
+// protocols (vpr.protocols/4).
 #pragma once
 
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +16,7 @@
 #include "base/json_fwd.h"
 #include "evaluate/evaluation.h"
 #include "files/run_info.h"
+#include "truth/formats.h"
 
 namespace vpr {
 
@@ -110,7 +114,7 @@ struct Report {
   bool is_oracle = false;  ///< the threshold of verdicts is from the ground truth
   ByAcceptance<ReportedCurve> curves;
   Outcomes outcomes;  ///< without the references of best matches if it was read from a file
-  std::vector<FrameVerdict> verdicts;
+  std::vector<Verdict> verdicts;
   Protocol protocol;
   ReportSources provenance;
   std::optional<std::string> name;  ///< set by the user
@@ -146,5 +150,36 @@ std::vector<CurvePoint> thinned(const Curve& curve, size_t most);
 
 /// correct, mixed, incorrect or ignored.
 std::string_view verdict_text(const JudgedCluster& judged);
+
+/// The file without "machine" and "timing". Numbers that need a ground truth, or any verdict, are
+/// absent without one.
+Json report_json(const Report& report);
+Json report_json(const Report& report, const RunInfo& run, double seconds);
+
+/// Throws Error(usage) for a report without ground truth, and Error(data) for any other file and
+/// for damage. `where`: the name of the file in messages.
+Report parse_report(const Json& json, const std::string& where);
+
+/// A letter per query frame: c(orrect), w(rong), i(gnored), u(nanswered); W, I and U for frames
+/// without a match in the ground truth.
+std::string outcome_letters(const Outcomes& outcomes);
+
+Json curve_numbers_json(const Curve& curve);
+Json curve_json(const Curve& curve);
+
+/// "counts" of a report, and of a cell of a sweep.
+Json counts_json(const Counts& counts);
+
+/// `names`: one per report.
+Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
+                  const RunInfo& run, double seconds);
+
+/// The report of a result with the ground truth of a preset.
+struct ProtocolReport {
+  const GroundTruthPreset* preset = nullptr;
+  Report report;
+};
+
+Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run, double seconds);
 
 }  // namespace vpr

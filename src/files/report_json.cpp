@@ -1,5 +1,3 @@
-#include "files/report_json.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "files/report.h"
 #include "files/result_file.h"
 #include "sequence/sequence_json.h"
 
@@ -16,7 +15,7 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostFrames = uint64_t{1} << 32;
-constexpr std::string_view kVerdictLetters = ".rwi";  // by FrameVerdict
+constexpr std::string_view kVerdictLetters = "rwi.";  // by Verdict
 
 /// A letter for each outcome: capital letters for frames without a match in the ground truth.
 struct OutcomeLetter {
@@ -60,7 +59,7 @@ void read_number_words(const Fields& fields, const std::string& key, Outcomes& o
 /// A letter and numbers per query window, and a letter per frame.
 struct OutcomesForm {
   Outcomes& outcomes;
-  std::vector<FrameVerdict>& verdicts;
+  std::vector<Verdict>& verdicts;
 
   void write(Json& json, const std::string& key, const JsonForm&) const {
     Json& part = json[key];
@@ -77,8 +76,7 @@ struct OutcomesForm {
     if (outcomes.has_ranks)
       part["ranks"] = number_words(outcomes, [](const QueryOutcome& query) { return query.rank; });
     std::string letters;
-    for (const FrameVerdict verdict : verdicts)
-      letters += kVerdictLetters[static_cast<size_t>(verdict)];
+    for (const Verdict verdict : verdicts) letters += kVerdictLetters[static_cast<size_t>(verdict)];
     part["recognized"] = letters;
   }
 
@@ -110,7 +108,7 @@ struct OutcomesForm {
     for (const char letter : part.text("recognized")) {
       const size_t verdict = kVerdictLetters.find(letter);
       if (verdict == std::string_view::npos) part.fail("its verdicts do not fit its outcomes");
-      verdicts.push_back(static_cast<FrameVerdict>(verdict));
+      verdicts.push_back(static_cast<Verdict>(verdict));
     }
     if (verdicts.size() != outcomes.queries.size())
       part.fail("its verdicts do not fit its outcomes");

@@ -220,12 +220,20 @@ void check_companions(const fs::path& result, const ResultContext& context,
   }
 }
 
-Json match_json(const Result& result, const Match& match) {
-  const size_t length = result.window_length();
-  return {{"sequence", result.sequences[match.sequence].sequence.name},
-          {"frame", anchor_of(match.train, length)},
-          {"score", result.score().frame_value(match.score, length)},
-          {"sum", static_cast<int64_t>(match.score)}};
+// Adds readers of the names of frames, for sides that have none.
+void add_recorded_names(EvaluationSettings& by, const RecordedRun& run, size_t sequences) {
+  if (const std::string query = run.path("query"); !by.query_names && !query.empty())
+    by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
+  const std::string database = run.path("database");
+  if (!by.train_names.empty() || (database.empty() && !run.train)) return;
+  const auto trained =  // read at most once
+      std::make_shared<std::vector<TrainSequence>>(run.train ? *run.train
+                                                             : std::vector<TrainSequence>());
+  for (size_t s = 0; s < sequences; ++s)
+    by.train_names.emplace_back([database, trained, s] {
+      if (trained->empty()) *trained = read_sequence_database(database).sequences;
+      return trained->at(s).sequence.frame_names;
+    });
 }
 
 Json sealed(Json json) {
@@ -316,26 +324,14 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   return stored;
 }
 
-Json live_line(const LineFrame& frame, const Result* result, size_t window) {
-  Json line = {{"schema", schema_name("live")},
-               {"frame", frame.number},
-               {"name", frame.name},
-               {"readable", frame.is_readable},
-               {"match", nullptr},
-               {"margin", nullptr},
-               {"rate", nullptr},
-               {"recognized", Json::array()}};
-  if (result == nullptr) return line;
-  if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
-  if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
-  if (result->path) line["rate"] = or_null(result->path->rates[window]);
-  for (const Match& match : result->recognitions) {
-    if (!result->path && match.query != window) continue;
-    Json recognized = match_json(*result, match);
-    recognized["query"] = result->path ? match.query : frame.number;
-    line["recognized"].push_back(std::move(recognized));
-  }
-  return line;
+Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
+                           std::optional<ScoreMatrix> matrix, EvaluationSettings by,
+                           const Monitor& monitor) {
+  const std::shared_ptr<const Result> result(stored, &stored->result);
+  if (!result->places) add_recorded_names(by, stored->run, result->sequences.size());
+  Evaluation evaluation = evaluate_result(result, std::move(matrix), by, monitor);
+  evaluation.fingerprint = stored->fingerprint;
+  return evaluation;
 }
 
 }  // namespace vpr

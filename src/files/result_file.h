@@ -1,5 +1,4 @@
-// Result files (vpr.result/3): RESULT.json and its arrays, such as RESULT.recognitions.npy. Also
-// the lines of a live query (vpr.live/3).
+// Result files (vpr.result/3): RESULT.json and its arrays, such as RESULT.recognitions.npy.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include "base/output.h"
 #include "decide/explanation.h"
 #include "decide/result.h"
+#include "evaluate/evaluation.h"
 #include "files/matrix_file.h"
 #include "files/result_arrays.h"
 #include "files/run_info.h"
@@ -103,15 +103,10 @@ struct StoredResult {
 /// version or belongs to another run, or if an index is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
-/// The newest frame of a live query.
-struct LineFrame {
-  size_t number = 0;
-  std::string name;
-  bool is_readable = true;
-};
-
-/// docs/schemas/live.schema.json. `window`: the query window that ends at the frame. Null `result`:
-/// the frame ends no window.
-Json live_line(const LineFrame& frame, const Result* result, size_t window);
+/// Evaluates a result of a file. Names of frames that `by` lacks are those of the query and the
+/// database of the run, unless the result has places. Throws as evaluate_result does.
+Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
+                           std::optional<ScoreMatrix> matrix, EvaluationSettings by,
+                           const Monitor& monitor);
 
 }  // namespace vpr

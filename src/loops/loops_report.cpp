@@ -12,7 +12,7 @@
 #include "base/statistics.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_text.h"
 #include "present/html_page.h"
@@ -144,7 +144,7 @@ Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2
   std::vector<const ListedLoop*> loops;
   for (const JudgedLoop& judged : evaluation.judgment.loops)
     if (judged.label == label) loops.push_back(&judged.loop);
-  Series lines{name, {}, SeriesStyle::line, meaning_of(label)};
+  Series lines{name, {}, SeriesStyle::line, meaning_of(verdict_of(label))};
   const size_t drawn = std::min(loops.size(), kMostDrawn);
   if (drawn < loops.size() && !name.empty())
     lines.name += fmt::format(" ({} of {})", drawn, loops.size());

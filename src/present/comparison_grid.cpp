@@ -8,7 +8,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "present/comparison_report.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"

@@ -106,7 +106,7 @@ void restrict_to(Report& report, const std::vector<size_t>& frames) {
     if (std::ranges::binary_search(frames, frame)) continue;
     queries[frame] = QueryOutcome{};
     queries[frame].frame = frame;
-    report.verdicts[frame] = FrameVerdict::none;
+    report.verdicts[frame] = Verdict::none;
   }
   report.counts.best_match = best_match_counts(report.outcomes);
   report.localization = localize(report.verdicts, {});

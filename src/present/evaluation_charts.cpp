@@ -29,12 +29,10 @@ constexpr std::array<Meaning, 3> kAccepted = {Meaning::correct, Meaning::incorre
                                               Meaning::unjudged};
 
 Meaning meaning_of(const Judgment& judgment, const QueryOutcome& query) {
-  const bool is_strong = is_recognized(judgment, query);
-  if (query.verdict == Verdict::correct)
-    return is_strong ? Meaning::correct : Meaning::weak_correct;
-  if (query.verdict == Verdict::incorrect)
-    return is_strong ? Meaning::incorrect : Meaning::weak_incorrect;
-  return is_strong ? Meaning::unjudged : Meaning::weak_unjudged;
+  if (is_recognized(judgment, query)) return meaning_of(query.verdict);
+  return query.verdict == Verdict::correct     ? Meaning::weak_correct
+         : query.verdict == Verdict::incorrect ? Meaning::weak_incorrect
+                                               : Meaning::weak_unjudged;
 }
 
 // The known curves of best matches; the dashed one is drawn on the solid one.
@@ -156,12 +154,12 @@ std::vector<std::pair<double, double>> curve_points(const Curve& curve) {
   return points;
 }
 
-std::vector<ChartStretch> verdict_stretches(const std::vector<FrameVerdict>& verdicts) {
+std::vector<ChartStretch> verdict_stretches(const std::vector<Verdict>& verdicts) {
   std::vector<ChartStretch> runs;
   for (size_t begin = 0; begin < verdicts.size();) {
     size_t end = begin;
     while (end < verdicts.size() && verdicts[end] == verdicts[begin]) ++end;
-    if (verdicts[begin] != FrameVerdict::none)
+    if (verdicts[begin] != Verdict::none)
       runs.push_back(
           {static_cast<double>(begin), static_cast<double>(end), meaning_of(verdicts[begin])});
     begin = end;

@@ -23,7 +23,7 @@ Chart precision_recall_chart(const std::string& title);
 std::vector<std::pair<double, double>> curve_points(const Curve& curve);
 
 /// Consecutive frames with the same verdict other than none.
-std::vector<ChartStretch> verdict_stretches(const std::vector<FrameVerdict>& verdicts);
+std::vector<ChartStretch> verdict_stretches(const std::vector<Verdict>& verdicts);
 
 /// Precision against recall of best matches by score, by margin if known, and of all pairs if there
 /// is a matrix. No series if no query has a match.

@@ -8,7 +8,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "chart/chart.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "present/evaluation_charts.h"
 #include "present/html_page.h"
 #include "present/matrix_chart.h"

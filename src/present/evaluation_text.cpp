@@ -65,10 +65,10 @@ std::string recall_text(const Report& report) {
 
 /// A recognized range, and its errors.
 struct JudgedRange {
-  RecognizedRange range;
-  size_t frames = 0;          ///< whose closest recognition is in the range
-  size_t incorrect = 0;       ///< of these
-  bool is_incorrect = false;  ///< no recognition of the range is correct
+  RecognizedRange& range;
+  size_t frames = 0;         ///< whose closest recognition is in the range
+  size_t incorrect = 0;      ///< of these
+  bool is_incorrect = true;  ///< no recognition of the range is correct
 
   std::string verdict() const {
     if (is_incorrect) return frames > 0 ? ": incorrect" : ": incorrect, not the best";
@@ -83,11 +83,11 @@ bool is_in(const RecognizedRange& range, size_t query, uint32_t sequence, size_t
          range.train_first <= train && train <= range.train_last;
 }
 
-std::vector<JudgedRange> judged_ranges(const Result& result, const GroundTruth& truth) {
+std::vector<RecognizedRange> judged_ranges(const Result& result, const GroundTruth& truth) {
+  std::vector<RecognizedRange> ranges = recognized_ranges(result);
+  if (!truth.is_known) return ranges;
   std::vector<JudgedRange> judged;
-  for (const RecognizedRange& range : recognized_ranges(result))
-    judged.push_back({range, 0, 0, truth.is_known});
-  if (!truth.is_known) return judged;
+  for (RecognizedRange& range : ranges) judged.push_back({range});
   const std::vector<const Match*> closest = recognitions_by_frame(result);
   for (const Match& match : result.recognitions) {
     const size_t query = anchor_of(match.query, result.window_length());
@@ -102,32 +102,8 @@ std::vector<JudgedRange> judged_ranges(const Result& result, const GroundTruth& 
       if (is_different) ++one.incorrect;
     }
   }
-  return judged;
-}
-
-std::string ranges_text(const Result& result, const GroundTruth& truth, size_t most) {
-  std::vector<JudgedRange> ranges = judged_ranges(result, truth);
-  const size_t all = ranges.size();
-  const auto first = [](const JudgedRange& one) { return one.range.query_first; };
-  const auto length = [](const JudgedRange& one) {
-    return one.range.query_last - one.range.query_first;
-  };
-  const auto is_correct = [](const JudgedRange& one) {
-    return !one.is_incorrect && one.incorrect == 0;
-  };
-  if (all > most) {  // the longest, then the longest incorrect ones
-    std::ranges::stable_sort(ranges, std::ranges::greater{}, length);
-    std::stable_sort(ranges.begin() + 1, ranges.end(),
-                     [&](const auto& a, const auto& b) { return is_correct(a) < is_correct(b); });
-    ranges.resize(most);
-    std::ranges::stable_sort(ranges, {}, first);
-  }
-  std::string text;
-  for (const JudgedRange& one : ranges)
-    text += fmt::format("  {}{}\n", range_text(result, one.range), one.verdict());
-  if (all > most)
-    text += fmt::format("  and {} (-v lists all)\n", counted(all - most, "other range"));
-  return text;
+  for (const JudgedRange& one : judged) one.range.verdict = one.verdict();
+  return ranges;
 }
 
 // "12, of 345 recognitions", or the same by verdict.
@@ -197,7 +173,9 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
   }
   if (result != nullptr && report.judged != JudgedBy::ground_truth && report.counts.clusters)
     text += line("places", places_text(report));
-  if (result != nullptr) text += ranges_text(*result, evaluation.truth, most_ranges);
+  if (result != nullptr)
+    text +=
+        ranges_text(*result, judged_ranges(*result, evaluation.truth), most_ranges, "other range");
   const std::string next = next_step(evaluation, tuning);
   return text + (next.empty() ? "" : next + "\n");
 }

@@ -164,6 +164,58 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
 
 namespace {
 
+// The frames at a path of the run, if they are still the same.
+template <class IsSame>
+std::optional<SequenceSource> recorded_source(const std::string& path, const IsSame& is_same) {
+  if (path.empty()) return std::nullopt;
+  try {
+    SequenceSource source = open_sequence(parse_sequence_argument(path));
+    if (source.kind != SequenceKind::descriptors && is_same(source)) return source;
+  } catch (const Error&) {  // they have moved
+  }
+  return std::nullopt;
+}
+
+bool has_names(const SequenceSource& source, const Sequence& expected) {
+  std::vector<std::string> names = file_names(source);
+  if (source.kind == SequenceKind::video) return true;
+  if (names.size() != expected.recorded_frames()) return false;
+  if (!expected.selection.is_all()) names = selected(std::move(names), expected.selection);
+  return names == expected.frame_names;
+}
+
+// The training sequences of the run's database; none if it has moved or changed.
+std::vector<TrainSequence> recorded_training(const RecordedRun& run) {
+  if (run.train) return *run.train;
+  if (run.path("database").empty()) return {};
+  try {
+    SequenceDatabase database = read_sequence_database(run.path("database"));
+    if (database.fingerprint == run.database_fingerprint) return std::move(database.sequences);
+  } catch (const Error&) {  // it has moved
+  }
+  return {};
+}
+
+}  // namespace
+
+FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& run,
+                             bool has_places) {
+  FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
+  sources.query = recorded_source(run.path("query"), [&](const SequenceSource& source) {
+    const auto names = run.frame_names.find("query");
+    return names_checksum(source) == (names == run.frame_names.end() ? "" : names->second);
+  });
+  if (has_places) return sources;
+  const std::vector<TrainSequence> trained = recorded_training(run);
+  for (size_t s = 0; s < std::min(scope.sequences.size(), trained.size()); ++s)
+    sources.references[s] = recorded_source(trained[s].path, [&](const SequenceSource& source) {
+      return has_names(source, trained[s].sequence);
+    });
+  return sources;
+}
+
+namespace {
+
 struct GalleryImages {
   std::map<size_t, Thumbnail> query;
   std::vector<std::map<size_t, Thumbnail>> references;  ///< by sequence

@@ -1,4 +1,4 @@
-// Selected queries of an evaluation with thumbnails, as HTML.
+// The images of an evaluation, and selected queries with thumbnails, as HTML.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 
 #include "base/monitor.h"
 #include "evaluate/judgment.h"
+#include "files/result_file.h"
 #include "present/matrix_chart.h"
 #include "sequence/sequence_source.h"
 
@@ -58,6 +59,11 @@ struct FrameSources {
   std::optional<SequenceSource> query;
   std::vector<std::optional<SequenceSource>> references;
 };
+
+/// The sequences of a run, as far as their frames are still the same. `has_places`: of FAB-MAP,
+/// whose training frames are not searched for.
+FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& run,
+                             bool has_places);
 
 struct Gallery {
   std::string kinds;  ///< HTML elements to select cards

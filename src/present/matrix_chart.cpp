@@ -85,8 +85,8 @@ std::vector<Series> recognized_boxes(const Judgment& judgment, const GroundTruth
   for (const RecognizedCell& cell : judgment.recognized) {
     check_stop(monitor);
     const FrameMatch match = match_of_column(layout, cell.column);
-    pixels[{cell.query_window / grid.cells, cell.column / grid.cells}] =
-        meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference));
+    pixels[{cell.query_window / grid.cells, cell.column / grid.cells}] = meaning_of(
+        verdict_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
   }
   std::vector<Series> all;
   const auto cells = static_cast<double>(grid.cells);

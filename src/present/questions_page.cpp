@@ -1,5 +1,4 @@
-#include "present/questions_page.h"
-
+// Pages that ask a person whether images show the same place.
 #include <algorithm>
 #include <array>
 
@@ -8,7 +7,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "evaluate/place_answers.h"
+#include "present/evaluation_page.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"
 

@@ -8,7 +8,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "match/match.h"
 #include "present/evaluation_text.h"
 #include "settings/query_settings.h"
@@ -59,8 +59,8 @@ std::string method_title(const Report& report) {
 std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
   if (!judgment.localization.first_recognition_frames) return "";
   const size_t confirmed = *judgment.localization.first_recognition_frames;
-  const auto first = static_cast<size_t>(
-      std::ranges::find(judgment.verdicts, FrameVerdict::correct) - judgment.verdicts.begin());
+  const auto first = static_cast<size_t>(std::ranges::find(judgment.verdicts, Verdict::correct) -
+                                         judgment.verdicts.begin());
   const std::string time =
       frames_per_second
           ? fmt::format(" ({:.1f} s)", static_cast<double>(confirmed) / *frames_per_second)
@@ -123,7 +123,7 @@ std::string recognized_words(const Evaluation& evaluation) {
   if (!evaluation.truth.asked.empty())
     on_map = static_cast<size_t>(
         std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
-          return query.has_match && judgment.verdicts[query.frame] != FrameVerdict::none;
+          return query.has_match && judgment.verdicts[query.frame] != Verdict::none;
         }));
   const size_t incorrect = path.incorrect - path.off_map;
   const size_t unjudged = on_map - path.correct - incorrect;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/report_json.h"
+#include "files/report.h"
 #include "present/table.h"
 
 namespace vpr {

@@ -123,21 +123,23 @@ std::string range_text(const Result& result, const RecognizedRange& range) {
   return range.score.empty() ? text : text + ", " + range.score;
 }
 
-std::string ranges_text(const Result& result, size_t most) {
-  std::vector<RecognizedRange> ranges = recognized_ranges(result);
+std::string ranges_text(const Result& result, std::vector<RecognizedRange> ranges, size_t most,
+                        const std::string& noun) {
   const size_t all = ranges.size();
   const auto length = [](const RecognizedRange& range) {
     return range.query_last - range.query_first;
   };
+  const auto is_correct = [](const RecognizedRange& range) { return range.verdict.empty(); };
   if (all > most) {
     std::ranges::stable_sort(ranges, std::ranges::greater{}, length);
+    std::ranges::stable_sort(ranges.begin() + 1, ranges.end(), {}, is_correct);
     ranges.resize(most);
     std::ranges::stable_sort(ranges, {}, &RecognizedRange::query_first);
   }
   std::string text;
-  for (const RecognizedRange& range : ranges) text += "  " + range_text(result, range) + "\n";
-  if (all > most)
-    text += fmt::format("  and {} (-v lists all)\n", counted(all - most, "shorter range"));
+  for (const RecognizedRange& range : ranges)
+    text += fmt::format("  {}{}\n", range_text(result, range), range.verdict);
+  if (all > most) text += fmt::format("  and {} (-v lists all)\n", counted(all - most, noun));
   return text;
 }
 

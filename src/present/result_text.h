@@ -24,6 +24,7 @@ struct RecognizedRange {
   uint32_t sequence = 0;
   size_t train_first = 0;  ///< frame, or place
   size_t train_last = 0;
+  std::string verdict = {};  ///< ": 3 of 50 frames incorrect"; empty if nothing is incorrect
 };
 
 /// The clusters of a result, or the runs of its places, by first query frame.
@@ -32,8 +33,10 @@ std::vector<RecognizedRange> recognized_ranges(const Result& result);
 /// "tuesday 64-137 = monday 66-139, 1.0x".
 std::string range_text(const Result& result, const RecognizedRange& range);
 
-/// One indented line per range: the longest `most` in the order of the query, then the number of
-/// the others.
-std::string ranges_text(const Result& result, size_t most);
+/// One indented line per range with its verdict: the longest, then the longest with a verdict, then
+/// the longest others, at most `most` in the order of the query, and the number of the others.
+/// `noun`: of one of these.
+std::string ranges_text(const Result& result, std::vector<RecognizedRange> ranges, size_t most,
+                        const std::string& noun);
 
 }  // namespace vpr

@@ -107,11 +107,11 @@ Chart plan_chart(const std::string& file, const std::string& title, std::vector<
 std::vector<Meaning> meanings_of(const Judgment& judgment, const GroundTruth& truth) {
   std::vector<Meaning> meanings;
   for (size_t frame = 0; frame < judgment.verdicts.size(); ++frame) {
-    const FrameVerdict verdict = judgment.verdicts[frame];
+    const Verdict verdict = judgment.verdicts[frame];
     const bool has_place = truth.has_match(frame) || !truth.is_known;
-    meanings.push_back(verdict != FrameVerdict::none ? meaning_of(verdict)
-                       : has_place                   ? Meaning::missed
-                                                     : Meaning::unmapped);
+    meanings.push_back(verdict != Verdict::none ? meaning_of(verdict)
+                       : has_place              ? Meaning::missed
+                                                : Meaning::unmapped);
   }
   return meanings;
 }

@@ -3,9 +3,8 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "present/evaluation_page.h"
-#include "present/recorded_frames.h"
 #include "present/report_tables.h"
 #include "python/module.h"
 

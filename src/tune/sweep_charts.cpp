@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "chart/palette.h"
+#include "chart/chart.h"
 #include "tune/sweep_report.h"
 
 namespace vpr {

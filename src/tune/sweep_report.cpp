@@ -7,7 +7,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "present/evaluation_text.h"
 #include "sequence/sequence_json.h"
 

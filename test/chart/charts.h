@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "chart/chart.h"
-#include "chart/palette.h"
 #include "support.h"
 
 namespace vpr::test {

@@ -1,5 +1,3 @@
-#include "chart/palette.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "chart/chart.h"
 #include "files/report.h"
 #include "present/report_tables.h"
 

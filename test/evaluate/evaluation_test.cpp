@@ -3,8 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "evaluate/place_answers.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "support.h"
 
 using namespace vpr;
@@ -58,9 +57,8 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
   REQUIRE(found.result->clusters.size() == 2);
   CHECK(found.result->clusters[0].label == PlaceLabel::same);
   CHECK(numbers(found.result->clusters[1].recognitions) == std::vector<uint64_t>{0, 1, 0});
-  CHECK(found.judgment.verdicts ==
-        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
-                                  FrameVerdict::incorrect, FrameVerdict::none});
+  CHECK(found.judgment.verdicts == std::vector<Verdict>{Verdict::correct, Verdict::correct,
+                                                        Verdict::incorrect, Verdict::none});
   CHECK_FALSE(found.judgment.localization.longest_gap_m);
   CHECK_FALSE(found.result->by_keyframe);
 }
@@ -78,7 +76,7 @@ TEST_CASE("without ground truth, a result is shown without evaluation") {
   const Evaluation found = evaluate_result(shared(example()), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
   CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
-  CHECK(found.judgment.verdicts[0] == FrameVerdict::unjudged);
+  CHECK(found.judgment.verdicts[0] == Verdict::ignored);
   const Json report = report_json(report_of(found, {}));
   CHECK(report["judged"] == "nothing");
   CHECK(report["counts"]["places"]["ignored"] == 2);
@@ -104,9 +102,8 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
   CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
   CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
   CHECK(counts.distinct == 1);
-  CHECK(found.judgment.verdicts ==
-        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
-                                  FrameVerdict::incorrect, FrameVerdict::none});
+  CHECK(found.judgment.verdicts == std::vector<Verdict>{Verdict::correct, Verdict::correct,
+                                                        Verdict::incorrect, Verdict::none});
   CHECK(found.judgment.localization.recognized == 3);
   CHECK(found.judgment.localization.correct == 2);
   CHECK(found.judgment.localization.longest_gap_frames == 2);
@@ -117,7 +114,7 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
   const Evaluation half = judged_by("2,2,ref,0,no\n");
   CHECK(numbers(*half.result->counts.recognitions_by_place) == std::vector<uint64_t>{0, 1, 2});
   CHECK(numbers(*half.result->counts.clusters) == std::vector<uint64_t>{0, 1, 1});
-  CHECK(half.judgment.verdicts[0] == FrameVerdict::unjudged);
+  CHECK(half.judgment.verdicts[0] == Verdict::ignored);
 }
 
 TEST_CASE("answers that do not fit the places of a result are refused, with their line") {
@@ -165,9 +162,8 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
   CHECK(alone.query().name == "theirs");
   CHECK_FALSE(alone.result);
   CHECK(alone.fingerprint == matrix().fingerprint({}));
-  CHECK(alone.judgment.verdicts ==
-        std::vector<FrameVerdict>{FrameVerdict::correct, FrameVerdict::correct,
-                                  FrameVerdict::incorrect, FrameVerdict::none});
+  CHECK(alone.judgment.verdicts == std::vector<Verdict>{Verdict::correct, Verdict::correct,
+                                                        Verdict::incorrect, Verdict::none});
   REQUIRE(alone.judgment.all_pairs);
 
   const Evaluation both = evaluate_result(shared(example()), matrix(), kAligned, {});

@@ -11,13 +11,13 @@ using namespace vpr;
 
 namespace {
 
-std::vector<FrameVerdict> path(const std::string& text) {
-  std::vector<FrameVerdict> verdicts;
+std::vector<Verdict> path(const std::string& text) {
+  std::vector<Verdict> verdicts;
   for (const char c : text)
-    verdicts.push_back(c == 'r'   ? FrameVerdict::correct
-                       : c == 'w' ? FrameVerdict::incorrect
-                       : c == 'i' ? FrameVerdict::unjudged
-                                  : FrameVerdict::none);
+    verdicts.push_back(c == 'r'   ? Verdict::correct
+                       : c == 'w' ? Verdict::incorrect
+                       : c == 'i' ? Verdict::ignored
+                                  : Verdict::none);
   return verdicts;
 }
 

@@ -1,6 +1,4 @@
 // Score matrices: reading them, ranks, best matches, and the curve over all pairs.
-#include "evaluate/matrix_scan.h"
-
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -8,6 +6,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "evaluate/judgment.h"
 #include "evaluate/metrics.h"
 #include "support.h"
 

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 
-#include "chart/palette.h"
+#include "chart/chart.h"
 #include "fabmap/explanation_report.h"
 #include "support.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/checksum.h"
 #include "base/json.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "files/result_file.h"
 #include "fuzz.h"
 

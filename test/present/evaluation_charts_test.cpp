@@ -278,8 +278,8 @@ TEST_CASE("frames without a match are not drawn as missed") {
   Judgment judgment = walk("cCwWcC");
   GroundTruth truth = aligned(judgment);
   truth.pairs[3].clear();
-  judgment.verdicts.assign(judgment.verdicts.size(), FrameVerdict::none);
-  judgment.verdicts.back() = FrameVerdict::correct;
+  judgment.verdicts.assign(judgment.verdicts.size(), Verdict::none);
+  judgment.verdicts.back() = Verdict::correct;
   const std::vector<Meaning> meanings = meanings_of(judgment, truth);
   REQUIRE(meanings.size() == judgment.verdicts.size());
   CHECK(meanings[0] == Meaning::missed);  // no window ends there, which is the method's choice

@@ -9,7 +9,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
-#include "files/report_json.h"
+#include "files/report.h"
 #include "judgments.h"
 #include "present/comparison_report.h"
 #include "present/html_page.h"
@@ -129,8 +129,8 @@ TEST_CASE("a report is written again as it was read") {
   judgment.outcomes.queries[1].key =
       score_key(std::numeric_limits<double>::infinity(), ScoreOrder::distance);
   set_confidence(judgment, Confidence::margin);
-  judgment.verdicts[2] = FrameVerdict::correct;
-  judgment.verdicts[3] = FrameVerdict::unjudged;
+  judgment.verdicts[2] = Verdict::correct;
+  judgment.verdicts[3] = Verdict::ignored;
   judgment.localization = localize(judgment.verdicts, {});
   Evaluation evaluation = evaluation_of(judgment, example_truth(judgment));
   evaluation.scores.query.selection = at_speed("varying", 7, 3);
@@ -269,8 +269,8 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
   const GroundTruth truth = unknown_ground_truth(judgment.layout.scope);
   judgment.by = JudgedBy::nothing;
   for (QueryOutcome& query : judgment.outcomes.queries) query.verdict = Verdict::ignored;
-  judgment.verdicts.assign(8, FrameVerdict::unjudged);
-  judgment.verdicts[3] = FrameVerdict::none;
+  judgment.verdicts.assign(8, Verdict::ignored);
+  judgment.verdicts[3] = Verdict::none;
   const Evaluation evaluation = evaluation_of(judgment, truth);
   Report report = report_of(evaluation, {});
   report.counts.recognitions.ignored = 7;

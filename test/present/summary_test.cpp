@@ -17,16 +17,16 @@ Evaluation evaluation_of(const std::string& letters) {
     QueryOutcome& query = judgment.outcomes.queries.emplace_back();
     query.frame = judgment.outcomes.queries.size() - 1;
     query.has_match = letter != 'W' && letter != ',';
-    judgment.verdicts.push_back(letter == 'r'                    ? FrameVerdict::correct
-                                : letter == 'w' || letter == 'W' ? FrameVerdict::incorrect
-                                : letter == 'i'                  ? FrameVerdict::unjudged
-                                                                 : FrameVerdict::none);
+    judgment.verdicts.push_back(letter == 'r'                    ? Verdict::correct
+                                : letter == 'w' || letter == 'W' ? Verdict::incorrect
+                                : letter == 'i'                  ? Verdict::ignored
+                                                                 : Verdict::none);
   }
   judgment.localization = localize(judgment.verdicts, {});
   for (const QueryOutcome& query : judgment.outcomes.queries) {
     judgment.localization.frames_with_match += query.has_match;
     judgment.localization.off_map +=
-        !query.has_match && judgment.verdicts[query.frame] == FrameVerdict::incorrect;
+        !query.has_match && judgment.verdicts[query.frame] == Verdict::incorrect;
   }
   evaluation.result.emplace();
   return evaluation;
