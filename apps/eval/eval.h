@@ -128,7 +128,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs);
 /// The files of --outcomes-csv and --recognitions-csv.
 class CsvTables {
  public:
-  void add(const EvalInputs& inputs, const Evaluation& evaluation, const std::string& name);
+  void add(const EvalInputs& inputs, const Evaluation& evaluation);
   void write(const Session& session, const EvalInputs& inputs) const;
 
  private:

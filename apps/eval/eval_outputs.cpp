@@ -185,12 +185,11 @@ std::string name_of(const std::vector<std::string>& names, size_t frame) {
 
 }  // namespace
 
-void CsvTables::add(const EvalInputs& inputs, const Evaluation& evaluation,
-                    const std::string& name) {
+void CsvTables::add(const EvalInputs& inputs, const Evaluation& evaluation) {
   if (!inputs.outcomes_csv.empty())
-    outcomes_ += outcomes_csv(evaluation.judgment, name, evaluation.query().name);
+    outcomes_ += outcomes_csv(evaluation.judgment, inputs.row_name, evaluation.query().name);
   if (!inputs.recognitions_csv.empty() && evaluation.result)
-    recognitions_ += recognitions_csv(*evaluation.result, name);
+    recognitions_ += recognitions_csv(*evaluation.result, inputs.row_name);
 }
 
 void CsvTables::write(const Session& session, const EvalInputs& inputs) const {

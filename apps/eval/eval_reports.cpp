@@ -152,7 +152,7 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   for (const std::string& path : inputs.reports)
     comparison.reports.push_back(find_report(session, path, inputs.truth));
   for (size_t r = 0; r < inputs.names.size(); ++r) comparison.reports[r].name = inputs.names[r];
-  comparison.names = report_names(comparison.reports, inputs.reports);
+  name_rows(comparison.reports, inputs.reports);
   warn_about_queries(session.monitor, inputs.reports, comparison.reports);
   check_ground_truths(session.monitor, inputs, comparison.reports);
   comparison.settings = settings_of(session, inputs, comparison.reports);
@@ -193,19 +193,19 @@ std::vector<std::string> json_files(const std::string& folder) {
 
 /// At most one report per method and query.
 struct Grid {
-  std::vector<GridReport> reports;
+  std::vector<Report> reports;
   std::map<std::pair<std::string, std::string>, std::string> paths;  ///< by method and query
   std::set<std::string> evaluated;                                   ///< fingerprints of results
 
   void add(const std::string& path, Report report) {
-    const std::string method = grid_name(report);
-    const auto [found, is_new] = paths.insert({{method, report.query}, path});
+    report.row_name = grid_name(report);
+    const auto [found, is_new] = paths.insert({{report.row_name, report.query}, path});
     if (!is_new)
       throw Error(ErrorKind::usage,
                   "{} and {} are both of {} on {}. Name them with vpr-eval --name, or remove one",
-                  found->second, path, method, report.query);
+                  found->second, path, report.row_name, report.query);
     evaluated.insert(report.provenance.evaluated());
-    reports.push_back({method, std::move(report)});
+    reports.push_back(std::move(report));
   }
 };
 
@@ -249,56 +249,46 @@ Grid read_grid(Session& session, const ReportInputs& inputs) {
 
 /// Names queries with equal ground truths alike, by the first that has a name, unless a method has
 /// reports on several of them.
-std::vector<GridReport> with_common_queries(std::vector<GridReport> reports) {
-  std::map<std::string, std::vector<GridReport*>> by_truth;
-  for (GridReport& one : reports) by_truth[one.report.provenance.ground_truth].push_back(&one);
+std::vector<Report> with_common_queries(std::vector<Report> reports) {
+  std::map<std::string, std::vector<Report*>> by_truth;
+  for (Report& report : reports) by_truth[report.provenance.ground_truth].push_back(&report);
   for (const auto& [truth, group] : by_truth) {
     std::set<std::string> methods;
-    for (const GridReport* one : group) methods.insert(one->method);
+    for (const Report* report : group) methods.insert(report->row_name);
     if (methods.size() < group.size()) continue;
     const auto named = std::ranges::find_if(
-        group, [](const GridReport* one) { return one->report.query != kUnnamedQuery; });
+        group, [](const Report* report) { return report->query != kUnnamedQuery; });
     if (named == group.end()) continue;
-    const std::string query = (*named)->report.query;
-    for (GridReport* one : group) one->report.query = query;
+    const std::string query = (*named)->query;
+    for (Report* report : group) report->query = query;
   }
   return reports;
 }
 
 /// A table per query.
-std::string overview_texts(std::span<const GridReport> grid) {
-  std::vector<std::string> queries;
-  for (const GridReport& one : grid)
-    if (std::ranges::find(queries, one.report.query) == queries.end())
-      queries.push_back(one.report.query);
-  std::string text;
-  for (const std::string& query : queries) {
-    std::vector<Report> reports;
-    std::vector<std::string> names;
-    for (const auto& [method, report] : grid) {
-      if (report.query != query) continue;
-      reports.push_back(report);
-      names.push_back(method);
-    }
-    text += (text.empty() ? "" : "\n") + short_text(overview_table(reports, names, "method"));
+std::string overview_texts(std::span<const Report> grid) {
+  std::vector<std::vector<Report>> queries;  // in the order of the reports
+  for (const Report& report : grid) {
+    const auto known = std::ranges::find(
+        queries, report.query, [](const auto& of_query) { return of_query.front().query; });
+    (known == queries.end() ? queries.emplace_back() : *known).push_back(report);
   }
+  std::string text;
+  for (const std::vector<Report>& reports : queries)
+    text += (text.empty() ? "" : "\n") + short_text(overview_table(reports, "method"));
   return text;
 }
 
-Table overview_of(std::span<const GridReport> grid) {
-  std::vector<Report> reports;
-  std::vector<std::string> names;
-  const std::string& query = grid.front().report.query;
-  const bool is_one_query =
-      std::ranges::all_of(grid, [&](const GridReport& one) { return one.report.query == query; });
-  for (const auto& [method, report] : grid) {
-    reports.push_back(report);
-    names.push_back(is_one_query ? method : fmt::format("{} on {}", method, report.query));
-  }
-  return overview_table(reports, names, "method");
+Table overview_of(std::span<const Report> grid) {
+  std::vector<Report> reports(grid.begin(), grid.end());
+  const std::string& query = grid.front().query;
+  if (std::ranges::count(grid, query, &Report::query) < std::ssize(grid))
+    for (Report& report : reports)
+      report.row_name = fmt::format("{} on {}", report.row_name, report.query);
+  return overview_table(reports, "method");
 }
 
-std::string tables_of(std::span<const GridReport> grid, TableFormat format) {
+std::string tables_of(std::span<const Report> grid, TableFormat format) {
   if (format == TableFormat::csv) return render_table(grid_rows(grid), format);
   if (format == TableFormat::latex) return render_table(overview_of(grid), format);
   std::string text;
@@ -312,18 +302,12 @@ void run_report(Session& session, const ReportInputs& inputs) {
   if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
   const Stopwatch watch;
   const Grid grid = read_grid(session, inputs);
-  std::vector<Report> reports;
-  std::vector<std::string> names;
-  for (const auto& [method, report] : grid.reports) {
-    reports.push_back(report);
-    names.push_back(method);
-  }
-  const Json json = reports_json(reports, names, session.run, watch.elapsed_s());
+  const Json json = reports_json("reports", grid.reports, session.run, watch.elapsed_s());
   session.write_output(json);
   const std::string title = inputs.truth.dataset.empty()
                                 ? fs::path(inputs.folder).lexically_normal().filename().string()
                                 : read_dataset(inputs.truth.dataset).name;
-  const std::vector<GridReport> shown = with_common_queries(grid.reports);
+  const std::vector<Report> shown = with_common_queries(grid.reports);
   if (!inputs.html.empty()) session.outputs.file(inputs.html).write(grid_page(title, shown));
   session.print_result(
       output_text(session, inputs.format, overview_texts(shown), tables_of(shown, inputs.format)),

@@ -215,6 +215,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
   }
   if (!inputs.name.empty()) evaluation.name = inputs.name;
   evaluated.report = report_of(evaluation, session.run, session.monitor);
+  evaluated.report.row_name = inputs.row_name;
   return evaluated;
 }
 

@@ -29,10 +29,7 @@ std::vector<std::string> row_names(const EvalInputs& inputs) {
   std::vector<std::string> stems;
   for (const std::string& path : paths)
     stems.push_back(std::filesystem::path(path).stem().string());
-  std::vector<std::string> names = stems;
-  for (size_t i = 0; i < names.size(); ++i)
-    if (std::ranges::count(stems, stems[i]) > 1) names[i] = fmt::format("{} ({})", stems[i], i + 1);
-  return names;
+  return numbered_names(stems);
 }
 
 /// The inputs for result i, or for the scores.
@@ -164,7 +161,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   write_map(session, inputs, evaluated);
   write_questions(session, inputs, evaluated);
   CsvTables csv;
-  csv.add(inputs, evaluation, inputs.row_name);
+  csv.add(inputs, evaluation);
   csv.write(session, inputs);
   write_trajectory(session, inputs, evaluated, dataset_fps(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
@@ -175,10 +172,9 @@ void run_one(Session& session, const EvalInputs& inputs) {
                                             tuning_command(session, inputs, evaluated.run),
                                             session.options.verbose ? SIZE_MAX : kMostRanges) +
                             expectation_note(inputs, values.size(), unmet.size());
-  const std::string tables =
-      evaluation.truth.is_known
-          ? reports_text({&evaluated.report, 1}, {inputs.row_name}, inputs.format)
-          : render_table(places_table(evaluated.report), inputs.format);
+  const std::string tables = evaluation.truth.is_known
+                                 ? reports_text({&evaluated.report, 1}, inputs.format)
+                                 : render_table(places_table(evaluated.report), inputs.format);
   session.print_result(output_text(session, inputs.format, brief, tables), report);
   if (!unmet.empty() && !inputs.update)
     throw Error(ErrorKind::expectation, "{}: not met:\n  {}", inputs.expected,
@@ -203,22 +199,22 @@ void run_several(Session& session, const EvalInputs& inputs) {
   for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})
     if (!file.empty()) session.outputs.claim_file(file);
   const Stopwatch watch;
-  const std::vector<std::string> names = row_names(inputs);
   RunInfo info = session.run;
   std::vector<Report> reports;
   CsvTables csv;
   for (size_t i = 0; i < inputs.results.size(); ++i) {
-    Evaluated evaluated = evaluate(session, inputs_of(inputs, i));
-    csv.add(inputs, evaluated.evaluation, names[i]);
+    const EvalInputs one = inputs_of(inputs, i);
+    Evaluated evaluated = evaluate(session, one);
+    csv.add(one, evaluated.evaluation);
     reports.push_back(std::move(evaluated.report));
     info.paths[fmt::format("result_{}", i + 1)] = inputs.results[i];
   }
-  const Json json = reports_json(reports, names, info, watch.elapsed_s());
+  const Json json = reports_json("reports", reports, info, watch.elapsed_s());
   session.write_output(json);
   csv.write(session, inputs);
   const std::string text =
-      output_text(session, inputs.format, short_text(overview_table(reports, names, "name")),
-                  reports_text(reports, names, inputs.format));
+      output_text(session, inputs.format, short_text(overview_table(reports, "name")),
+                  reports_text(reports, inputs.format));
   session.print_result(text, json);
 }
 
@@ -236,19 +232,21 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
   check_inputs(inputs);
   session.claim_output();
   const Stopwatch watch;
-  std::vector<ProtocolReport> reports;
+  std::vector<Report> reports;
   for (const GroundTruthPreset* preset : find_presets(inputs.protocols)) {
     EvalInputs one = inputs_of(inputs, 0);
-    one.truth.path = preset->name;
-    reports.push_back({preset, evaluate(session, one).report});
+    one.truth.path = one.row_name = preset->name;
+    reports.push_back(evaluate(session, one).report);
   }
   RunInfo info = session.run;
   info.paths = {{"result", inputs.results[0]}};
-  const Json json = protocols_json(reports, info, watch.elapsed_s());
+  const Json json = reports_json("protocols", reports, info, watch.elapsed_s());
   session.write_output(json);
   std::string tables = render_table(protocols_table(reports), inputs.format);
-  if (inputs.format == TableFormat::text) tables += protocols_notes(reports);
-  const std::string text = output_text(session, inputs.format, protocols_text(reports), tables);
+  if (inputs.format == TableFormat::text)
+    for (const Report& report : reports) tables += report.protocol.ground_truth + "\n";
+  const std::string text =
+      output_text(session, inputs.format, short_text(overview_table(reports, "protocol")), tables);
   session.print_result(text, json);
 }
 

@@ -16,7 +16,6 @@
 #include "base/json_fwd.h"
 #include "evaluate/evaluation.h"
 #include "files/run_info.h"
-#include "truth/formats.h"
 
 namespace vpr {
 
@@ -118,6 +117,7 @@ struct Report {
   Protocol protocol;
   ReportSources provenance;
   std::optional<std::string> name;  ///< set by the user
+  std::string row_name;             ///< in tables of several reports; not in the file
 
   /// Null for scores.
   const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }
@@ -170,16 +170,8 @@ Json curve_json(const Curve& curve);
 /// "counts" of a report, and of a cell of a sweep.
 Json counts_json(const Counts& counts);
 
-/// `names`: one per report.
-Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
-                  const RunInfo& run, double seconds);
-
-/// The report of a result with the ground truth of a preset.
-struct ProtocolReport {
-  const GroundTruthPreset* preset = nullptr;
-  Report report;
-};
-
-Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run, double seconds);
+/// `kind`: "reports", or "protocols" for reports that are named after presets of a ground truth.
+Json reports_json(const std::string& kind, std::span<const Report> reports, const RunInfo& run,
+                  double seconds);
 
 }  // namespace vpr

@@ -10,6 +10,7 @@
 #include "files/report.h"
 #include "files/result_file.h"
 #include "sequence/sequence_json.h"
+#include "truth/formats.h"
 
 namespace vpr {
 namespace {
@@ -361,21 +362,14 @@ Json curve_json(const Curve& curve) { return value_to_json(reported_curve(curve)
 
 Json counts_json(const Counts& counts) { return value_to_json(counts, kDataForm); }
 
-Json reports_json(std::span<const Report> reports, const std::vector<std::string>& names,
-                  const RunInfo& run, double seconds) {
-  Json json = {{"schema", schema_name("reports")}, {"reports", Json::array()}};
-  for (size_t i = 0; i < reports.size(); ++i)
-    json["reports"].push_back({{"name", names[i]}, {"report", report_json(reports[i])}});
-  add_run(json, run, {{"evaluate", seconds}});
-  return json;
-}
-
-Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run,
-                    double seconds) {
-  Json json = {{"schema", schema_name("protocols")}, {"protocols", Json::array()}};
-  for (const auto& [preset, report] : reports)
-    json["protocols"].push_back(
-        {{"name", preset->name}, {"source", preset->source}, {"report", report_json(report)}});
+Json reports_json(const std::string& kind, std::span<const Report> reports, const RunInfo& run,
+                  double seconds) {
+  Json json = {{"schema", schema_name(kind)}, {kind, Json::array()}};
+  for (const Report& report : reports) {
+    Json& one = json[kind].emplace_back(Json{{"name", report.row_name}});
+    if (kind == "protocols") one["source"] = find_preset(report.row_name)->source;
+    one["report"] = report_json(report);
+  }
   add_run(json, run, {{"evaluate", seconds}});
   return json;
 }

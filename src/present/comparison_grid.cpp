@@ -63,28 +63,28 @@ std::string cell_text(const Report& report, const GridMetric& metric) {
 
 /// Different values in order of first occurrence.
 template <class Projection>
-std::vector<std::string> distinct(std::span<const GridReport> reports, const Projection& text) {
+std::vector<std::string> distinct(std::span<const Report> reports, const Projection& text) {
   std::vector<std::string> found;
-  for (const GridReport& report : reports)
+  for (const Report& report : reports)
     if (std::ranges::find(found, text(report)) == found.end()) found.push_back(text(report));
   return found;
 }
 
-std::vector<std::string> methods_of(std::span<const GridReport> reports) {
-  return distinct(reports, [](const GridReport& one) { return one.method; });
+std::vector<std::string> methods_of(std::span<const Report> reports) {
+  return distinct(reports, [](const Report& report) { return report.row_name; });
 }
 
-std::vector<std::string> queries_of(std::span<const GridReport> reports) {
-  return distinct(reports, [](const GridReport& one) { return one.report.query; });
+std::vector<std::string> queries_of(std::span<const Report> reports) {
+  return distinct(reports, [](const Report& report) { return report.query; });
 }
 
 /// Null if the method has no report on the query.
-const Report* report_of(std::span<const GridReport> reports, const std::string& method,
+const Report* report_of(std::span<const Report> reports, const std::string& method,
                         const std::string& query) {
-  const auto found = std::ranges::find_if(reports, [&](const GridReport& one) {
-    return one.method == method && one.report.query == query;
+  const auto found = std::ranges::find_if(reports, [&](const Report& report) {
+    return report.row_name == method && report.query == query;
   });
-  return found == reports.end() ? nullptr : &found->report;
+  return found == reports.end() ? nullptr : &*found;
 }
 
 // None if a value is unknown.
@@ -97,11 +97,10 @@ Value mean_of(const std::vector<Value>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) {
+Table grid_table(std::span<const Report> reports, const GridMetric& metric) {
   Table table;
-  const auto oracle = [](const GridReport& one) { return one.report.is_oracle; };
-  const bool all_oracle = std::ranges::all_of(reports, oracle);
-  const bool any_oracle = std::ranges::any_of(reports, oracle);
+  const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
+  const bool any_oracle = std::ranges::any_of(reports, &Report::is_oracle);
   table.title = fmt::format(
       "{} (over all frames with a match{})", metric.title,
       metric.is_of_path() && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
@@ -135,7 +134,7 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
 }
 
 /// One row per method on this query, and one column per metric.
-Table query_table(std::span<const GridReport> reports, const std::string& query) {
+Table query_table(std::span<const Report> reports, const std::string& query) {
   Table table{"Over all frames with a match", {"method"}, {}};
   for (const std::string& method : methods_of(reports))
     if (report_of(reports, method, query) != nullptr) table.rows.push_back({method});
@@ -154,21 +153,17 @@ Table query_table(std::span<const GridReport> reports, const std::string& query)
   return table;
 }
 
-std::string query_section(std::span<const GridReport> reports, const std::string& query) {
+std::string query_section(std::span<const Report> reports, const std::string& query) {
   std::vector<Report> of_query;
-  std::vector<std::string> names;
-  for (const auto& [method, report] : reports) {
-    if (report.query != query) continue;
-    of_query.push_back(report);
-    names.push_back(method);
-  }
+  for (const Report& report : reports)
+    if (report.query == query) of_query.push_back(report);
   const std::string& truth = of_query.front().protocol.ground_truth;
   return section_html(query, "<p class=\"note\">" + html_escaped("Ground truth: " + truth) +
-                                 "</p>" + methods_html(of_query, names) +
+                                 "</p>" + methods_html(of_query) +
                                  table_html(query_table(reports, query)));
 }
 
-std::string sentence_of(std::span<const GridReport> reports) {
+std::string sentence_of(std::span<const Report> reports) {
   const size_t methods = methods_of(reports).size();
   const size_t queries = queries_of(reports).size();
   const Table table = grid_table(reports, kMetrics[0]);
@@ -197,25 +192,25 @@ std::string grid_name(const Report& report) {
   return name;
 }
 
-std::vector<Table> grid_tables(std::span<const GridReport> reports) {
+std::vector<Table> grid_tables(std::span<const Report> reports) {
   std::vector<Table> tables;
   for (const GridMetric& metric : kMetrics) tables.push_back(grid_table(reports, metric));
   return tables;
 }
 
-Table grid_rows(std::span<const GridReport> reports) {
+Table grid_rows(std::span<const Report> reports) {
   Table table{"", {"method", "query", "metric", "value", "frames", "oracle"}, {}};
-  for (const auto& [method, report] : reports)
+  for (const Report& report : reports)
     for (const GridMetric& metric : kMetrics) {
       const Value value = value_of(report, metric);
-      add_row(table, method, report.query, metric.measure().key(),
+      add_row(table, report.row_name, report.query, metric.measure().key(),
               value ? fmt::format("{}", *value) : "", frames_of(report),
               metric.is_of_path() && report.is_oracle ? "yes" : "no");
     }
   return table;
 }
 
-std::string grid_page(const std::string& title, std::span<const GridReport> reports) {
+std::string grid_page(const std::string& title, std::span<const Report> reports) {
   std::string sections;
   for (const std::string& query : queries_of(reports)) sections += query_section(reports, query);
   if (queries_of(reports).size() > 1) {
@@ -225,7 +220,7 @@ std::string grid_page(const std::string& title, std::span<const GridReport> repo
     sections +=
         section_html("All queries", table_html(tables[0]) + folded_html("Other metrics", others));
   }
-  Json first = report_json(reports.front().report);
+  Json first = report_json(reports.front());
   first["protocol"].erase("ground_truth");
   return sections_page(title, sentence_of(reports), "The best value of each column is bold.",
                        sections, first["protocol"], first["provenance"]);

@@ -41,21 +41,20 @@ std::string sentence_of(const ComparisonReport& comparison) {
                           comparison.settings.only_common ? "common frame" : "frame"));
   for (size_t i = 0; i < std::min(values.size(), kMostNamed); ++i)
     text += fmt::format("{}{:.1f} % by {}", i == 0 ? "" : ", ", 100 * *values[i]->value,
-                        comparison.names[values[i]->method]);
+                        comparison.reports[values[i]->method].row_name);
   return text + (values.size() > kMostNamed ? ", less by others." : ".");
 }
 
 /// One curve per report, over its frames with a match; empty without frames or scores.
-Chart curves_overlay(const std::string& title, std::span<const Report> reports,
-                     const std::vector<std::string>& names) {
+Chart curves_overlay(const std::string& title, std::span<const Report> reports) {
   Chart chart = precision_recall_chart(title);
-  for (size_t r = 0; r < reports.size(); ++r) {
-    const Curve curve = single_best_curve(reports[r].outcomes);
+  for (const Report& report : reports) {
+    const Curve curve = single_best_curve(report.outcomes);
     const auto area = find_metric("average_precision").of_curve(curve).value;
     Series series{
-        fmt::format("{}: {}{}{}", names[r], counted(curve.positives, "frame"),
+        fmt::format("{}: {}{}{}", report.row_name, counted(curve.positives, "frame"),
                     area ? fmt::format(", AP {:.4f}", *area) : "",
-                    reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : ""),
+                    report.outcomes.confidence == Confidence::margin ? ", by margin" : ""),
         {},
         SeriesStyle::line};
     if (curve.is_measurable()) series.points = curve_points(curve);
@@ -66,8 +65,7 @@ Chart curves_overlay(const std::string& title, std::span<const Report> reports,
 
 /// The verdicts of all query frames, one lane per report. Lanes of different selections differ in
 /// length.
-Chart lanes_chart(const std::string& title, std::span<const Report> reports,
-                  const std::vector<std::string>& names) {
+Chart lanes_chart(const std::string& title, std::span<const Report> reports) {
   Chart chart{"lanes", title, {"query frame"}};
   for (const Meaning meaning : {Meaning::unjudged, Meaning::incorrect, Meaning::correct})
     chart.series.push_back(series_of(meaning, SeriesStyle::boxes));
@@ -80,7 +78,7 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports,
       boxes.points.emplace_back(run.end, top + 0.95);
     }
     frames = std::max(frames, reports[r].verdicts.size());
-    chart.y.ticks.push_back({top + kLaneTop, names[r]});
+    chart.y.ticks.push_back({top + kLaneTop, reports[r].row_name});
   }
   erase_empty_series(chart);
   chart.y.has_text_inside = true;
@@ -98,15 +96,15 @@ constexpr std::array<std::string_view, 4> kCompared = {"recall_at_1", "average_p
 Table difference_table(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
   Table table;
-  table.title =
-      fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
-                  comparison.names.front(), counted(found.frames.size(), "frame"), found.block);
+  table.title = fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
+                            comparison.reports.front().row_name,
+                            counted(found.frames.size(), "frame"), found.block);
   table.columns = {"method"};
   std::map<size_t, size_t> rows;  // by method
   for (size_t r = 1; r < comparison.reports.size(); ++r) {
     if (!comparison.is_paired(r)) continue;
     rows[r] = table.rows.size();
-    table.rows.push_back({comparison.names[r]});
+    table.rows.push_back({comparison.reports[r].row_name});
   }
   for (const ComparedValue& value : found.values) {
     if (std::ranges::find(kCompared, value.metric.key()) == kCompared.end()) continue;
@@ -134,27 +132,25 @@ std::string comparison_page(const ComparisonReport& comparison) {
   if (!differences.rows.empty())
     numbers += table_html(differences) +
                folded_html("Best matches by method", table_html(paired_table(comparison)));
-  return sections_page(
-      title_of(comparison), sentence_of(comparison),
-      "Ground truth: " + comparison.reports.front().protocol.ground_truth,
-      section_html("Paths and curves", methods_html(comparison.reports, comparison.names)) +
-          section_html("Numbers", numbers),
-      json["protocol"], made);
+  return sections_page(title_of(comparison), sentence_of(comparison),
+                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
+                       section_html("Paths and curves", methods_html(comparison.reports)) +
+                           section_html("Numbers", numbers),
+                       json["protocol"], made);
 }
 
-std::string methods_html(std::span<const Report> reports, const std::vector<std::string>& names) {
-  Chart curves = curves_overlay("Precision and recall of best matches, over frames with a match",
-                                reports, names);
+std::string methods_html(std::span<const Report> reports) {
+  Chart curves =
+      curves_overlay("Precision and recall of best matches, over frames with a match", reports);
   curves.width = 650;
   curves.height = 450;
-  return figure_html(lanes_chart("Recognitions along the path", reports, names)) +
-         figure_html(curves);
+  return figure_html(lanes_chart("Recognitions along the path", reports)) + figure_html(curves);
 }
 
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {
   const std::string title = title_of(comparison);
-  draw_chart(curves_overlay(title, comparison.reports, comparison.names), folder);
-  draw_chart(lanes_chart(title, comparison.reports, comparison.names), folder);
+  draw_chart(curves_overlay(title, comparison.reports), folder);
+  draw_chart(lanes_chart(title, comparison.reports), folder);
 }
 
 }  // namespace vpr

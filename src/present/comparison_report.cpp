@@ -123,7 +123,7 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
   Table table;
   table.title = comparison.query() + ": " + fmt::format(title, compared_frames(comparison));
   table.columns = {"method"};
-  for (const std::string& name : comparison.names) table.rows.push_back({name});
+  for (const Report& report : reports) table.rows.push_back({report.row_name});
   const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
   for (const MetricAt& column : columns) {
     const Metric& metric = *column.metric;
@@ -145,7 +145,7 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
 
 Json named_report_json(const ComparisonReport& comparison, size_t r) {
   const Report& report = comparison.reports[r];
-  Json json = {{"name", comparison.names[r]},
+  Json json = {{"name", report.row_name},
                {"method", report.method},
                {"ground_truth", report.protocol.ground_truth},
                {"frames", report.counts.best_match.frames},
@@ -181,15 +181,12 @@ GroundTruths compare_ground_truths(std::span<const Report> reports) {
   return agree ? GroundTruths::same : GroundTruths::of_places_and_frames;
 }
 
-std::vector<std::string> report_names(std::span<const Report> reports,
-                                      const std::vector<std::string>& paths) {
+void name_rows(std::vector<Report>& reports, const std::vector<std::string>& paths) {
   std::vector<std::string> names;
   for (size_t r = 0; r < reports.size(); ++r)
     names.push_back(reports[r].name.value_or(method_name(paths[r])));
-  const std::vector<std::string> all = names;
-  for (size_t r = 0; r < names.size(); ++r)
-    if (std::ranges::count(all, all[r]) > 1) names[r] = fmt::format("{} ({})", all[r], r + 1);
-  return names;
+  names = numbered_names(names);
+  for (size_t r = 0; r < reports.size(); ++r) reports[r].row_name = names[r];
 }
 
 std::string ComparisonReport::query() const {
@@ -202,7 +199,7 @@ void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     methods.push_back(
-        {comparison.names[r], comparison.reports[r].outcomes, comparison.is_paired(r)});
+        {comparison.reports[r].row_name, comparison.reports[r].outcomes, comparison.is_paired(r)});
   comparison.found = compare_outcomes(methods, comparison.settings, monitor);
   if (!comparison.settings.only_common) return;
   for (size_t r = 0; r < comparison.reports.size(); ++r)
@@ -227,7 +224,7 @@ Json comparison_json(const ComparisonReport& comparison) {
   for (const ComparedValue& value : found.values) {
     const auto [difference, low, high] = differences(value);
     json["metrics"].push_back({{"metric", value.metric.key()},
-                               {"report", comparison.names[value.method]},
+                               {"report", comparison.reports[value.method].row_name},
                                {"value", or_null(value.value)},
                                {"difference", or_null(difference)},
                                {"low", or_null(low)},
@@ -237,7 +234,7 @@ Json comparison_json(const ComparisonReport& comparison) {
   for (size_t r = 1; r < comparison.reports.size(); ++r) {
     if (!comparison.is_paired(r)) continue;
     const PairedCounts& counts = found.paired[r];
-    json["paired"].push_back({{"report", comparison.names[r]},
+    json["paired"].push_back({{"report", comparison.reports[r].row_name},
                               {"both_correct", counts.both_correct},
                               {"only_this", counts.only_this},
                               {"only_first", counts.only_first},
@@ -303,7 +300,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
   table.title.clear();
   std::vector<std::string> best;
   for (const auto& [row, column] : table.best)
-    if (column == 1) best.push_back(comparison.names[row]);
+    if (column == 1) best.push_back(comparison.reports[row].row_name);
   std::string text;
   if (!best.empty())
     text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", compared_frames(comparison),
@@ -312,15 +309,16 @@ std::string comparison_text(const ComparisonReport& comparison) {
   text += short_text(table);
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     if (const std::string note = note_of(comparison, r); !note.empty())
-      text += wrapped_text(fmt::format("{}: {}", comparison.names[r], note), 2);
+      text += wrapped_text(fmt::format("{}: {}", comparison.reports[r].row_name, note), 2);
   for (const ComparedValue& value : comparison.found.values)
     if (value.metric == metric_at("recall_at", 1) && value.interval) {
       const std::string verdict = verdict_of(value);
-      text += wrapped_text(fmt::format("{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}",
-                                       comparison.names[value.method], comparison.names.front(),
-                                       *value.difference, value.interval->low, value.interval->high,
-                                       verdict.empty() ? "" : ", " + verdict),
-                           2);
+      text += wrapped_text(
+          fmt::format("{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}",
+                      comparison.reports[value.method].row_name,
+                      comparison.reports.front().row_name, *value.difference, value.interval->low,
+                      value.interval->high, verdict.empty() ? "" : ", " + verdict),
+          2);
     }
   return text;
 }
@@ -330,7 +328,7 @@ Table comparison_table(const ComparisonReport& comparison) {
   Table table;
   table.title =
       fmt::format("{}: differences to {} over {}, 95 % by blocks of {}", comparison.query(),
-                  comparison.names.front(), compared_frames(comparison), found.block);
+                  comparison.reports.front().row_name, compared_frames(comparison), found.block);
   const GroundTruths truths = compare_ground_truths(comparison.reports);
   if (truths != GroundTruths::same)
     table.title += fmt::format("; ground truths: {}", enum_name(truths));
@@ -338,7 +336,7 @@ Table comparison_table(const ComparisonReport& comparison) {
   for (const ComparedValue& value : found.values) {
     if (!value.value) continue;
     std::vector<std::string>& row = table.rows.emplace_back();
-    row = {value.metric.key(), comparison.names[value.method],
+    row = {value.metric.key(), comparison.reports[value.method].row_name,
            metric_cell(*value.metric.metric, value.value)};
     for (const Value& number : differences(value))
       row.push_back(number ? fmt::format("{:+.4f}", *number) : "-");
@@ -349,13 +347,13 @@ Table comparison_table(const ComparisonReport& comparison) {
 
 Table paired_table(const ComparisonReport& comparison) {
   Table table;
-  table.title = fmt::format("Best matches compared with {}", comparison.names.front());
+  table.title = fmt::format("Best matches compared with {}", comparison.reports.front().row_name);
   table.columns = {"of", "both correct", "only this", "only the first", "neither"};
   for (size_t r = 1; r < comparison.reports.size(); ++r) {
     if (!comparison.is_paired(r)) continue;
     const PairedCounts& counts = comparison.found.paired[r];
-    add_row(table, comparison.names[r], counts.both_correct, counts.only_this, counts.only_first,
-            counts.neither);
+    add_row(table, comparison.reports[r].row_name, counts.both_correct, counts.only_this,
+            counts.only_first, counts.neither);
   }
   return table;
 }
@@ -373,9 +371,10 @@ Table comparison_rows(const ComparisonReport& comparison) {
     const auto add = [&](const MetricAt& at, Value number, const std::array<Value, 3>& difference,
                          const std::string& verdict) {
       const Metric& metric = *at.metric;
-      table.rows.push_back({comparison.query(), comparison.names[r], report.selection_words(),
-                            truths, at.key(), text(metric, number), text(metric, difference[0]),
-                            text(metric, difference[1]), text(metric, difference[2]), verdict});
+      table.rows.push_back({comparison.query(), comparison.reports[r].row_name,
+                            report.selection_words(), truths, at.key(), text(metric, number),
+                            text(metric, difference[0]), text(metric, difference[1]),
+                            text(metric, difference[2]), verdict});
     };
     for (const ComparedValue& value : comparison.found.values)
       if (value.method == r) add(value.metric, value.value, differences(value), verdict_of(value));

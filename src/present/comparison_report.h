@@ -26,15 +26,13 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<GroundTruths> = {
 /// Compares fingerprints, and for queries with different selections the protocols' words.
 GroundTruths compare_ground_truths(std::span<const Report> reports);
 
-/// A name for each report: the one set by the user or the name of the file, with a number if it
-/// occurs twice. `paths`: the files.
-std::vector<std::string> report_names(std::span<const Report> reports,
-                                      const std::vector<std::string>& paths);
+/// Names the rows of reports: by the user or after the file, with a number if a name occurs twice.
+/// `paths`: the files.
+void name_rows(std::vector<Report>& reports, const std::vector<std::string>& paths);
 
 /// Reports on one query. The first is the baseline.
 struct ComparisonReport {
   std::vector<Report> reports;
-  std::vector<std::string> names;  ///< one per report
   ComparisonSettings settings;
   Comparison found;
   Provenance made_by;
@@ -46,8 +44,9 @@ struct ComparisonReport {
   }
 };
 
-/// Compares the reports, which have names. With only_common, paired reports are first restricted to
-/// the common frames, so that all of their numbers are over them. Throws as compare_outcomes does.
+/// Compares the reports, whose rows have names. With only_common, paired reports are first
+/// restricted to the common frames, so that all of their numbers are over them. Throws as
+/// compare_outcomes does.
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
 
 /// The file without "machine" and "timing".
@@ -78,33 +77,28 @@ Table comparison_rows(const ComparisonReport& comparison);
 std::string comparison_page(const ComparisonReport& comparison);
 
 /// Curves and verdicts along the path of reports on one query, as a part of a page.
-std::string methods_html(std::span<const Report> reports, const std::vector<std::string>& names);
+std::string methods_html(std::span<const Report> reports);
 
 /// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
 /// Error(output).
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder);
 
-/// The report of a method on one query. No two have the same method and query.
-struct GridReport {
-  std::string method;
-  Report report;
-};
-
 /// The name set by the user, or the method with window length, score and selection.
 std::string grid_name(const Report& report);
 
-/// Five tables with a row per method and a column per query: R@1, AP, R@100P, and the shares of the
+/// Five tables of reports that are named by their method, no two with the same query. They have a
+/// row per method and a column per query: R@1, AP, R@100P, and the shares of the
 /// path with a correct and with an incorrect recognition. The best of each query is bold. A method
 /// with reports on all queries has a mean. The denominator is the query's frames with a match (all
 /// frames for shares of the path), so that frames without a window count as misses. Shares at a
 /// threshold from the ground truth are marked, and compared only if all are.
-std::vector<Table> grid_tables(std::span<const GridReport> reports);
+std::vector<Table> grid_tables(std::span<const Report> reports);
 
 /// The same as rows of method, query, metric and value in full precision.
-Table grid_rows(std::span<const GridReport> reports);
+Table grid_rows(std::span<const Report> reports);
 
 /// One file without external references: for each query methods_html and a table with one row per
 /// method; for several queries also the tables. `title`: the name of the data set.
-std::string grid_page(const std::string& title, std::span<const GridReport> reports);
+std::string grid_page(const std::string& title, std::span<const Report> reports);
 
 }  // namespace vpr

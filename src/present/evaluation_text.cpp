@@ -191,8 +191,7 @@ std::string short_text(Table table, bool is_terminal) {
   return render_table(table, TableFormat::text);
 }
 
-Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
-                     const std::string& key) {
+Table overview_table(std::span<const Report> reports, const std::string& key) {
   const Report& first = reports.front();
   const bool is_one_query = std::ranges::all_of(reports, [&](const Report& report) {
     return report.provenance.ground_truth == first.provenance.ground_truth;
@@ -214,9 +213,8 @@ Table overview_table(std::span<const Report> reports, const std::vector<std::str
   for (const char* column : {"correct", "incorrect", "first"}) table.columns.emplace_back(column);
   if (has_pairs) table.columns.emplace_back("pairs incorrect");
   std::vector<std::vector<std::optional<double>>> values(metrics.size());
-  for (size_t r = 0; r < reports.size(); ++r) {
-    const Report& report = reports[r];
-    std::vector<std::string> cells = {names[r]};
+  for (const Report& report : reports) {
+    std::vector<std::string> cells = {report.row_name};
     if (!is_one_query) cells.push_back(std::to_string(report.counts.best_match.frames));
     for (size_t m = 0; m < metrics.size(); ++m) {
       values[m].push_back(value_of(report, metrics[m]));

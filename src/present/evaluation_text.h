@@ -23,12 +23,11 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
                             const std::string& summary, const std::string& tuning,
                             size_t most_ranges);
 
-/// One row per report, `names` in the column `key`: R@1, AP and R@100P over all frames with a
+/// One row per report, their names in the column `key`: R@1, AP and R@100P over all frames with a
 /// match; frames recognized correctly and incorrectly, and the first correct one, "-" at a
 /// threshold from the ground truth; and incorrect pairs, if a report has any. Reports with
 /// different ground truths have a column with their frames, and no best value.
-Table overview_table(std::span<const Report> reports, const std::vector<std::string>& names,
-                     const std::string& key);
+Table overview_table(std::span<const Report> reports, const std::string& key);
 
 /// The table as text. On a terminal, the names in its first column are cut to 22 characters.
 std::string short_text(Table table, bool is_terminal = ::isatty(STDOUT_FILENO) != 0);

@@ -252,6 +252,12 @@ Table keyframe_table(const CountsByKeyframe& counts) {
   return table;
 }
 
+std::vector<std::string> names_of(std::span<const Report> reports) {
+  std::vector<std::string> names;
+  for (const Report& report : reports) names.push_back(report.row_name);
+  return names;
+}
+
 // The first kMostPlaces places; empty without places.
 std::string recognitions_text(const Report& report) {
   if (!report.recognitions || report.recognitions->empty()) return "";
@@ -417,33 +423,30 @@ std::vector<Table> metrics_tables(const Report& report) {
   return tables;
 }
 
-std::string reports_text(std::span<const Report> reports, const std::vector<std::string>& names,
-                         TableFormat format) {
+std::string reports_text(std::span<const Report> reports, TableFormat format) {
   std::vector<Table> rows;
   if (format == TableFormat::csv) {
     for (const Report& report : reports) rows.push_back(csv_row(report));
-    return render_table(stack_tables(rows, "name", names), format);
+    return render_table(stack_tables(rows, "name", names_of(reports)), format);
   }
-  if (format == TableFormat::latex)
-    return render_table(overview_table(reports, names, "method"), format);
+  if (format == TableFormat::latex) return render_table(overview_table(reports, "method"), format);
   const bool is_one = reports.size() == 1;
   std::vector<std::vector<Table>> kinds;  // the same table of all reports
-  std::vector<std::vector<std::string>> named;
-  for (size_t r = 0; r < reports.size(); ++r) {
-    const Report& report = reports[r];
+  std::vector<std::vector<std::string>> names;
+  for (const Report& report : reports) {
     std::vector<Table> tables = {report_table(report)};
     if (report.by_keyframe) tables.push_back(keyframe_table(*report.by_keyframe));
     for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
     kinds.resize(std::max(kinds.size(), tables.size()));
-    named.resize(kinds.size());
+    names.resize(kinds.size());
     for (size_t t = 0; t < tables.size(); ++t) {
       kinds[t].push_back(std::move(tables[t]));
-      named[t].insert(named[t].end(), kinds[t].back().rows.size(), names[r]);
+      names[t].push_back(report.row_name);
     }
   }
   std::string text;
   for (size_t t = 0; t < kinds.size(); ++t) {
-    const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", named[t]);
+    const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", names[t]);
     text += (t == 0 ? "" : "\n") + render_table(table, format);
     if (t > 0 || !is_one || format != TableFormat::text) continue;
     const std::string places = recognitions_text(reports[0]);
@@ -452,32 +455,12 @@ std::string reports_text(std::span<const Report> reports, const std::vector<std:
   return text;
 }
 
-Table protocols_table(const std::vector<ProtocolReport>& reports) {
+Table protocols_table(std::span<const Report> reports) {
   std::vector<Table> rows;
-  std::vector<std::string> names;
-  for (const auto& [preset, report] : reports) {
-    rows.push_back(report_table(report));
-    names.emplace_back(preset->name);
-  }
-  Table table = stack_tables(rows, "protocol", names);
-  table.title = evaluation_title(reports.front().report);
+  for (const Report& report : reports) rows.push_back(report_table(report));
+  Table table = stack_tables(rows, "protocol", names_of(reports));
+  table.title = evaluation_title(reports.front());
   return table;
-}
-
-std::string protocols_text(const std::vector<ProtocolReport>& reports) {
-  std::vector<Report> rows;
-  std::vector<std::string> names;
-  for (const auto& [preset, report] : reports) {
-    rows.push_back(report);
-    names.emplace_back(preset->name);
-  }
-  return short_text(overview_table(rows, names, "protocol"));
-}
-
-std::string protocols_notes(const std::vector<ProtocolReport>& reports) {
-  std::string notes;
-  for (const ProtocolReport& one : reports) notes += one.report.protocol.ground_truth + "\n";
-  return notes;
 }
 
 }  // namespace vpr

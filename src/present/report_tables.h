@@ -46,18 +46,11 @@ Table places_table(const Report& report);
 /// Metrics of curves, ranks (if known), stretches and localization. Titles state what is counted.
 std::vector<Table> metrics_tables(const Report& report);
 
-/// All tables of the reports. Several reports share each table, with `names` in the first column.
-/// CSV is one table.
-std::string reports_text(std::span<const Report> reports, const std::vector<std::string>& names,
-                         TableFormat format);
+/// All tables of the reports. Several reports share each table, with their names in the first
+/// column. CSV is one table.
+std::string reports_text(std::span<const Report> reports, TableFormat format);
 
-/// One row per protocol. `reports` must not be empty.
-Table protocols_table(const std::vector<ProtocolReport>& reports);
-
-/// The description of each ground truth, one per line.
-std::string protocols_notes(const std::vector<ProtocolReport>& reports);
-
-/// The table of protocols in a few lines.
-std::string protocols_text(const std::vector<ProtocolReport>& reports);
+/// One row per protocol of a result. `reports` must not be empty.
+Table protocols_table(std::span<const Report> reports);
 
 }  // namespace vpr

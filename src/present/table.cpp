@@ -199,13 +199,20 @@ Table stack_tables(const std::vector<Table>& tables, const std::string& key,
   const auto has_title = [&](const Table& table) { return table.title == tables.front().title; };
   if (!tables.empty() && std::ranges::all_of(tables, has_title))
     stacked.title = tables.front().title;
-  for (const Table& table : tables)
-    for (const auto& row : table.rows) {
+  for (size_t t = 0; t < tables.size(); ++t)
+    for (const auto& row : tables[t].rows) {
       auto& cells = stacked.rows.emplace_back(stacked.columns.size());
-      cells[0] = names[stacked.rows.size() - 1];
-      for (size_t c = 0; c < row.size(); ++c) cells[index_of(table.columns[c])] = row[c];
+      cells[0] = names[t];
+      for (size_t c = 0; c < row.size(); ++c) cells[index_of(tables[t].columns[c])] = row[c];
     }
   return stacked;
+}
+
+std::vector<std::string> numbered_names(const std::vector<std::string>& names) {
+  std::vector<std::string> numbered = names;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (std::ranges::count(names, names[i]) > 1) numbered[i] += fmt::format(" ({})", i + 1);
+  return numbered;
 }
 
 std::string render_table(const Table& table, TableFormat format) {

@@ -48,11 +48,14 @@ void add_columns(Table& table, const Table& more);
 void mark_best(Table& table, size_t column, const std::vector<std::optional<double>>& values,
                bool is_low_good);
 
-/// The rows of all tables in one table. Its columns are `key` with `names`, one name per row, and
+/// The rows of all tables in one table. Its columns are `key` with `names`, one name per table, and
 /// all columns of the tables in order of first occurrence. Missing cells are empty. The title is
 /// the tables' common title, or empty.
 Table stack_tables(const std::vector<Table>& tables, const std::string& key,
                    const std::vector<std::string>& names);
+
+/// The names, each with its number if it occurs several times, as in "a (2)".
+std::vector<std::string> numbered_names(const std::vector<std::string>& names);
 
 /// Ends with a line feed. CSV has no title. Special characters are escaped; control characters are
 /// shown (printable_line) except in CSV, which is data.

@@ -15,10 +15,11 @@ Report read_report(const std::filesystem::path& path) {
   return parse_report(read_json(path, ErrorKind::data), path.string());
 }
 
-void compare(const std::vector<Report>& reports) {
+void compare(std::vector<Report> reports) {
+  name_rows(reports, {"a.json", "b.json"});
   for (const bool only_common : {false, true}) {
     fuzz::refuses([&] {
-      ComparisonReport comparison{reports, report_names(reports, {"a.json", "b.json"}), {}, {}, {}};
+      ComparisonReport comparison{reports, {}, {}, {}};
       comparison.settings = {3, 5, 1, only_common, only_common};
       compare_reports(comparison, {});
       comparison_json(comparison);
