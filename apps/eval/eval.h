@@ -34,7 +34,6 @@ struct ScoreInputs {
   std::string query_npy;
   std::string train_npy;
   std::optional<DescriptorMetric> metric;
-  std::vector<uint64_t> recall_at;
   std::optional<double> threshold;
   uint64_t window_length = 1;
   std::string speed;
@@ -56,9 +55,7 @@ struct EvalInputs {
   std::vector<std::string> names;
   TruthSource truth;
   std::string protocols;
-  std::string poses;
-  std::optional<Confidence> confidence;
-  uint64_t stretch_frames = kDefaultStretch;
+  EvaluationSettings by;  ///< as set by flags; without the ground truth
   TableFormat format = TableFormat::text;
   std::optional<std::string> query;  ///< a sequence, or the name of a query in the data set
   std::vector<std::string> train;
@@ -72,7 +69,6 @@ struct EvalInputs {
   std::string map;
   std::string map_with;
   std::string saved_trajectory;
-  std::string places;           ///< answers to the places of the result
   std::string place_questions;  ///< the page that asks for them
   std::string frame_questions;  ///< the page that asks for labels of frames
   bool needs_truth = true;

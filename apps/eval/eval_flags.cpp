@@ -90,12 +90,12 @@ void add_evaluation_flags(Program& program, const Command& command, EvalInputs& 
       "--train", inputs.train,
       "training sequence, for its images and names; repeat it in the order of the database",
       kPictureGroup, "SEQUENCE");
-  command.add_option("--poses", inputs.poses,
+  command.add_option("--poses", inputs.by.poses,
                      "positions of the query's frames (CSV frame,x,y in meters), for gaps in "
                      "meters (default: those of the data set)",
                      kMetricGroup, "FILE");
   add_setting(
-      command, "--stretch", inputs.stretch_frames,
+      command, "--stretch", inputs.by.stretch_frames,
       fmt::format("frames per stretch of the path, for the recall achievement rate (default: {})",
                   kDefaultStretch),
       kMetricGroup);
@@ -133,7 +133,6 @@ void check_scores(const ScoreInputs& inputs) {
   if (inputs.train_frames) check_range("--train-frames", *inputs.train_frames, kMaxFrames);
   refuse(inputs.train_frames && !inputs.is_list(), "--train-frames", "is for lists of numbers");
   check_range(kWindowFlag, inputs.window_length, kMaxWindow);
-  for (const uint64_t k : inputs.recall_at) check_range("--recall-at", k, kMaxFrames);
   if (inputs.speed.empty()) return;
   check_speed(inputs.speed);
   refuse(!inputs.query_frames, "--speed", "needs the number of recorded frames: --query-frames N");
@@ -170,7 +169,7 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
   command.add_option("RESULT", inputs.results,
                      "result of vpr-query; several make one table with one row per result");
   add_evaluation_flags(program, command, inputs);
-  command.add_option("--places", inputs.places,
+  command.add_option("--places", inputs.by.places,
                      "CSV file of the page of --ask-places: judge each place, and its "
                      "recognitions, by your answer instead of a ground truth",
                      kGroundTruthGroup, "FILE");
@@ -182,7 +181,7 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
       "--matrix", inputs.matrix,
       "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all pairs",
       kMetricGroup, "FILE");
-  add_setting(command, "--confidence", inputs.confidence,
+  add_setting(command, "--confidence", inputs.by.confidence,
               "value by which curves, metrics, plots and comparisons accept best matches: score, "
               "or margin, the difference from the best match outside the exclusion zone (default: "
               "as the result was decided); the other one is reported next to it",
@@ -242,7 +241,7 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
       .group(rows);
   add_evaluation_flags(program, command, inputs);
   command
-      .add_option("--recall-at", scores.recall_at, "K of recall@K (default: 1,5,10,20)",
+      .add_option("--recall-at", inputs.by.recall_at, "K of recall@K (default: 1,5,10,20)",
                   kMetricGroup, "K")
       .comma_separated();
   add_setting(command, "--threshold", scores.threshold,
@@ -253,11 +252,12 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
 
 void check_inputs(const EvalInputs& inputs) {
   check_scores(inputs.scores);
-  check_range("--stretch", inputs.stretch_frames, kMaxFrames);
+  for (const uint64_t k : inputs.by.recall_at) check_range("--recall-at", k, kMaxFrames);
+  check_range("--stretch", inputs.by.stretch_frames, kMaxFrames);
   refuse(!inputs.map_with.empty() && inputs.map.empty(), "--map-with", "needs --map FOLDER");
-  refuse(!inputs.places.empty() && !inputs.truth.path.empty(), "--places",
+  refuse(!inputs.by.places.empty() && !inputs.truth.path.empty(), "--places",
          "replaces the ground truth. Omit --ground-truth");
-  refuse(!inputs.places.empty() && !inputs.map_with.empty(), "--places",
+  refuse(!inputs.by.places.empty() && !inputs.map_with.empty(), "--places",
          "has answers for one result. Omit --map-with");
 }
 

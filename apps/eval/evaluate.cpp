@@ -50,12 +50,7 @@ void add_names(EvaluationSettings& by, const EvalInputs& inputs,
 EvaluationSettings evaluation_settings(const EvalInputs& inputs,
                                        const std::optional<std::string>& query_name,
                                        DatabaseFamily family) {
-  EvaluationSettings by;
-  by.confidence = inputs.confidence;
-  by.places = inputs.places;
-  by.poses = inputs.poses;
-  by.stretch_frames = inputs.stretch_frames;
-  by.recall_at = inputs.scores.recall_at;
+  EvaluationSettings by = inputs.by;
   if (!inputs.truth.path.empty())
     by.ground_truth = ground_truth_argument(inputs.truth.path, inputs.truth.flags);
   if (!inputs.truth.dataset.empty() &&

@@ -57,7 +57,7 @@ RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run
         std::pair("query", inputs.scores.query_npy),
         std::pair("reference", inputs.scores.train_npy),
         std::pair("ground_truth", truth ? truth->path.string() : ""),
-        std::pair("places", inputs.places)})
+        std::pair("places", inputs.by.places)})
     if (!path.empty()) run.paths[role] = path;
   return run;
 }
@@ -184,7 +184,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
 /// Whether an output shows a single result under a single ground truth.
 bool shows_one(const EvalInputs& inputs) {
   return inputs.has_plots() || !inputs.map.empty() || !inputs.saved_trajectory.empty() ||
-         !inputs.pairs.empty() || inputs.top_k || !inputs.places.empty() ||
+         !inputs.pairs.empty() || inputs.top_k || !inputs.by.places.empty() ||
          !inputs.place_questions.empty() || !inputs.frame_questions.empty();
 }
 

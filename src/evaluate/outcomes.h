@@ -102,6 +102,7 @@ struct BestMatchCounts {
 
   /// correct / frames; unset without frames.
   std::optional<double> rate() const;
+  bool operator==(const BestMatchCounts&) const = default;
 };
 
 BestMatchCounts best_match_counts(const Outcomes& outcomes);
@@ -114,6 +115,7 @@ struct LabelCounts {
 
   void add(PlaceLabel label, uint64_t pairs = 1);
   uint64_t all() const { return correct + incorrect + ignored; }
+  bool operator==(const LabelCounts&) const = default;
 };
 
 /// Counts of the recognitions, clusters and best matches of a result.
@@ -160,6 +162,8 @@ struct KeyframeCounts {
   uint64_t incorrect = 0;  ///< all are incorrect
   uint64_t mixed = 0;      ///< both occur
   uint64_t ignored = 0;    ///< all are ignored; ignored frames do not count otherwise
+
+  bool operator==(const KeyframeCounts&) const = default;
 };
 
 /// Counts in which each keyframe counts once, however many frames it stands for.

@@ -52,8 +52,7 @@ std::string time_of(const FrameClock& clock, size_t frame) {
 
 std::string outcomes_csv_header() {
   return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,recognition,"
-         "rank,"
-         "margin\n";
+         "rank,margin\n";
 }
 
 std::string recognitions_csv_header() {

@@ -20,30 +20,31 @@ using Value = std::optional<double>;
 
 /// A share of the frames with a match, which are the same for all methods on a query.
 struct GridMetric {
-  std::string_view key;
-  size_t k = 0;
+  MetricAt measure;
   std::string_view name;
   std::string_view title;
 
-  MetricAt measure() const { return metric_at(key, k); }
-  bool is_of_path() const { return find_metric(key).of_path.has_value(); }  ///< not of best matches
-  bool has_best() const { return !find_metric(key).is_low_good; }
+  const Metric& row() const { return *measure.metric; }
+  bool is_of_path() const { return row().of_path.has_value(); }  ///< not of best matches
 };
 
-constexpr std::array<GridMetric, 5> kMetrics = {
-    {{"recall_at", 1, "R@1", "R@1: frames with a correct best match"},
-     {"average_precision", 0, "AP", "AP of best matches"},
-     {"recall_at_100_precision", 0, "R@100P", "R@100P of best matches"},
-     {"share", 0, "recognized correctly", "Share of frames that are recognized correctly"},
-     {"incorrect", 0, "incorrectly",
-      "Frames that are recognized incorrectly, per frame with a match"}}};
+const std::vector<GridMetric>& grid_metrics() {
+  static const std::vector<GridMetric> metrics = {
+      {metric_at("recall_at", 1), "R@1", "R@1: frames with a correct best match"},
+      {metric_at("average_precision"), "AP", "AP of best matches"},
+      {metric_at("recall_at_100_precision"), "R@100P", "R@100P of best matches"},
+      {metric_at("share"), "recognized correctly", "Share of frames that are recognized correctly"},
+      {metric_at("incorrect"), "incorrectly",
+       "Frames that are recognized incorrectly, per frame with a match"}};
+  return metrics;
+}
 
 uint64_t frames_of(const Report& report) { return report.counts.best_match.frames; }
 
 /// A number of frames as their share.
 Value value_of(const Report& report, const GridMetric& metric) {
-  const Value value = value_of(report, metric.measure());
-  if (!value || metric.measure().metric->digits > 0) return value;
+  const Value value = value_of(report, metric.measure);
+  if (!value || metric.row().digits > 0) return value;
   const auto frames = static_cast<double>(frames_of(report));
   return frames > 0 ? Value(*value / frames) : std::nullopt;
 }
@@ -52,9 +53,8 @@ Value value_of(const Report& report, const GridMetric& metric) {
 std::string cell_text(const Report& report, const GridMetric& metric) {
   const Value value = value_of(report, metric);
   if (!value) return "-";
-  const Metric& row = *metric.measure().metric;
   std::string text = fmt::format("{:.4f}", *value);
-  if (row.is_share || row.digits == 0)
+  if (metric.row().is_share || metric.row().digits == 0)
     text +=
         fmt::format(" ({} of {}{})", std::llround(*value * static_cast<double>(frames_of(report))),
                     frames_of(report), metric.is_of_path() && report.is_oracle ? ", oracle" : "");
@@ -128,7 +128,7 @@ Table grid_table(std::span<const Report> reports, const GridMetric& metric) {
     for (size_t c = 0; c < columns.size(); ++c)
       columns[c].push_back(may_be_best ? values[c] : std::nullopt);
   }
-  if (metric.has_best() && table.rows.size() > 1)
+  if (!metric.row().is_low_good && table.rows.size() > 1)
     for (size_t c = 0; c < columns.size(); ++c) mark_best(table, c + 1, columns[c], false);
   return table;
 }
@@ -138,7 +138,7 @@ Table query_table(std::span<const Report> reports, const std::string& query) {
   Table table{"Over all frames with a match", {"method"}, {}};
   for (const std::string& method : methods_of(reports))
     if (report_of(reports, method, query) != nullptr) table.rows.push_back({method});
-  for (const GridMetric& metric : kMetrics) {
+  for (const GridMetric& metric : grid_metrics()) {
     std::vector<Value> values;
     for (auto& row : table.rows) {
       const Report& report = *report_of(reports, row.front(), query);
@@ -146,7 +146,7 @@ Table query_table(std::span<const Report> reports, const std::string& query) {
       values.push_back(metric.is_of_path() && report.is_oracle ? std::nullopt
                                                                : value_of(report, metric));
     }
-    if (metric.has_best() && table.rows.size() > 1)
+    if (!metric.row().is_low_good && table.rows.size() > 1)
       mark_best(table, table.columns.size(), values, false);
     table.columns.emplace_back(metric.name);
   }
@@ -166,7 +166,7 @@ std::string query_section(std::span<const Report> reports, const std::string& qu
 std::string sentence_of(std::span<const Report> reports) {
   const size_t methods = methods_of(reports).size();
   const size_t queries = queries_of(reports).size();
-  const Table table = grid_table(reports, kMetrics[0]);
+  const Table table = grid_table(reports, grid_metrics().front());
   std::vector<std::string> best;
   for (const auto& [row, column] : table.best)
     if (column + 1 == table.columns.size())
@@ -194,16 +194,16 @@ std::string grid_name(const Report& report) {
 
 std::vector<Table> grid_tables(std::span<const Report> reports) {
   std::vector<Table> tables;
-  for (const GridMetric& metric : kMetrics) tables.push_back(grid_table(reports, metric));
+  for (const GridMetric& metric : grid_metrics()) tables.push_back(grid_table(reports, metric));
   return tables;
 }
 
 Table grid_rows(std::span<const Report> reports) {
   Table table{"", {"method", "query", "metric", "value", "frames", "oracle"}, {}};
   for (const Report& report : reports)
-    for (const GridMetric& metric : kMetrics) {
+    for (const GridMetric& metric : grid_metrics()) {
       const Value value = value_of(report, metric);
-      add_row(table, report.row_name, report.query, metric.measure().key(),
+      add_row(table, report.row_name, report.query, metric.measure.key(),
               value ? fmt::format("{}", *value) : "", frames_of(report),
               metric.is_of_path() && report.is_oracle ? "yes" : "no");
     }

@@ -1,7 +1,9 @@
 #include "present/evaluation_page.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -28,55 +30,35 @@ constexpr std::string_view kDisagreements =
     "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
     "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
 
-struct PageCharts {
-  Chart curve;
-  Chart risk;
-  Chart thresholds;
-  Chart timeline;
-  Chart margins;
-  Chart matrix;
-};
-
 bool by_margin(const Judgment& judgment) {
   return judgment.outcomes.confidence == Confidence::margin;
 }
 
-Chart path_chart(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
-  Chart chart = timeline_chart(report, evaluation.judgment, evaluation.truth, monitor);
-  chart.title = "Best match of every query frame";
-  chart.width = kPageWidth;
-  chart.height = 440;
+Chart sized(Chart chart, const std::string& title, double width, double height) {
+  chart.title = title;
+  chart.width = width;
+  chart.height = height;
   return chart;
 }
 
-PageCharts page_charts(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
-  const Judgment& judgment = evaluation.judgment;
-  PageCharts charts = {
-      curve_chart(report, judgment),     risk_chart(report, judgment),
-      threshold_chart(report, judgment), path_chart(evaluation, report, monitor),
-      margin_chart(report, judgment),    matrix_chart(evaluation, report, kMatrixSide, monitor)};
-  charts.curve.title = "Precision and recall";
-  charts.risk.title = "Risk and coverage";
-  charts.thresholds.title =
-      by_margin(judgment) ? "Recognitions by margin" : "Recognitions by threshold";
-  for (Chart* chart : {&charts.curve, &charts.risk, &charts.thresholds}) {
-    chart->width = 360;
-    chart->height = 320;
-  }
-  charts.margins.width = kPageWidth;
-  charts.margins.title = "Margin of every best match: difference to the runner-up";
-  charts.margins.height = 240;
-  charts.margins.right = layout_of(charts.timeline, true).names_width;
-  charts.matrix.title = "Query frames against training frames";
-  charts.matrix.width = evaluation.matrix ? 900 : 560;
-  return charts;
+Chart path_chart(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
+  return sized(timeline_chart(report, evaluation.judgment, evaluation.truth, monitor),
+               "Best match of every query frame", kPageWidth, 440);
+}
+
+// Precision and recall, accepted matches by threshold, and risk.
+std::array<Chart, 3> curve_charts(const Report& report, const Judgment& judgment) {
+  const char* title = by_margin(judgment) ? "Recognitions by margin" : "Recognitions by threshold";
+  return {sized(curve_chart(report, judgment), "Precision and recall", 360, 320),
+          sized(threshold_chart(report, judgment), title, 360, 320),
+          sized(risk_chart(report, judgment), "Risk and coverage", 360, 320)};
 }
 
 /// Figures of the charts that are not empty.
-std::string figures_html(std::initializer_list<const Chart*> charts) {
+std::string figures_html(std::span<const Chart> charts) {
   std::string html;
-  for (const Chart* chart : charts)
-    if (!chart->series.empty()) html += figure_html(*chart);
+  for (const Chart& chart : charts)
+    if (!chart.series.empty()) html += figure_html(chart);
   return html;
 }
 
@@ -171,7 +153,13 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
   const Gallery gallery = make_gallery(judgment, truth, score_unit(report), sources, monitor);
-  const PageCharts charts = page_charts(evaluation, report, monitor);
+  const Chart timeline = path_chart(evaluation, report, monitor);
+  Chart margins = sized(margin_chart(report, judgment),
+                        "Margin of every best match: difference to the runner-up", kPageWidth, 240);
+  margins.right = layout_of(timeline, true).names_width;
+  Chart matrix = matrix_chart(evaluation, report, kMatrixSide, monitor);
+  matrix.title = "Query frames against training frames";
+  matrix.width = evaluation.matrix ? 900 : 560;
   const std::string settings =
       evaluation.result ? settings_text(*evaluation.result->result) + ". " : "";
   Json json = report_json(report);
@@ -180,27 +168,26 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");                      // the subtitle
   if (truth.is_known) protocol.erase("localization");  // the title of its table
-  return fill_page(
-      kPage,
-      {{"title", html_escaped(evaluation_title(report))},
-       {"summary", html_escaped(summary)},
-       {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
-       {"style", palette_css() + std::string(kStyle)},
-       {"script", std::string(kScript) + std::string(kAnchorScript)},
-       {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
-       {"tables", tables_html(report)},
-       {"protocol", list_html(protocol)},
-       {"provenance", list_html(json["settings"]) + list_html(made)},
-       {"curves", figures_html({&charts.curve, &charts.thresholds, &charts.risk})},
-       {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
-       {"path", figure_html(charts.timeline) + figures_html({&charts.margins})},
-       {"matrix_title", evaluation.matrix ? "Scores of all pairs" : "Recognitions of all pairs"},
-       {"matrix", figure_html(charts.matrix)},
-       {"gallery_note", html_escaped(gallery.note)},
-       {"kinds", gallery.kinds},
-       {"cards", gallery.cards},
-       {"single", judgment.layout.window_length == 1 ? " single" : ""},
-       {"data", script_json(page_data(report, judgment))}});
+  return fill_page(kPage, {{"title", html_escaped(evaluation_title(report))},
+                           {"summary", html_escaped(summary)},
+                           {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
+                           {"style", palette_css() + std::string(kStyle)},
+                           {"script", std::string(kScript) + std::string(kAnchorScript)},
+                           {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
+                           {"tables", tables_html(report)},
+                           {"protocol", list_html(protocol)},
+                           {"provenance", list_html(json["settings"]) + list_html(made)},
+                           {"curves", figures_html(curve_charts(report, judgment))},
+                           {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
+                           {"path", figure_html(timeline) + figures_html({&margins, 1})},
+                           {"matrix_title", evaluation.matrix ? "Scores of all pairs"
+                                                              : "Recognitions of all pairs"},
+                           {"matrix", figure_html(matrix)},
+                           {"gallery_note", html_escaped(gallery.note)},
+                           {"kinds", gallery.kinds},
+                           {"cards", gallery.cards},
+                           {"single", judgment.layout.window_length == 1 ? " single" : ""},
+                           {"data", script_json(page_data(report, judgment))}});
 }
 
 std::string evaluation_preview(const Evaluation& evaluation, const Report& report,

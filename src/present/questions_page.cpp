@@ -37,10 +37,7 @@ struct Question {
   std::string answer = {};
 };
 
-void to_json(Json& json, const Question& one) {
-  json = {{"row", one.row},           {"name", one.name},   {"about", one.about},
-          {"sequence", one.sequence}, {"pairs", one.pairs}, {"answer", one.answer}};
-}
+VPR_FIELDS(Question, row, name, about, sequence, pairs, answer)
 
 /// Per place: the first recognition, the representative and the last recognition; equal ones once.
 std::vector<std::vector<FramePair>> pairs_of(const Result& result) {
@@ -97,7 +94,7 @@ std::string page_of(Json data, const std::vector<Question>& questions, const Eva
   data["key"] =
       fmt::format("vpr-eval {} {}", data["noun"].get<std::string>(), evaluation.fingerprint);
   data["images"] = images_of(questions, evaluation.judgment.layout.scope, sources, monitor);
-  data["questions"] = questions;
+  data["questions"] = value_to_json(questions);
   return fill_page(kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
                                     {"style", palette_css() + std::string(kStyle)},
                                     {"data", script_json(data)}});

@@ -37,10 +37,6 @@ std::shared_ptr<const Result> shared(Result result) {
   return std::make_shared<const Result>(std::move(result));
 }
 
-std::vector<uint64_t> numbers(const LabelCounts& counts) {
-  return {counts.correct, counts.incorrect, counts.ignored};
-}
-
 }  // namespace
 
 TEST_CASE("a result is evaluated and counted by one ground truth") {
@@ -50,13 +46,13 @@ TEST_CASE("a result is evaluated and counted by one ground truth") {
   CHECK_FALSE(found.matrix);
   REQUIRE(found.result);
   const Counts& counts = found.result->counts;
-  CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{2, 1, 0});
-  CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
-  CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
+  CHECK(counts.recognitions == LabelCounts{2, 1, 0});
+  CHECK(counts.recognitions_by_place == LabelCounts{2, 1, 0});
+  CHECK(counts.clusters == LabelCounts{1, 1, 0});
   CHECK((counts.best_match.frames == 4 && counts.best_match.correct == 2));
   REQUIRE(found.result->clusters.size() == 2);
   CHECK(found.result->clusters[0].label == PlaceLabel::same);
-  CHECK(numbers(found.result->clusters[1].recognitions) == std::vector<uint64_t>{0, 1, 0});
+  CHECK(found.result->clusters[1].recognitions == LabelCounts{0, 1, 0});
   CHECK(found.judgment.verdicts == std::vector<Verdict>{Verdict::correct, Verdict::correct,
                                                         Verdict::incorrect, Verdict::none});
   CHECK_FALSE(found.judgment.localization.longest_gap_m);
@@ -75,7 +71,7 @@ TEST_CASE("poses of the query yield distances in meters") {
 TEST_CASE("without ground truth, a result is shown without evaluation") {
   const Evaluation found = evaluate_result(shared(example()), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
-  CHECK(numbers(found.result->counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
+  CHECK(found.result->counts.recognitions == LabelCounts{0, 0, 3});
   CHECK(found.judgment.verdicts[0] == Verdict::ignored);
   const Json report = report_json(report_of(found, {}));
   CHECK(report["judged"] == "nothing");
@@ -98,9 +94,9 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
   CHECK_FALSE(found.truth.is_known);
   CHECK(found.judgment.by == JudgedBy::places);
   const Counts& counts = found.result->counts;
-  CHECK(numbers(counts.recognitions) == std::vector<uint64_t>{0, 0, 3});
-  CHECK(numbers(*counts.recognitions_by_place) == std::vector<uint64_t>{2, 1, 0});
-  CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
+  CHECK(counts.recognitions == LabelCounts{0, 0, 3});
+  CHECK(counts.recognitions_by_place == LabelCounts{2, 1, 0});
+  CHECK(counts.clusters == LabelCounts{1, 1, 0});
   CHECK(counts.distinct == 1);
   CHECK(found.judgment.verdicts == std::vector<Verdict>{Verdict::correct, Verdict::correct,
                                                         Verdict::incorrect, Verdict::none});
@@ -112,8 +108,8 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
   CHECK(report["localization"]["share"] == 0.5);
   for (const char* key : {"metrics", "curves", "best_match"}) CHECK_FALSE(report.contains(key));
   const Evaluation half = judged_by("2,2,ref,0,no\n");
-  CHECK(numbers(*half.result->counts.recognitions_by_place) == std::vector<uint64_t>{0, 1, 2});
-  CHECK(numbers(*half.result->counts.clusters) == std::vector<uint64_t>{0, 1, 1});
+  CHECK(half.result->counts.recognitions_by_place == LabelCounts{0, 1, 2});
+  CHECK(half.result->counts.clusters == LabelCounts{0, 1, 1});
   CHECK(half.judgment.verdicts[0] == Verdict::ignored);
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "files/exports.h"
 #include "support.h"
 
 using namespace vpr;
@@ -144,4 +145,21 @@ TEST_CASE("updated values are met, and keep their tolerances and satisfied bound
       "best_match": {"correct": 48, "rate": {"min": 0.25, "max": 0.6}}, "settings": {"c_l": 10}})"));
   CHECK(unmet_expectations(check_expectations(report, updated, "e.json")).empty());
   CHECK(updated_expectations(report, kReport, "e.json") == report);
+}
+
+TEST_CASE("a value that is met is a test case, another one a failure, with any content") {
+  const std::vector<CheckedValue> values = {{"counts.pairs", "3", "3", true},
+                                            {"a<b&\"c\"\x01", "at least 5", "4", false}};
+  CHECK(junit_xml("x > y on 'z'", "e.json", values) ==
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+        "<testsuites tests=\"2\" failures=\"1\">\n"
+        "  <testsuite name=\"x &gt; y on &#39;z&#39;\" tests=\"2\" failures=\"1\" errors=\"0\" "
+        "skipped=\"0\" file=\"e.json\">\n"
+        "    <testcase classname=\"x &gt; y on &#39;z&#39;\" name=\"counts.pairs\"/>\n"
+        "    <testcase classname=\"x &gt; y on &#39;z&#39;\" "
+        "name=\"a&lt;b&amp;&quot;c&quot;\xef\xbf\xbd\">\n"
+        "      <failure message=\"expected at least 5, found 4\"/>\n"
+        "    </testcase>\n"
+        "  </testsuite>\n"
+        "</testsuites>\n");
 }

@@ -152,17 +152,14 @@ TEST_CASE("windows are evaluated at their anchors") {
   result.recognitions = {{3, 0, 3, 0, 5}, {3, 0, 4, 0, 5}, {4, 0, 4, 0, 5}, {5, 0, 5, 0, 5}};
   cluster(result);
   const Counts counts = count_recognitions(result, truth);
-  CHECK(counts.recognitions.correct == 1);
-  CHECK(counts.recognitions.incorrect == 2);
-  CHECK(counts.recognitions.ignored == 1);
+  CHECK(counts.recognitions == LabelCounts{1, 2, 1});
 }
 
 TEST_CASE("places are evaluated at their mean, and the correct ones are distinct") {
   Result result = example();
   result.clusters = {{{0, 3, 0, 6, 3, 0, 6, 5, 9}, {0, 1, 1, 1, 7, 7, 7, 1, 9}}, {}};
   const Counts counts = count_recognitions(result, aligned(0));
-  CHECK(counts.clusters->correct == 1);
-  CHECK(counts.clusters->incorrect == 1);
+  CHECK(counts.clusters == LabelCounts{1, 1, 0});
   CHECK(counts.distinct == 1);
 }
 
@@ -180,10 +177,8 @@ TEST_CASE("recognitions by place have the verdict on their place") {
   cluster(result);
   REQUIRE(result.clusters->all.size() == 3);
   const Counts counts = count_recognitions(result, truth);
-  const LabelCounts& one_by_one = counts.recognitions;
-  const LabelCounts& by_place = *counts.recognitions_by_place;
-  CHECK((one_by_one.correct == 2 && one_by_one.incorrect == 4 && one_by_one.ignored == 1));
-  CHECK((by_place.correct == 3 && by_place.incorrect == 1 && by_place.ignored == 3));
+  CHECK(counts.recognitions == LabelCounts{2, 4, 1});
+  CHECK(counts.recognitions_by_place == LabelCounts{3, 1, 3});
   result.clusters.reset();
   CHECK_FALSE(count_recognitions(result, truth).recognitions_by_place);
 }
@@ -198,11 +193,11 @@ TEST_CASE("a place that is correct at its mean counts its incorrect recognitions
   const std::vector<JudgedCluster> judged = judge_clusters(result, *result.clusters, aligned(0));
   REQUIRE(judged.size() == 2);
   CHECK((judged[0].label == PlaceLabel::same && judged[0].is_mixed()));
-  CHECK((judged[0].recognitions.correct == 3 && judged[0].recognitions.incorrect == 2));
+  CHECK(judged[0].recognitions == LabelCounts{3, 2, 0});
   CHECK((judged[1].label == PlaceLabel::different && !judged[1].is_mixed()));
   const Counts counts = count_recognitions(result, aligned(0));
-  CHECK((counts.recognitions.correct == 3 && counts.recognitions.incorrect == 3));
-  CHECK((counts.clusters->correct == 1 && counts.clusters->incorrect == 1));
+  CHECK(counts.recognitions == LabelCounts{3, 3, 0});
+  CHECK(counts.clusters == LabelCounts{1, 1, 0});
   CHECK(counts.mixed_clusters == 1);
   CHECK(count_recognitions(result, aligned(9)).mixed_clusters == 0);
 }
@@ -222,12 +217,7 @@ TEST_CASE("best matches count over all frames that have a match") {
   result.query.unreadable = {2};
   result.best[5] = Match{5, 0, 7, 0, 5};  // anchors 7 and 9: ignored
   const BestMatchCounts best = count_recognitions(result, truth).best_match;
-  CHECK(best.frames == 7);
-  CHECK(best.correct == 3);
-  CHECK(best.incorrect == 1);
-  CHECK(best.ignored == 1);
-  CHECK(best.no_answer == 2);
-  CHECK(best.without_match == 3);
+  CHECK(best == BestMatchCounts{7, 3, 1, 1, 2, 3});
   CHECK(*best.rate() == Approx(3 / 7.0));
 }
 
@@ -238,10 +228,7 @@ TEST_CASE("a place before the first training anchor counts as not recognized") {
   truth.pairs[2] = {{0, 0, PlaceLabel::same}};  // no window ends before frame 2
   truth.pairs[4] = {{0, 2, PlaceLabel::same}};
   for (uint32_t window = 0; window < 8; ++window) result.best[window] = Match{window, 0, 0, 0, 5};
-  const BestMatchCounts best = count_recognitions(result, truth).best_match;
-  CHECK(best.frames == 2);
-  CHECK(best.correct == 1);
-  CHECK(best.incorrect == 1);
+  CHECK(count_recognitions(result, truth).best_match == BestMatchCounts{2, 1, 1, 0, 0, 8});
 }
 
 TEST_CASE("a stop counts once if counts are per keyframe") {
@@ -258,13 +245,11 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
   const CountsByKeyframe counts = *count_by_keyframe(result, aligned(0), Confidence::score);
   CHECK(counts.query_keyframes == 5);
   CHECK(counts.train_keyframes == 6);
-  CHECK(counts.recognitions.correct == 1);  // 2 and 2
-  CHECK(counts.recognitions.incorrect ==
-        2);  // 3 to 6 and 8 to 9, three recognitions; 7 to 9 and 8 to 9, two
-  CHECK(counts.recognitions.mixed == 1);  // 3 to 6 and 4 to 7: frames 4 and 4, 4 and 5
-  CHECK(counts.best_match.correct == 1);
-  CHECK(counts.best_match.mixed == 1);
-  CHECK(counts.best_match.incorrect == 3);  // no window ends in the first two keyframes
+  // Correct: 2 and 2. Incorrect: 3 to 6 and 8 to 9, and 7 to 9 and 8 to 9. Mixed: 3 to 6 and 4 to
+  // 7, for frames 4 and 4, and 4 and 5.
+  CHECK(counts.recognitions == KeyframeCounts{1, 2, 1, 0});
+  // No window ends in the first two keyframes.
+  CHECK(counts.best_match == KeyframeCounts{1, 3, 1, 0});
   CHECK(*counts.best_match_rate == Approx((1 + 0.75 + 0) / 5));
 }
 

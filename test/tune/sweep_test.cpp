@@ -1,8 +1,6 @@
 // A sweep's cells equal single queries.
 #include "tune/sweep.h"
 
-#include <numeric>
-
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -15,10 +13,6 @@
 using namespace vpr;
 
 namespace {
-
-std::vector<uint64_t> numbers(const LabelCounts& counts) {
-  return {counts.correct, counts.incorrect, counts.ignored};
-}
 
 SequenceDatabase make_database() {
   SequenceDatabase database = test::make_database(
@@ -74,11 +68,10 @@ Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
     INFO("c_l " << settings.window_length << ", cell " << c);
     CHECK(cell.window == settings.window_length);
     CHECK(cell.threshold == threshold);
-    CHECK(numbers(cell.counts.recognitions) == numbers(alone.recognitions));
-    const std::vector<uint64_t> by_place = numbers(*cell.counts.recognitions_by_place);
-    CHECK(by_place == numbers(*alone.recognitions_by_place));
-    CHECK(std::reduce(by_place.begin(), by_place.end()) == result.recognitions.size());
-    CHECK(numbers(*cell.counts.clusters) == numbers(*alone.clusters));
+    CHECK(cell.counts.recognitions == alone.recognitions);
+    CHECK(cell.counts.recognitions_by_place == alone.recognitions_by_place);
+    CHECK(cell.counts.recognitions_by_place->all() == result.recognitions.size());
+    CHECK(cell.counts.clusters == alone.clusters);
     CHECK(cell.counts.distinct == alone.distinct);
     CHECK(cell.counts.best_match.correct == alone.best_match.correct);
     CHECK(cell.counts.best_match.frames == alone.best_match.frames);
