@@ -45,7 +45,7 @@ struct ScoreSettings {
 };
 
 struct EvaluatedResult {
-  std::shared_ptr<const Result> result;
+  std::shared_ptr<const Result> result;  ///< never null
   Counts counts;
   std::optional<CountsByKeyframe> by_keyframe;  ///< nullopt without keyframes or ground truth
   std::vector<JudgedCluster> clusters;          ///< by index of clusters_of(result)

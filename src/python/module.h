@@ -17,7 +17,7 @@
 #include "evaluate/score_matrix.h"
 #include "files/run_info.h"
 #include "run/train_sequences.h"
-#include "sequence/process_settings.h"
+#include "sequence/frames.h"
 #include "words/database.h"
 
 namespace vpr {

@@ -28,7 +28,7 @@ Evaluation evaluation_of(const std::string& letters) {
     judgment.localization.off_map +=
         !query.has_match && judgment.verdicts[query.frame] == Verdict::incorrect;
   }
-  evaluation.result.emplace();
+  evaluation.result.emplace().result = std::make_shared<const Result>();
   return evaluation;
 }
 
