@@ -10,6 +10,12 @@
 namespace vpr {
 namespace {
 
+// Whether a frame with a match has a correct reference among its K best.
+bool is_found_at(const QueryOutcome& query, size_t k) {
+  if (!query.has_match) return false;
+  return query.verdict == Verdict::correct || (query.rank && *query.rank <= k);
+}
+
 double recall_of(const QueryOutcome& query, size_t k) { return is_found_at(query, k) ? 1 : 0; }
 
 double precision_of(const QueryOutcome& query, size_t k) {

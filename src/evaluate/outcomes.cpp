@@ -29,6 +29,34 @@ size_t keyframe_of(const std::vector<uint32_t>& keyframes, size_t frame) {
   return static_cast<size_t>(std::ranges::upper_bound(keyframes, frame) - keyframes.begin()) - 1;
 }
 
+// One entry per query keyframe.
+Outcomes outcomes_by_keyframe(const Result& result, Outcomes outcomes, const GroundTruth& truth) {
+  const auto& [query_keyframes, train_keyframes] = *result.keyframes;
+  std::vector<QueryOutcome> found(query_keyframes.size());
+  const auto key_of = [&](const QueryOutcome& query) {
+    return confidence_key(query, outcomes.confidence);
+  };
+  for (const QueryOutcome& query : outcomes.queries) {
+    QueryOutcome& one = found[keyframe_of(query_keyframes, query.frame)];
+    const bool has_match = one.has_match || query.has_match;
+    if (query.verdict != Verdict::ignored && key_of(query) < key_of(one)) one = query;
+    one.has_match = has_match;
+  }
+  for (QueryOutcome& one : found) {
+    if (one.verdict != Verdict::incorrect) continue;
+    const std::vector<uint32_t>& starts = train_keyframes[one.best->sequence];
+    const size_t keyframe = keyframe_of(starts, one.best->reference);
+    const size_t end = keyframe + 1 < starts.size()
+                           ? starts[keyframe + 1]
+                           : result.sequences[one.best->sequence].sequence.frames;
+    for (size_t frame = starts[keyframe]; frame < end; ++frame)
+      if (truth.label(one.frame, one.best->sequence, frame) == PlaceLabel::same)
+        one.verdict = Verdict::correct;
+  }
+  outcomes.queries = std::move(found);
+  return outcomes;
+}
+
 }  // namespace
 
 Verdict verdict_of(PlaceLabel label) {
@@ -84,10 +112,6 @@ uint64_t frames_with_match(const Outcomes& outcomes) {
       std::ranges::count(outcomes.queries, true, &QueryOutcome::has_match));
 }
 
-uint64_t tied_queries(const Outcomes& outcomes) {
-  return static_cast<uint64_t>(std::ranges::count(outcomes.queries, true, &QueryOutcome::is_tied));
-}
-
 uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
   if (by == Confidence::score) return query.key;
   return query.margin ? score_key(*query.margin, ScoreOrder::similarity) : kNoScore;
@@ -95,11 +119,6 @@ uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
 
 ScoreOrder confidence_order(const Outcomes& outcomes) {
   return outcomes.confidence == Confidence::score ? outcomes.kind : ScoreOrder::similarity;
-}
-
-bool is_found_at(const QueryOutcome& query, size_t k) {
-  if (!query.has_match) return false;
-  return query.verdict == Verdict::correct || (query.rank && *query.rank <= k);
 }
 
 std::optional<double> BestMatchCounts::rate() const { return share_of(correct, frames); }
@@ -190,33 +209,6 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
     count_clusters(counts, judge_clusters(result, *result.clusters, truth, monitor));
   counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
-}
-
-Outcomes outcomes_by_keyframe(const Result& result, Outcomes outcomes, const GroundTruth& truth) {
-  const auto& [query_keyframes, train_keyframes] = *result.keyframes;
-  std::vector<QueryOutcome> found(query_keyframes.size());
-  const auto key_of = [&](const QueryOutcome& query) {
-    return confidence_key(query, outcomes.confidence);
-  };
-  for (const QueryOutcome& query : outcomes.queries) {
-    QueryOutcome& one = found[keyframe_of(query_keyframes, query.frame)];
-    const bool has_match = one.has_match || query.has_match;
-    if (query.verdict != Verdict::ignored && key_of(query) < key_of(one)) one = query;
-    one.has_match = has_match;
-  }
-  for (QueryOutcome& one : found) {
-    if (one.verdict != Verdict::incorrect) continue;
-    const std::vector<uint32_t>& starts = train_keyframes[one.best->sequence];
-    const size_t keyframe = keyframe_of(starts, one.best->reference);
-    const size_t end = keyframe + 1 < starts.size()
-                           ? starts[keyframe + 1]
-                           : result.sequences[one.best->sequence].sequence.frames;
-    for (size_t frame = starts[keyframe]; frame < end; ++frame)
-      if (truth.label(one.frame, one.best->sequence, frame) == PlaceLabel::same)
-        one.verdict = Verdict::correct;
-  }
-  outcomes.queries = std::move(found);
-  return outcomes;
 }
 
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,

@@ -81,15 +81,10 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 
 /// Number of query frames with a match: the denominator of recall.
 uint64_t frames_with_match(const Outcomes& outcomes);
-/// Number of queries whose best score is shared by two references.
-uint64_t tied_queries(const Outcomes& outcomes);
 
 /// Smaller keys are more confident; kNoScore, which is never accepted, if the value is unknown.
 uint64_t confidence_key(const QueryOutcome& query, Confidence by);
 ScoreOrder confidence_order(const Outcomes& outcomes);
-
-/// Whether a frame with a match has a correct reference among its K best.
-bool is_found_at(const QueryOutcome& query, size_t k);
 
 /// Query frames by the verdict on their best match.
 struct BestMatchCounts {
@@ -174,7 +169,9 @@ struct CountsByKeyframe {
   KeyframeCounts best_match;    ///< query keyframes with a match in the ground truth
   /// Mean over query keyframes of their share of correct best matches; unset without a judged one.
   std::optional<double> best_match_rate;
-  /// Recall at 100 % precision of keyframes (outcomes_by_keyframe); unset if it is not defined.
+  /// Recall at 100 % precision of query keyframes, each with the most confident best match of its
+  /// frames, except ignored ones, which is correct if any frame of its training keyframe is a
+  /// match; unset if it is not defined.
   std::optional<double> recall_at_full_precision;
 };
 
@@ -182,9 +179,5 @@ struct CountsByKeyframe {
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
                                                   Confidence confidence,
                                                   const Monitor& monitor = {});
-
-/// One entry per query keyframe of a result with keyframes: the most confident best match of its
-/// frames, except ignored ones. It is correct if any frame of its training keyframe is a match.
-Outcomes outcomes_by_keyframe(const Result& result, Outcomes outcomes, const GroundTruth& truth);
 
 }  // namespace vpr

@@ -140,7 +140,9 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
   const Outcomes& outcomes = judgment.outcomes;
   ReportedMetrics found;
   found.curves = by_acceptance(judgment, numbers_of);
-  if (outcomes.has_ranks) found.curves.single_best.tied_queries = tied_queries(outcomes);
+  if (outcomes.has_ranks)
+    found.curves.single_best.tied_queries =
+        std::ranges::count(outcomes.queries, true, &QueryOutcome::is_tied);
   if (judgment.all_pairs) {
     found.curves.all_pairs->same_without_score = judgment.all_pairs->same_without_score;
     found.curves.all_pairs->ignored = judgment.all_pairs->ignored;

@@ -205,31 +205,28 @@ Table overview_table(std::span<const Report> reports, const std::string& key) {
                              : "Over all frames with a match";
   table.label = "results";
   table.columns = {key};
-  if (!is_one_query) table.columns.emplace_back("n");
-  const std::vector<MetricAt> metrics = {metric_at("recall_at", 1), metric_at("average_precision"),
-                                         metric_at("recall_at_100_precision")};
-  const size_t first_metric = table.columns.size();
-  for (const MetricAt& metric : metrics) table.columns.push_back(metric.symbol());
-  for (const char* column : {"correct", "incorrect", "first"}) table.columns.emplace_back(column);
-  if (has_pairs) table.columns.emplace_back("pairs incorrect");
-  std::vector<std::vector<std::optional<double>>> values(metrics.size());
-  for (const Report& report : reports) {
-    std::vector<std::string> cells = {report.row_name};
-    if (!is_one_query) cells.push_back(std::to_string(report.counts.best_match.frames));
-    for (size_t m = 0; m < metrics.size(); ++m) {
-      values[m].push_back(value_of(report, metrics[m]));
-      cells.push_back(metric_cell(*metrics[m].metric, values[m].back()));
-    }
-    const Localization& path = report.localization;
-    for (const auto& count : {std::optional(path.correct), std::optional(path.incorrect),
-                              path.first_recognition_frames})
-      cells.push_back(count && !report.is_oracle ? fmt::format("{}", *count) : "-");
-    if (has_pairs) cells.push_back(pairs_cell(report));
-    table.rows.push_back(std::move(cells));
+  for (const Report& report : reports) table.rows.push_back({report.row_name});
+  const auto add = [&](const std::string& column, const auto& cell_of) {
+    table.columns.push_back(column);
+    for (size_t r = 0; r < reports.size(); ++r) table.rows[r].push_back(cell_of(reports[r]));
+  };
+  if (!is_one_query)
+    add("n", [](const Report& one) { return std::to_string(one.counts.best_match.frames); });
+  for (const MetricAt& metric : {metric_at("recall_at", 1), metric_at("average_precision"),
+                                 metric_at("recall_at_100_precision")}) {
+    std::vector<std::optional<double>> values;
+    for (const Report& report : reports) values.push_back(value_of(report, metric));
+    if (is_one_query && reports.size() > 1) mark_best(table, table.columns.size(), values, false);
+    add(metric.symbol(),
+        [&](const Report& one) { return metric_cell(*metric.metric, value_of(one, metric)); });
   }
-  if (is_one_query && reports.size() > 1)
-    for (size_t m = 0; m < metrics.size(); ++m)
-      mark_best(table, first_metric + m, values[m], false);
+  for (const auto& [column, metric] :
+       {std::pair("correct", metric_at("correct")), std::pair("incorrect", metric_at("incorrect")),
+        std::pair("first", metric_at("first_recognition_frames"))})
+    add(column, [at = metric](const Report& one) {
+      return one.is_oracle ? "-" : metric_cell(*at.metric, value_of(one, at));
+    });
+  if (has_pairs) add("pairs incorrect", pairs_cell);
   return table;
 }
 

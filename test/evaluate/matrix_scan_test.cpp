@@ -150,7 +150,7 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   CHECK(best.incorrect == 2);
   CHECK(best.no_answer == 1);
   CHECK(best.without_match == 1);
-  CHECK(tied_queries(found.outcomes) == 1);
+  CHECK(std::ranges::count(found.outcomes.queries, true, &QueryOutcome::is_tied) == 1);
 }
 
 TEST_CASE("a query without a match lowers precision, but is not a positive") {
