@@ -1,6 +1,7 @@
 #include "files/live_lines.h"
 
 #include "base/error.h"
+#include "run/plan.h"
 #include "run/train_sequences.h"
 
 namespace vpr {
@@ -51,7 +52,9 @@ std::optional<DescriptorSet> LiveLines::describe(const LiveFrame& frame,
     if (frame.is_unreadable)
       throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
                   frame.name);
-    return describe_frames(frame.sequence(), database_, false, monitor);
+    DescriptorSet described = describe_frames(frame.sequence(), database_, false, monitor);
+    check_descriptors(database_.descriptors, described.descriptors);
+    return described;
   } catch (const Error& error) {
     if (!skip_unreadable_ || error.kind() != ErrorKind::input) throw;
     warn(monitor, error.what());

@@ -8,6 +8,7 @@
 #include "fabmap/place_query.h"
 #include "files/live_lines.h"
 #include "loops/sequence_query.h"
+#include "present/result_text.h"
 #include "python/module.h"
 #include "run/open.h"
 #include "truth/times.h"
@@ -294,7 +295,12 @@ void add_queries(py::module_& module) {
             return fields_of(result_json(made.result, made.context));
           },
           "The content of the result file, without the checksums of arrays.")
-      .def("__getattr__", array_named);
+      .def("__getattr__", array_named)
+      .def("__repr__", [](const StoredResult& made) {
+        return fmt::format("<vpr.Result: {} of {} frames of {} recognized; {}>",
+                           recognized_windows(made.result), made.result.query.frames,
+                           made.result.query.name, settings_text(made.result));
+      });
   py::class_<Distances, std::shared_ptr<Distances>>(
       module, "Distances",
       "Frame distances of a query to all training frames, computed on request: d[i] is the row of\n"

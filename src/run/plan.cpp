@@ -15,7 +15,6 @@
 #include "truth/times.h"
 
 namespace vpr {
-namespace {
 
 void check_descriptors(const DescriptorStore& trained, const DescriptorStore& queried) {
   const std::string_view name = trained.kind->name;
@@ -31,6 +30,8 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& qu
                     ? "Is the query's array transposed? Rows are frames."
                     : "Describe both alike.");
 }
+
+namespace {
 
 void plan_windows(QueryPlan& plan, const Monitor& monitor) {
   const size_t length = plan.match.window_length;

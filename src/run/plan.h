@@ -56,6 +56,9 @@ struct QueryPlan {
   std::optional<UsedStatistics> statistics;
 };
 
+/// Throws Error(data) for descriptors of different kinds or lengths.
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& queried);
+
 /// Computes automatic thresholds that the database lacks. For a loop query, `database` is
 /// own_database() of the query, and `times_ns` has the non-decreasing times of its frames for a gap
 /// in seconds. Throws Error(usage) for an unknown sequence name, and for a query or training

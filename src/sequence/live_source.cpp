@@ -246,7 +246,7 @@ class GrowingFolder {
 
 SequenceSource LiveFrame::sequence() const {
   if (array) {
-    SequenceArgument descriptor{name, {}};
+    SequenceArgument descriptor{name.empty() ? "frame" : name, {}};
     descriptor.array = array;
     return open_sequence(descriptor);
   }

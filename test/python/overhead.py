@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""overhead.py PROGRAMS [ROUNDS [FRAMES]]: the time of vpr.query on arrays as a ratio to that of vpr-query without
+"""overhead.py PROGRAMS [ROUNDS [FRAMES]]: the time of vpr.query on arrays as a ratio to the time of vpr-query without
 reading its query, on one thread. Runs both in turn and prints medians of pairs. Needs vpr in PYTHONPATH."""
 import json
 import pathlib

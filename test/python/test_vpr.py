@@ -277,6 +277,14 @@ def test_distances_are_those_of_the_descriptors(walks):
         found[200]
 
 
+def test_live_frames_have_the_length_of_the_database(walks):
+    live = vpr.Live(vpr.train(descriptors=walks / "monday.npy"))
+    with pytest.raises(vpr.DataError, match="descriptors of the database have 64 numbers"):
+        live.add(np.ones(5))
+    with pytest.raises(vpr.InputError, match="frame: row 0 is missing"):
+        live.add(np.full(64, np.nan))
+
+
 def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
     db = vpr.train(walks / "monday")
     db.save(tmp_path / "db.vprdb")
