@@ -281,7 +281,7 @@ def test_live_frames_have_the_length_of_the_database(walks):
     live = vpr.Live(vpr.train(descriptors=walks / "monday.npy"))
     with pytest.raises(vpr.DataError, match="descriptors of the database have 64 numbers"):
         live.add(np.ones(5))
-    with pytest.raises(vpr.InputError, match="frame: row 0 is missing"):
+    with pytest.raises(vpr.DataError, match="frame: row 0 is missing"):
         live.add(np.full(64, np.nan))
 
 
