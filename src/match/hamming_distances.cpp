@@ -157,7 +157,7 @@ Projector make_projector(const DescriptorRows& to, std::span<const ComponentValu
     for_each_set_bit(row, [&](size_t bit) {
       for (size_t k = 0; k < kMaxComponents; ++k) values[k] += sums->more_of_bit[bit][k];
     });
-    return values;
+    return ComponentValues(values);  // a copy, so that the sums stay in registers
   };
 }
 
