@@ -57,7 +57,7 @@ struct QueryInputs {
 };
 
 /// Describes the frames like those of the database, or by the settings, or opens the scores. Adds
-/// paths and fingerprints to the context. Throws as describe_query, describe_own, require_order,
+/// paths and fingerprints to the context. Throws as describe_query, describe_frames, require_order,
 /// parse_named_range and matrix_query do, Error(usage) for frames whose names are not times, and
 /// Error(data) for another number of times than frames.
 QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,

@@ -102,7 +102,8 @@ NextPlace next_place(const PathTrack& track, const FilterState& state, size_t be
 
 // Adds the next keyframe without its frame, distance and margin.
 void add_place(PathTrack& track, const FilterState& state, const NextPlace& next) {
-  PathKeyframe added{0, next.cell, state.values[next.cell], 0, track.paths + 1, 1, 0};
+  PathKeyframe added{
+      .cell = next.cell, .value = state.values[next.cell], .path = track.paths + 1, .length = 1};
   if (next.from != nullptr) {
     if (next.is_in_pass) added.path = next.from->path;
     added.length = next.from->length + next.age;
@@ -162,7 +163,8 @@ bool is_plausible(const PathTrack& track) {
 
 void trace_back(PathTrack& track, const FilterState& state) {
   size_t cell = track.recent.back().cell;
-  for (size_t k = 1; k < open_keyframes(track) + 1 && k < path_size(track); ++k) {
+  const size_t count = std::min(open_keyframes(track), path_size(track) - 1);
+  for (size_t k = 1; k <= count; ++k) {
     const std::vector<uint32_t>& values = state.earlier[k - 1];
     cell = place_before(values, cell);
     PathKeyframe& keyframe = track.recent[track.recent.size() - 1 - k];

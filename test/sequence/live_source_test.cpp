@@ -56,6 +56,12 @@ SequenceArgument argument(const std::string& range = "") {
   return parse_sequence_argument("camera" + range);
 }
 
+// The bytes of an image; the hidden file that it writes is not a frame.
+std::string image_bytes(const TemporaryFolder& folder) {
+  write_image(folder / ".whole.png", 1);
+  return read_text(folder / ".whole.png");
+}
+
 std::vector<std::string> names_of(const LiveSource& source, size_t most) {
   std::vector<std::string> names;
   while (names.size() < most) {
@@ -174,8 +180,7 @@ TEST_CASE("images arrive in natural order, as soon as they are renamed into a fo
 TEST_CASE("an unfinished file is awaited") {
   const TemporaryFolder folder;
   const LiveSource growing = follow_folder(folder.path(), 1h);
-  write_image(folder / ".whole.png", 1);
-  const std::string image = read_text(folder / ".whole.png");
+  const std::string image = image_bytes(folder);
   std::ofstream file(folder / "1.png", std::ios::binary);
   file << image.substr(0, 50) << std::flush;
   auto next = std::async(std::launch::async, [&] { return fs::file_size(next_file(growing)); });
@@ -186,8 +191,7 @@ TEST_CASE("an unfinished file is awaited") {
 
 TEST_CASE("an image whose writer pauses is awaited, and a warning names it once") {
   const TemporaryFolder folder;
-  write_image(folder / ".whole.png", 1);
-  const std::string image = read_text(folder / ".whole.png");
+  const std::string image = image_bytes(folder);
   const bool is_closed = GENERATE(false, true);  // between the parts
   const LiveSource growing = follow_folder(folder.path(), 0ms);
   std::ofstream file(folder / "1.png", std::ios::binary);
@@ -213,8 +217,7 @@ TEST_CASE("an image whose writer pauses is awaited, and a warning names it once"
 TEST_CASE("later images wait for an incomplete one, for a bounded time") {
   const TemporaryFolder folder;
   const LiveSource growing = follow_folder(folder.path(), 50ms);
-  write_image(folder / ".whole.png", 1);
-  const std::string image = read_text(folder / ".whole.png");
+  const std::string image = image_bytes(folder);
   std::ofstream file(folder / "1.png", std::ios::binary);
   file << image.substr(0, 50) << std::flush;
   put(folder.path(), "2.png");
