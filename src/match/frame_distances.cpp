@@ -1,5 +1,6 @@
 #include "match/frame_distances.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 

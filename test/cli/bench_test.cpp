@@ -1,5 +1,4 @@
 // vpr-bench on small inputs.
-
 #include <catch2/catch.hpp>
 
 #include "cli/world.h"

@@ -22,8 +22,9 @@ def run(*command, status=0, seconds=60.0, megabytes=1000, interrupt_after=None, 
     """Runs a program, checks exit code, processor time and memory, and returns what it prints."""
     with tempfile.TemporaryFile() as printed:
         started = time.monotonic()
-        child = subprocess.Popen([*prefix, programs / command[0], *map(os.fspath, map(text_of, command[1:]))],
-                                 stdout=printed, stderr=subprocess.STDOUT, **surroundings)
+        words = [word if isinstance(word, (bytes, os.PathLike)) else str(word) for word in command[1:]]
+        child = subprocess.Popen([*prefix, programs / command[0], *words], stdout=printed, stderr=subprocess.STDOUT,
+                                 **surroundings)
         if interrupt_after is not None:
             time.sleep(interrupt_after)
             os.kill(child.pid, signal.SIGINT)
@@ -39,10 +40,6 @@ def run(*command, status=0, seconds=60.0, megabytes=1000, interrupt_after=None, 
     if child.returncode not in allowed or elapsed > seconds or memory > megabytes:
         sys.exit(f"limits: {command}: exit code {child.returncode}, {elapsed:.1f} s, {memory:.0f} MB\n{text[-2000:]}")
     return text, f"{elapsed:.2f} s, {memory:.0f} MB"
-
-
-def text_of(word):
-    return word if isinstance(word, (bytes, os.PathLike)) else str(word)
 
 
 def write_codes(file, frames):

@@ -151,10 +151,8 @@ TEST_CASE("vpr-tune sweeps margins, and its recommendation is a query's settings
   CHECK_FALSE(json["cells"][0].contains("t_r"));
   const Json config = Json::parse(read_text("best.json"));
   CHECK(config["decide"] == "margin");
-  CHECK(
-      printed_json(
-          "vpr-query db.vprdb --query query --config best.json --json")["totals"]["recognitions"] >
-      0);
+  const Json found = printed_json("vpr-query db.vprdb --query query --config best.json --json");
+  CHECK(found["totals"]["recognitions"] > 0);
 }
 
 TEST_CASE("a fused query reports its FAB-MAP database") {

@@ -1,5 +1,6 @@
 // vpr-tune on a small world.
 #include <algorithm>
+#include <map>
 
 #include <catch2/catch.hpp>
 
@@ -26,22 +27,14 @@ Json query_with(const std::string& config) {
   return printed_json("vpr-eval r.json --ground-truth $truth --json");
 }
 
-// A query of a data set.
-Json query_of(const std::string& name, const std::string& truth) {
-  return {{"name", name},
-          {"sequence", world().walk(name)},
-          {"ground_truth", {{"format", "pairs"}, {"path", truth}}}};
-}
-
-// A result on a terminal: at most 12 lines of 80 columns, except lines that are a single word.
-void check_terminal(const std::string& text, size_t most_lines = 12) {
-  INFO(text);
-  const Words lines = lines_of(text);
-  CHECK(lines.size() <= most_lines);
-  for (const std::string& line : lines) {
-    const size_t word = line.find_first_not_of(' ');
-    CHECK((line.size() <= 80 || line.find(' ', word) == line.rfind(" \\")));
-  }
+// A data set of queries with their ground truths.
+void write_dataset(const std::string& path, const std::map<std::string, std::string>& truths) {
+  Json queries;
+  for (const auto& [name, truth] : truths)
+    queries.push_back({{"name", name},
+                       {"sequence", world().walk(name)},
+                       {"ground_truth", {{"format", "pairs"}, {"path", truth}}}});
+  write_text(path, Json{{"schema", "vpr.dataset/3"}, {"name", path}, {"queries", queries}}.dump());
 }
 
 // The words of the command at the end of a text, without the quotes of a shell.
@@ -80,7 +73,7 @@ TEST_CASE("the choice has the frames of vpr-query and vpr-eval with the printed 
   for (const Json& one : tuning["trials"])
     if (one["incorrect"] == 0) CHECK(one["correct"] <= chosen["correct"]);
   CHECK(tuning["settings"] == chosen["settings"]);
-  check_terminal(run_ok(kTrial).out);
+  check_screen(run_ok(kTrial).out);
 }
 
 TEST_CASE("the choice is a configuration") {
@@ -115,7 +108,7 @@ TEST_CASE("FAB-MAP is tried with its database") {
 }
 
 TEST_CASE("a sweep fits a terminal, and commands repeat the selection of frames") {
-  check_terminal(run_ok(kGrid + "--speed 2").out, 12 + 5);
+  check_screen(run_ok(kGrid + "--speed 2").out, 12 + 5);
   CHECK(has(run_ok(kTrial + "--speed 2").out, "--speed 2"));
 }
 
@@ -160,10 +153,7 @@ TEST_CASE("lists and ranges of vpr-tune name every value once") {
 
 TEST_CASE("a batch of data sets is written completely or not at all, next to other files") {
   for (const std::string name : {"back", "again"})
-    write_text(name + ".json", Json{{"schema", "vpr.dataset/3"},
-                                    {"name", name},
-                                    {"queries", {query_of(name, name + ".csv")}}}
-                                   .dump());
+    write_dataset(name + ".json", {{name, name + ".csv"}});
   const std::string tune =
       "vpr-tune fastable $db --dataset back.json --dataset again.json --c-l 5,10 --t-r 0.3,0.4 "
       "-o s.json";
@@ -185,7 +175,7 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts i
   const auto plain = run_ok(kFastable);
   CHECK_FALSE(has(plain.out, "accepted pairs by t_r and c_l"));
   CHECK(plain.out.starts_with("back: best t_r of each c_l, over "));
-  check_terminal(plain.out, 12 + 5);  // 5 window lengths
+  check_screen(plain.out, 12 + 5);  // 5 window lengths
   CHECK(has(run_ok(kFastable + "-v").out, "accepted pairs by t_r and c_l (* recommended)"));
   CHECK(has(plain.out, "vpr-query " + world().database()));
   const auto saved = run_ok(kFastable + "--save-config c.json -o s.json");
@@ -228,10 +218,7 @@ TEST_CASE("FAB-MAP has a default grid and a configuration as well") {
 }
 
 TEST_CASE("the validation may be another query of the data set, selected by name") {
-  const Json queries = {query_of("back", world().truth("back")),
-                        query_of("again", world().truth("again"))};
-  write_text("d.json",
-             Json{{"schema", "vpr.dataset/3"}, {"name", "both"}, {"queries", queries}}.dump());
+  write_dataset("d.json", {{"back", world().truth("back")}, {"again", world().truth("again")}});
   const std::string tune = "vpr-tune fastable $db --dataset d.json --query back ";
   const auto outcome = run_ok(tune + "--validate again");
   CHECK(has(outcome.out, "On again: "));

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "cli/building.h"
 
 namespace vpr::test {
@@ -61,11 +62,8 @@ Words images_of(const std::filesystem::path& walk) {
 }
 
 Words lines_of(const std::string& text) {
-  Words lines;
-  for (size_t begin = 0, end = 0; (end = text.find('\n', begin)) != std::string::npos;
-       begin = end + 1)
-    lines.push_back(text.substr(begin, end - begin));
-  return lines;
+  const auto lines = split_lines(text);
+  return {lines.begin(), lines.end()};
 }
 
 void start_with(void (*make)()) {
@@ -126,6 +124,16 @@ Json printed_json(const std::string& command) { return printed_json(run(command)
 Json comparable(Json json) {
   for (const char* part : {"machine", "timing"}) json.erase(part);
   return json;
+}
+
+void check_screen(const std::string& text, size_t most_lines) {
+  INFO(text);
+  const Words lines = lines_of(text);
+  CHECK(lines.size() <= most_lines);
+  for (const std::string& line : lines) {
+    const size_t word = line.find_first_not_of(' ');
+    CHECK((line.size() <= 80 || line.find(' ', word) == line.rfind(" \\")));
+  }
 }
 
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word) {

@@ -59,6 +59,9 @@ Json printed_json(const std::string& command);
 /// The parts that are equal in two runs: without machine and timing.
 Json comparable(Json json);
 
+/// Requires at most `most_lines` lines of 80 columns, except lines that are a single word.
+void check_screen(const std::string& text, size_t most_lines = 12);
+
 /// Requires `exit_code` and one sentence on standard error that contains `word`. Command lines must
 /// print nothing on standard output.
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word);
