@@ -1,3 +1,4 @@
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "match/filter.h"
 
 #include <algorithm>
@@ -6,12 +7,95 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <vector>
 
 #include "base/error.h"
 #include "base/exponentials.h"
 #include "base/parallel.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "match/filter.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#ifndef VPR_FILTER_ONCE
+#define VPR_FILTER_ONCE
 namespace vpr {
+namespace {
+
+/// A mass per rate and cell.
+using RateMasses = std::array<std::vector<float>, kRateCount>;
+
+/// The constants of one step, equal for all cells.
+struct FilterStep {
+  /// By rate and step: its probability, times the normalization of masses.
+  std::array<std::array<float, kSteps>, kRateCount> weights;
+  std::array<float, kRateCount> entering;  ///< mass of the paths that begin at each cell
+  std::array<float, kRateCount> change;    ///< share of a cell's mass that changes to the rate
+  float stay = 0;                          ///< share of a rate's mass that stays with it
+};
+
+}  // namespace
+}  // namespace vpr
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace vpr {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A vector with one cell per lane of the tag.
+template <class Tag>
+HWY_INLINE void StepCells(Tag d, const FilterStep& step, const float* likelihoods,
+                          const RateMasses& before, RateMasses& after, float* masses, size_t cell) {
+  const auto likelihood = hn::LoadU(d, likelihoods + cell);
+  hn::Vec<Tag> fresh[kRateCount];
+  for (size_t r = 0; r < kRateCount; ++r) {
+    const float* from = before[r].data() + cell - kFirstSteps[r];
+    auto sum = hn::Mul(hn::Set(d, step.weights[r][0]), hn::LoadU(d, from));
+    sum = hn::Add(sum, hn::Mul(hn::Set(d, step.weights[r][1]), hn::LoadU(d, from - 1)));
+    sum = hn::Add(sum, hn::Mul(hn::Set(d, step.weights[r][2]), hn::LoadU(d, from - 2)));
+    fresh[r] = hn::Mul(likelihood, hn::Add(sum, hn::Set(d, step.entering[r])));
+  }
+  auto mass = fresh[0];
+  for (size_t r = 1; r < kRateCount; ++r) mass = hn::Add(mass, fresh[r]);
+  hn::StoreU(mass, d, masses + cell);
+  const auto stay = hn::Set(d, step.stay);
+  for (size_t r = 0; r < kRateCount; ++r)
+    hn::StoreU(hn::Add(hn::Mul(stay, fresh[r]), hn::Mul(hn::Set(d, step.change[r]), mass)), d,
+               after[r].data() + cell);
+}
+
+// For cells [first, first + count) and every rate r, with s = kFirstSteps[r]:
+//   new(r) = likelihood * (((w0 * before(cell - s) + w1 * before(cell - s - 1)) +
+//            w2 * before(cell - s - 2)) + entering)
+// mass = the sum of new(r), in the order of rates, and after(r) = stay * new(r) + change * mass.
+// Single operations, never fused: all targets give the same bits. Reads the kLongestStep cells
+// before `first`; arrays must not overlap.
+void Step(const FilterStep& step, const float* likelihoods, const RateMasses& before,
+          RateMasses& after, float* masses, size_t first, size_t count) {
+  const hn::ScalableTag<float> many;
+  const hn::CappedTag<float, 1> one;
+  const size_t lanes = hn::Lanes(many);
+  const size_t end = first + count;
+  size_t cell = first;
+  for (; cell + lanes <= end; cell += lanes)
+    StepCells(many, step, likelihoods, before, after, masses, cell);
+  for (; cell < end; ++cell) StepCells(one, step, likelihoods, before, after, masses, cell);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace vpr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace vpr {
+
+HWY_EXPORT(Step);
 
 namespace {
 
@@ -23,7 +107,7 @@ constexpr uint32_t kMantissaShift = 13;  // the upper 10 of a float's 23 mantiss
 constexpr uint32_t kFraction = 256;      // units of logarithms per unit of values
 constexpr double kMostMass = 2980.9579870417283;  // exp(kMostEvidence)
 
-constexpr std::array<FilterRate, kRates> kFilterRates = {{
+constexpr std::array<FilterRate, kRateCount> kFilterRates = {{
     {0.05, {1, 0, 0}},
     {0.06, {0.5, 0.5, 0}},
     {0.1, {0.34, 0.65, 0.01}},
@@ -82,7 +166,7 @@ void find_likelihoods(FilterState& state, std::span<const uint16_t> scores, size
 
 FilterStep next_step(const FilterState& state) {
   FilterStep step;
-  for (size_t r = 0; r < kRates; ++r) {
+  for (size_t r = 0; r < kRateCount; ++r) {
     const FilterRate& rate = kFilterRates[r];
     for (size_t k = 0; k < kSteps; ++k)
       step.weights[r][k] = static_cast<float>(rate.steps[k] * state.kept);
@@ -129,7 +213,7 @@ void find_values(FilterState& state) {
 
 }  // namespace
 
-const std::array<FilterRate, kRates>& filter_rates() { return kFilterRates; }
+const std::array<FilterRate, kRateCount>& filter_rates() { return kFilterRates; }
 
 void check_filter(const FilterSettings& settings) {
   require_range("filter.start_weight", settings.start_weight, 0, 1e6);
@@ -142,7 +226,6 @@ FilterState start_filter(const FrameDistances& distances, const FilterSettings& 
                          double least_change) {
   check_filter(settings);
   FilterState state;
-  state.kernels = select_filter_kernels();
   state.likelihood_of = likelihood_table();
   const double octave = kScoreUnit * kFraction / kSharpness;
   for (uint32_t m = 0; m < kMantissas; ++m)
@@ -150,7 +233,7 @@ FilterState start_filter(const FrameDistances& distances, const FilterSettings& 
         static_cast<uint32_t>(std::lround(octave * natural_logarithm(1 + (m + 0.5) / kMantissas))));
   state.octave = static_cast<uint32_t>(std::lround(octave * natural_logarithm(2)));
   state.cells = find_cells(distances, least_change);
-  for (size_t r = 0; r < kRates; ++r) {
+  for (size_t r = 0; r < kRateCount; ++r) {
     state.before[r].assign(state.cells.size(), 0);
     state.after[r].assign(state.cells.size(), 0);
   }
@@ -169,17 +252,12 @@ void restart_filter(FilterState& state) {
 void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
   if (state.cells.places == 0) return;
   const FilterStep step = next_step(state);
-  ConstRateArrays before;
-  RateArrays after;
-  for (size_t r = 0; r < kRates; ++r) {
-    before[r] = state.before[r].data();
-    after[r] = state.after[r].data();
-  }
   std::vector<float> largest(state.cells.size() / kChunkCells + 1);
   for_chunks(state.cells.size(), [&](size_t chunk, size_t first, size_t last) {
     find_likelihoods(state, scores, first, last);
-    state.kernels.step(step, state.likelihoods.data(), before, after, state.masses.data(), first,
-                       last - first);
+    HWY_DYNAMIC_DISPATCH(Step)
+    (step, state.likelihoods.data(), state.before, state.after, state.masses.data(), first,
+     last - first);
     largest[chunk] = largest_mass(state, first, last);
   });
   std::swap(state.before, state.after);
@@ -282,3 +360,5 @@ size_t keyframe_end(const FilterCells& cells, const CellStretch& run, size_t cel
 }
 
 }  // namespace vpr
+
+#endif  // HWY_ONCE

@@ -8,12 +8,17 @@
 #include <span>
 #include <vector>
 
-#include "match/filter_kernels.h"
-#include "match/filter_settings.h"
-#include "match/frame_distances.h"
+#include "match/match.h"
 #include "match/score_kernels.h"
 
 namespace vpr {
+
+/// Training keyframes per query keyframe: 0, 1/2, 2/3, 1, 3/2, 2.
+inline constexpr size_t kRateCount = 6;
+
+/// The number of steps of a rate, beginning with the shortest one.
+inline constexpr size_t kSteps = 3;
+inline constexpr std::array<size_t, kRateCount> kFirstSteps = {0, 0, 0, 0, 1, 1};
 
 /// The longest step of the filter: this number of cells before a run are not places, so that no
 /// mass enters from there.
@@ -90,7 +95,7 @@ struct FilterRate {
   double prior = 0;
   std::array<double, kSteps> steps = {};
 };
-const std::array<FilterRate, kRates>& filter_rates();
+const std::array<FilterRate, kRateCount>& filter_rates();
 
 /// The model: a place supports a path by kSharpness * (kUnrelated - z), in nats. A path keeps its
 /// rate for a keyframe with probability 1 - kRateChange. kMostEvidence bounds the evidence of a
@@ -106,14 +111,13 @@ inline constexpr double kMostEvidence = 8;
 /// earlier values.
 struct FilterState {
   FilterCells cells;
-  FilterKernels kernels;
   std::vector<float> likelihood_of;  ///< by score / kScoresPerLikelihood
   std::vector<uint32_t> logarithms;  ///< of mantissas, in units of values / 256
   uint32_t octave = 0;               ///< logarithm of 2, in the same units
 
   std::vector<float> likelihoods;  ///< of the keyframe; 0 for a cell that is not a place
-  std::array<std::vector<float>, kRates> before;  ///< by rate: after changes of the rate
-  std::array<std::vector<float>, kRates> after;
+  std::array<std::vector<float>, kRateCount> before;  ///< by rate: after changes of the rate
+  std::array<std::vector<float>, kRateCount> after;
   std::vector<float> masses;                          ///< of every cell, summed over rates
   size_t known = std::numeric_limits<size_t>::max();  ///< trained cells from here on have no mass
   double kept = 1;               ///< factor of all masses: no evidence exceeds kMostEvidence

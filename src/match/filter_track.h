@@ -1,4 +1,5 @@
-// The path of the best places, traced back. The window stage of the filter.
+// The path of the best places, traced back. The window stage of the filter, and the places that
+// training sequences pass several times, by the same rule.
 #pragma once
 
 #include <deque>
@@ -86,5 +87,15 @@ size_t position_at(const FilterCells& cells, const PathKeyframe& keyframe, size_
 /// training keyframe, and 6 per training frame. Threads share long databases.
 WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings);
+
+/// The training sequences as queries of their own past, one after the other: keyframes at least 32
+/// keyframes earlier, and all earlier sequences. A keyframe that the filter recognizes by
+/// `least_margin`, in units of PathTrack, is another pass through its match; keyframes between two
+/// such ones at most 32 apart are too if their matches fit. Earlier passes do not compete with each
+/// other. Increasing by frame. None for more than 2^32 pairs of frames. `statistics`: of the
+/// training frames, with components. Throws Error(interrupted) on a stop.
+std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
+                                       const TrainStatistics& statistics, uint32_t least_margin,
+                                       const RowKernels& kernels, const Monitor& monitor);
 
 }  // namespace vpr

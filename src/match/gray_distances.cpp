@@ -59,12 +59,6 @@ void Tile(std::span<const uint8_t* const> queries, const uint8_t* rows, size_t r
 }
 
 }  // namespace
-
-using GrayKernel = void (*)(std::span<const uint8_t* const> queries, const uint8_t* rows,
-                            size_t row_count, size_t length, uint32_t* out);
-
-GrayKernel Grays() { return Tile; }
-
 }  // namespace HWY_NAMESPACE
 }  // namespace vpr
 HWY_AFTER_NAMESPACE();
@@ -73,7 +67,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace vpr {
 
-HWY_EXPORT(Grays);
+HWY_EXPORT(Tile);
 
 namespace {
 
@@ -109,7 +103,6 @@ OfLevel<T> differences_to(const OfLevel<T>& weights) {
 /// Training frames in the format of the kernel.
 struct Training {
   std::vector<DescribedFrames> sequences;
-  HWY_NAMESPACE::GrayKernel kernel = nullptr;
   size_t length = 0;
   size_t padded_length = 0;
   std::vector<uint8_t> rows;  ///< padded
@@ -136,8 +129,9 @@ void fill_tile(const Training& training, const std::vector<uint8_t>& images,
   std::vector<uint32_t> sums(queries.size() * kPart);
   for (size_t part = first; part < last; part += kPart) {
     const size_t count = std::min(kPart, last - part);
-    training.kernel(vectors, training.rows.data() + part * training.padded_length, count,
-                    training.padded_length, sums.data());
+    HWY_DYNAMIC_DISPATCH(Tile)
+    (vectors, training.rows.data() + part * training.padded_length, count, training.padded_length,
+     sums.data());
     for (size_t t = 0; t < queries.size(); ++t)
       for (size_t i = 0; i < count; ++i)
         out[t * stride + (part - first) + i] =
@@ -164,7 +158,6 @@ uint64_t row_total(Training& training, DescriptorRow row) {
 PreparedTraining prepare(std::span<const DescribedFrames> train, const DescriptorShape& shape) {
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
-  training->kernel = HWY_DYNAMIC_DISPATCH(Grays)();
   training->length = shape.length;
   training->padded_length = round_up(shape.length, kPadding);
   for (const DescribedFrames& sequence : train)

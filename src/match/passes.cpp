@@ -1,5 +1,4 @@
-#include "match/passes.h"
-
+// Places that the training sequences pass several times.
 #include <algorithm>
 #include <numeric>
 #include <optional>

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/passes.h"
+#include "match/filter_track.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
 

@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "match/fastable.h"
-#include "match/filter_settings.h"
 #include "match/fusion.h"
 #include "match/lsh.h"
 #include "match/match.h"

@@ -13,7 +13,6 @@
 
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
-#include "match/filter_settings.h"
 #include "match/match.h"
 #include "match/zscores.h"
 #include "settings/scores.h"

@@ -74,7 +74,7 @@ struct AllPaths {
   std::vector<Stay> stays() const {
     std::vector<Stay> all;
     for (size_t place = 0; place < places; ++place)
-      for (size_t rate = 0; rate < kRates; ++rate) all.push_back({place, rate});
+      for (size_t rate = 0; rate < kRateCount; ++rate) all.push_back({place, rate});
     return all;
   }
 

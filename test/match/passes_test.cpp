@@ -1,6 +1,4 @@
 // Repeated places of training sequences, and queries of such sequences.
-#include "match/passes.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -9,6 +7,7 @@
 #include "examples.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
+#include "match/filter_track.h"
 #include "match/match.h"
 #include "match/score_kernels.h"
 #include "match/zscores.h"

@@ -141,15 +141,15 @@ void lead(std::vector<Led>& led, size_t paths, const FilterCells& cells,
 
 ReferenceFilter start_reference_filter(const FilterCells& cells) {
   ReferenceFilter filter{cells, {}, std::vector<double>(cells.size(), 0)};
-  filter.rates.assign(kRates, std::vector<double>(cells.size(), 0));
+  filter.rates.assign(kRateCount, std::vector<double>(cells.size(), 0));
   return filter;
 }
 
 void advance_reference_filter(ReferenceFilter& filter, std::span<const uint16_t> scores) {
-  std::vector<std::vector<double>> next(kRates, std::vector<double>(filter.cells.size(), 0));
+  std::vector<std::vector<double>> next(kRateCount, std::vector<double>(filter.cells.size(), 0));
   for (const CellStretch& run : filter.cells.runs)
     for (size_t cell = run.first; cell < run.first + run.count; ++cell)
-      for (size_t rate = 0; rate < kRates; ++rate)
+      for (size_t rate = 0; rate < kRateCount; ++rate)
         next[rate][cell] = likelihood(scores[filter.cells.frames[cell]]) *
                            (stepped(filter, run, rate, cell) + filter_rates()[rate].prior);
   filter.rates = std::move(next);
