@@ -123,12 +123,12 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
   const size_t length = example.settings.window_length;
   const DescriptorRows& queries = example.distances.query.rows;
   const Stopwatch watch;
-  const LshIndex index(example.distances.train, length, example.settings.lsh, example.settings.seed,
-                       monitor);
+  const LshSearch find = make_lsh_search(example.distances.train, length, example.settings.lsh,
+                                         example.settings.seed, monitor);
   row.values.emplace_back("build_s", watch.elapsed_s());
   size_t window = 0;
   const auto find_next = [&] {
-    index.find(queries[window].data());
+    find(queries[window].data());
     window = (window + 1) % example.rows();
   };
   row.time = time_repeatedly(effort, find_next, monitor);
@@ -137,9 +137,8 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
   const auto exact = scan.result().best;
   size_t found = 0;
   for (size_t w = 0; w < example.rows(); ++w)
-    found += std::ranges::any_of(index.find(queries[w].data()), [&](const LshCandidate& candidate) {
-      return candidate.distance == exact[w]->score;
-    });
+    found += std::ranges::any_of(find(queries[w].data()),
+                                 [&](const Cell& cell) { return cell.score == exact[w]->score; });
   row.values.emplace_back("recall",
                           static_cast<double>(found) / static_cast<double>(example.rows()));
 }

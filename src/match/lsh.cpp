@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <memory>
 
 #include <opencv2/core/hal/hal.hpp>
 #include <opencv2/flann.hpp>
@@ -44,27 +45,8 @@ uint64_t key_bits(const LshSettings& settings, size_t windows) {
   return std::clamp<uint64_t>(std::bit_width(windows) + 2, 4, kMostKeyBits);
 }
 
-/// Rows one after the other: windows are strings of bits.
-struct PackedRows {
-  std::vector<std::vector<uint8_t>> bytes;
-  std::vector<DescribedFrames> frames;
-
-  explicit PackedRows(std::span<const DescribedFrames> sequences)
-      : frames(sequences.begin(), sequences.end()) {
-    for (DescribedFrames& sequence : frames) {
-      std::vector<uint8_t>& packed = bytes.emplace_back();
-      for (size_t i = 0; i < sequence.rows.size(); ++i)
-        packed.insert(packed.end(), sequence.rows[i].begin(), sequence.rows[i].end());
-      sequence.rows = {sequence.rows.shape, packed};
-    }
-  }
-  PackedRows(const PackedRows&) = delete;
-  PackedRows& operator=(const PackedRows&) = delete;
-};
-
-}  // namespace
-
-struct LshIndex::Tables {
+/// The tables of one run of frames.
+struct Tables {
   FrameStretch run;
   cvflann::LshIndex<WindowHamming> index;
 
@@ -82,52 +64,60 @@ struct LshIndex::Tables {
                   static_cast<int>(settings.probe_level))) {}
 };
 
-LshIndex::LshIndex(std::span<const DescribedFrames> train, size_t window_length,
-                   const LshSettings& settings, uint64_t seed, const Monitor& monitor) {
+// Frames whose rows are one after the other, in `bytes`: windows are strings of bits.
+DescribedFrames packed(DescribedFrames frames, std::vector<uint8_t>& bytes) {
+  for (size_t i = 0; i < frames.rows.size(); ++i)
+    bytes.insert(bytes.end(), frames.rows[i].begin(), frames.rows[i].end());
+  frames.rows = {frames.rows.shape, bytes};
+  return frames;
+}
+
+}  // namespace
+
+LshSearch make_lsh_search(std::span<const DescribedFrames> train, size_t window_length,
+                          const LshSettings& settings, uint64_t seed, const Monitor& monitor) {
   require_range("lsh.tables", static_cast<double>(settings.tables), 1, 256);
   require_range("lsh.key_bits", static_cast<double>(settings.key_bits), 0, kMostKeyBits);
   require_range("lsh.probe_level", static_cast<double>(settings.probe_level), 0, 4);
+  std::vector<std::shared_ptr<Tables>> by_run;
   for (const FrameStretch& run : readable_runs(train))
     if (run.windows(window_length) > 0)
-      tables_.push_back(
-          std::make_unique<Tables>(run, train[run.sequence].rows, window_length, settings));
-  StepCounter counter(monitor, "index", tables_.size());
-  parallel_for(tables_.size(), monitor, [&](size_t i) {
+      by_run.push_back(
+          std::make_shared<Tables>(run, train[run.sequence].rows, window_length, settings));
+  StepCounter counter(monitor, "index", by_run.size());
+  parallel_for(by_run.size(), monitor, [&](size_t i) {
     cv::setRNGSeed(static_cast<int>(seed + i));  // of this thread
-    tables_[i]->index.buildIndex();
+    by_run[i]->index.buildIndex();
     counter.add();
   });
-}
-
-LshIndex::~LshIndex() = default;
-
-std::vector<LshCandidate> LshIndex::find(const uint8_t* window) const {
-  std::vector<LshCandidate> candidates;
-  for (const auto& tables : tables_) {
-    Collector collector;
-    tables->index.findNeighbors(collector, window, cvflann::SearchParams());
-    auto& found = collector.found;
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    for (const auto& [index, distance] : found)
-      candidates.push_back(
-          {static_cast<uint32_t>(tables->run.sequence),
-           static_cast<uint32_t>(tables->run.first_in_sequence + static_cast<size_t>(index)),
-           static_cast<uint32_t>(distance)});
-  }
-  return candidates;
+  return [by_run](const uint8_t* window) {
+    std::vector<Cell> cells;
+    for (const auto& tables : by_run) {
+      Collector collector;
+      tables->index.findNeighbors(collector, window, cvflann::SearchParams());
+      auto& found = collector.found;
+      std::sort(found.begin(), found.end());
+      found.erase(std::unique(found.begin(), found.end()), found.end());
+      const FrameStretch& run = tables->run;
+      for (const auto& [index, distance] : found)
+        cells.push_back({0, static_cast<uint32_t>(run.sequence),
+                         static_cast<uint32_t>(run.first_in_sequence + static_cast<size_t>(index)),
+                         static_cast<uint32_t>(distance)});
+    }
+    return cells;
+  };
 }
 
 void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume) {
   const DescriptorRows& query = distances.query.rows;
   if (query.stride != query.shape.row_bytes()) {
-    const PackedRows query_rows({&distances.query, 1});
-    const PackedRows train_rows(distances.train);
-    FrameDistances packed = distances;
-    packed.query = query_rows.frames.front();
-    packed.train = train_rows.frames;
-    return match_lsh(packed, settings, monitor, consume);
+    FrameDistances contiguous = distances;
+    std::vector<std::vector<uint8_t>> bytes(distances.train.size() + 1);
+    contiguous.query = packed(distances.query, bytes.back());
+    for (size_t t = 0; t < distances.train.size(); ++t)
+      contiguous.train[t] = packed(distances.train[t], bytes[t]);
+    return match_lsh(contiguous, settings, monitor, consume);
   }
   if (query.shape.element != ElementType::bits || distances.is_in_order())
     throw Error(ErrorKind::usage, "lsh needs raw distances of binary descriptors; use fastable");
@@ -135,13 +125,13 @@ void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
   std::vector<DescribedFrames> searched(distances.train.size());
   for (const FrameStretch& run : distances.train_runs)
     searched[run.sequence] = distances.train[run.sequence];
-  const LshIndex index(searched, length, settings.lsh, settings.seed, monitor);
+  const LshSearch find = make_lsh_search(searched, length, settings.lsh, settings.seed, monitor);
   StepCounter counter(monitor, "match", distances.query_frames);
   parallel_for(distances.query_frames, monitor, [&](size_t query_end) {
     if (ends_window(distances, length, query_end)) {
       const size_t window = query_end + 1 - length;
-      for (const LshCandidate& candidate : index.find(query[window].data()))
-        consume({window, candidate.sequence, candidate.train_window, {&candidate.distance, 1}});
+      for (const Cell& cell : find(query[window].data()))
+        consume({window, cell.sequence, cell.train_window, {&cell.score, 1}});
     }
     counter.add();
   });
