@@ -8,20 +8,24 @@ namespace vpr {
 
 namespace {
 
-/// Recognitions of one query window: [begin, end).
+/// Recognitions of one query window in one training sequence: [begin, end).
 struct Row {
+  uint32_t sequence = 0;
   uint32_t query = 0;
   size_t begin = 0;
   size_t end = 0;
 };
 
+// By sequence, then query window.
 std::vector<Row> find_rows(std::span<const Match> recognitions) {
   std::vector<Row> rows;
   for (size_t i = 0; i < recognitions.size(); ++i) {
-    if (rows.empty() || rows.back().query != recognitions[i].query)
-      rows.push_back({recognitions[i].query, i, i});
+    const auto& [query, sequence, train, view, score] = recognitions[i];
+    if (rows.empty() || rows.back().query != query || rows.back().sequence != sequence)
+      rows.push_back({sequence, query, i, i});
     rows.back().end = i + 1;
   }
+  std::ranges::stable_sort(rows, {}, &Row::sequence);
   return rows;
 }
 
@@ -122,7 +126,7 @@ Clusters cluster_recognitions(std::span<const Match> recognitions, const Cluster
   const std::vector<Row> rows = find_rows(recognitions);
   const std::vector<int64_t> reach = find_reach(settings);
   for (size_t r = 0; r < rows.size(); ++r) {
-    for (size_t back = 0; back <= r; ++back) {
+    for (size_t back = 0; back <= r && rows[r - back].sequence == rows[r].sequence; ++back) {
       const size_t dy = rows[r].query - rows[r - back].query;
       if (dy >= reach.size() || reach[dy] < 0) break;
       check_stop(monitor);
@@ -137,45 +141,24 @@ Clusters cluster_recognitions(std::span<const Match> recognitions, const Cluster
     uint64_t train = 0;
   };
   std::vector<Sums> sums;  // by cluster
-  for (size_t i = 0; i < recognitions.size(); ++i) {
-    const uint32_t root = sets.root(static_cast<uint32_t>(i));
-    if (root == i) {
-      of_recognition[i] = static_cast<uint32_t>(all.size());
-      all.emplace_back();
-      sums.emplace_back();
+  for (const Row& row : rows)
+    for (size_t i = row.begin; i < row.end; ++i) {
+      const uint32_t root = sets.root(static_cast<uint32_t>(i));
+      if (root == i) {
+        of_recognition[i] = static_cast<uint32_t>(all.size());
+        all.emplace_back();
+        sums.emplace_back();
+      }
+      of_recognition[i] = of_recognition[root];
+      add_recognition(all[of_recognition[i]], recognitions[i]);
+      sums[of_recognition[i]].query += recognitions[i].query;
+      sums[of_recognition[i]].train += recognitions[i].train;
     }
-    of_recognition[i] = of_recognition[root];
-    add_recognition(all[of_recognition[i]], recognitions[i]);
-    sums[of_recognition[i]].query += recognitions[i].query;
-    sums[of_recognition[i]].train += recognitions[i].train;
-  }
   for (size_t c = 0; c < all.size(); ++c) {
     all[c].query_window = rounded_mean(sums[c].query, all[c].recognitions);
     all[c].train_window = rounded_mean(sums[c].train, all[c].recognitions);
   }
   return clusters;
-}
-
-Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequences,
-                             const ClusterSettings& settings, const Monitor& monitor) {
-  std::vector<std::vector<Match>> by_sequence(sequences);
-  for (const Match& recognition : recognitions)
-    by_sequence[recognition.sequence].push_back(recognition);
-  Clusters all;
-  std::vector<std::vector<uint32_t>> of_recognition;  // by sequence
-  for (std::vector<Match>& own : by_sequence) {
-    Clusters found = cluster_recognitions(own, settings, monitor);
-    for (uint32_t& cluster : found.of_recognition) cluster += static_cast<uint32_t>(all.all.size());
-    all.all.insert(all.all.end(), found.all.begin(), found.all.end());
-    of_recognition.push_back(std::move(found.of_recognition));
-    std::vector<Match>().swap(own);
-  }
-  std::vector<size_t> next(sequences, 0);
-  all.of_recognition.reserve(recognitions.size());
-  for (const Match& recognition : recognitions)
-    all.of_recognition.push_back(
-        of_recognition[recognition.sequence][next[recognition.sequence]++]);
-  return all;
 }
 
 Clusters cluster_paths(std::span<const Match> recognitions, std::span<const uint32_t> paths) {

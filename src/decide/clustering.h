@@ -43,16 +43,12 @@ struct Clusters {
   std::vector<uint32_t> of_recognition;  ///< by recognition: the index of its cluster
 };
 
-/// `recognitions`: of one training sequence, sorted by query window, then train window, each pair
-/// once. Clusters are in the order of their first recognition. For a fixed eps, the time is nearly
-/// linear in the recognitions. Throws Error(interrupted) on a stop.
+/// Clusters the recognitions of each training sequence, sorted by query window, sequence, train
+/// window, each pair once. Clusters are in the order of sequences, then of their first recognition.
+/// For a fixed eps, the time is nearly linear in the recognitions. Throws Error(interrupted) on a
+/// stop.
 Clusters cluster_recognitions(std::span<const Match> recognitions, const ClusterSettings& settings,
                               const Monitor& monitor = {});
-
-/// Clusters the recognitions of each training sequence, sorted by query window,
-/// sequence, train window. Clusters are in the order of sequences.
-Clusters cluster_by_sequence(std::span<const Match> recognitions, size_t sequences,
-                             const ClusterSettings& settings, const Monitor& monitor = {});
 
 /// Consecutive recognitions of one path in one training sequence are a cluster. A recognition
 /// without a path is a cluster of its own. `recognitions`: sorted by query frame. `paths`: number

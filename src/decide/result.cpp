@@ -9,9 +9,9 @@ std::optional<double> frame_margin(const Result& result, size_t query_window) {
 
 void cluster(Result& result, const Monitor& monitor) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  result.clusters = result.path ? cluster_paths(result.recognitions, result.path->numbers)
-                                : cluster_by_sequence(result.recognitions, result.sequences.size(),
-                                                      settings.clustering, monitor);
+  result.clusters = result.path
+                        ? cluster_paths(result.recognitions, result.path->numbers)
+                        : cluster_recognitions(result.recognitions, settings.clustering, monitor);
 }
 
 size_t recognized_windows(const Result& result) {

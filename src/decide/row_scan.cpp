@@ -48,12 +48,12 @@ std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint
   return chosen;
 }
 
-}  // namespace
-
 bool by_position(const Cell& a, const Cell& b) {
   return std::tie(a.query_window, a.sequence, a.train_window) <
          std::tie(b.query_window, b.sequence, b.train_window);
 }
+
+}  // namespace
 
 void MaximumScan::operator()(const ScoreRow& row) {
   const uint32_t found = kernels_.maximum(row.scores.data(), row.scores.size());

@@ -11,9 +11,6 @@
 
 namespace vpr {
 
-/// Orders by query window, sequence, train window.
-bool by_position(const Cell& a, const Cell& b);
-
 /// The largest score of each training sequence; 0 for a sequence without cells.
 class MaximumScan {
  public:

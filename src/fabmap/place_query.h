@@ -9,7 +9,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/monitor.h"
-#include "decide/explanation.h"
 #include "decide/result.h"
 #include "run/query.h"
 #include "settings/query_settings.h"

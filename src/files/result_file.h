@@ -10,7 +10,6 @@
 
 #include "base/json.h"
 #include "base/output.h"
-#include "decide/explanation.h"
 #include "decide/result.h"
 #include "evaluate/evaluation.h"
 #include "files/matrix_file.h"

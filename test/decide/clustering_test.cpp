@@ -119,12 +119,11 @@ TEST_CASE(
   // By query window, sequence, train window.
   const std::vector<Match> recognitions = {
       {0, 0, 0, 1}, {0, 2, 0, 1}, {1, 0, 1, 1}, {1, 2, 30, 1}, {9, 0, 9, 1}};
-  const Clusters clusters = cluster_by_sequence(recognitions, 3, {});
+  const Clusters clusters = cluster_recognitions(recognitions, {});
   REQUIRE(clusters.all.size() == 4);
   CHECK((clusters.all[0].sequence == 0 && clusters.all[0].recognitions == 2));
   CHECK((clusters.all[2].sequence == 2 && clusters.all[3].train_window == 30));
   CHECK(clusters.of_recognition == std::vector<uint32_t>{0, 2, 0, 3, 1});
-  CHECK(cluster_by_sequence({}, 3, {}).all.empty());
 }
 
 TEST_CASE("recognitions on one path are one place, for any steps and gaps between them") {
