@@ -24,11 +24,6 @@ constexpr size_t kMostFramesAtOnce = 64;
 constexpr size_t kExplainedWords = 8;  // on each side
 constexpr size_t kExplainedPlaces = 3;
 
-void check_share(std::string_view name, double value) {
-  if (!(value >= 0 && value <= 1))
-    throw Error(ErrorKind::usage, "{} must be from 0 to 1, found {}", name, value);
-}
-
 Match likeliest_view(size_t frame, std::span<const double> posterior,
                      const std::vector<uint32_t>& place_of) {
   const auto best = std::max_element(posterior.begin() + 1, posterior.end());
@@ -122,15 +117,14 @@ std::string view_name(const FabmapDatabase& database, size_t view) {
 }  // namespace
 
 void check_query_settings(const FabmapQuerySettings& settings) {
-  check_share("t_p", settings.place_threshold);
-  check_share("posterior.smoothing", settings.posterior.smoothing);
-  check_share("posterior.motion_bias", settings.posterior.motion_bias);
+  require_range("t_p", settings.place_threshold, 0, 1);
+  require_range("posterior.smoothing", settings.posterior.smoothing, 0, 1);
+  require_range("posterior.motion_bias", settings.posterior.motion_bias, 0, 1);
   if (!(settings.posterior.new_place_prior > 0 && settings.posterior.new_place_prior <= 1))
     throw Error(ErrorKind::usage, "posterior.new_place_prior must be above 0 and at most 1");
   if (settings.window < 1 || settings.window > 1'000'000)
     throw Error(ErrorKind::usage, "c_w must be from 1 to 1000000, found {}", settings.window);
-  if (settings.lut_digits < 1 || settings.lut_digits > 12)
-    throw Error(ErrorKind::usage, "lut_digits must be from 1 to 12, found {}", settings.lut_digits);
+  require_range("lut_digits", static_cast<double>(settings.lut_digits), 1, 12);
   find_fabmap_variant(settings.variant);
 }
 

@@ -73,22 +73,17 @@ constexpr std::array<KindRow, 6> kKinds = {{
 
 const KindRow& row_of(FeatureKind kind) { return kKinds[static_cast<size_t>(kind)]; }
 
-void check_range(std::string_view name, double value, double low, double high) {
-  if (!(value >= low && value <= high))
-    throw Error(ErrorKind::usage, "{} must be from {} to {}, found {}", name, low, high, value);
-}
-
 }  // namespace
 
 void check_feature_settings(const FeatureSettings& settings) {
-  check_range("surf_points", static_cast<double>(settings.surf_points), 1, 1e6);
-  check_range("surf_threshold", settings.surf_threshold, 0, 1e9);
-  check_range("sift_features", static_cast<double>(settings.sift_features), 1, 1e6);
-  check_range("sift_contrast", settings.sift_contrast, 0, 10);
-  check_range("kaze_threshold", settings.kaze_threshold, 0, 1);
-  check_range("akaze_threshold", settings.akaze_threshold, 0, 1);
-  check_range("orb_features", static_cast<double>(settings.orb_features), 1, 1e6);
-  check_range("brisk_threshold", static_cast<double>(settings.brisk_threshold), 1, 255);
+  require_range("surf_points", static_cast<double>(settings.surf_points), 1, 1e6);
+  require_range("surf_threshold", settings.surf_threshold, 0, 1e9);
+  require_range("sift_features", static_cast<double>(settings.sift_features), 1, 1e6);
+  require_range("sift_contrast", settings.sift_contrast, 0, 10);
+  require_range("kaze_threshold", settings.kaze_threshold, 0, 1);
+  require_range("akaze_threshold", settings.akaze_threshold, 0, 1);
+  require_range("orb_features", static_cast<double>(settings.orb_features), 1, 1e6);
+  require_range("brisk_threshold", static_cast<double>(settings.brisk_threshold), 1, 255);
 }
 
 bool is_binary(FeatureKind kind) { return row_of(kind).binary; }

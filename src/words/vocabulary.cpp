@@ -2,14 +2,13 @@
 #include "words/vocabulary.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <numeric>
 
+#include <opencv2/core/hal/hal.hpp>
 #include <opencv2/core/mat.hpp>
 
 #undef HWY_TARGET_INCLUDE
@@ -164,21 +163,6 @@ CenterBlocks make_center_blocks(const cv::Mat& centers) {
 
 }  // namespace
 
-uint32_t hamming_bytes(const uint8_t* a, const uint8_t* b, size_t bytes) {
-  uint32_t distance = 0;
-  size_t i = 0;
-  for (; i + 8 <= bytes; i += 8) {
-    uint64_t x = 0;
-    uint64_t y = 0;
-    std::memcpy(&x, a + i, 8);
-    std::memcpy(&y, b + i, 8);
-    distance += static_cast<uint32_t>(std::popcount(x ^ y));
-  }
-  for (; i < bytes; ++i)
-    distance += static_cast<uint32_t>(std::popcount(static_cast<uint8_t>(a[i] ^ b[i])));
-  return distance;
-}
-
 Vocabulary make_vocabulary(const cv::Mat& words) {
   assert(words.rows > 0);
   Vocabulary vocabulary{words, {}};
@@ -199,12 +183,12 @@ std::vector<NearestCenter> find_nearest_words(const Vocabulary& vocabulary,
     HWY_DYNAMIC_DISPATCH(FindNearest)(vocabulary.blocks, points, nearest.data());
   } else {
     const cv::Mat& words = vocabulary.words;
-    const auto bytes = static_cast<size_t>(words.cols);
     for (const uint32_t row : rows) {
       const uint8_t* const descriptor = descriptors.ptr(static_cast<int>(row));
       NearestCenter best{std::numeric_limits<float>::infinity(), 0};
       for (int w = 0; w < words.rows; ++w) {
-        const auto distance = static_cast<float>(hamming_bytes(words.ptr(w), descriptor, bytes));
+        const auto distance =
+            static_cast<float>(cv::hal::normHamming(words.ptr(w), descriptor, words.cols));
         if (distance < best.score) best = {distance, static_cast<uint32_t>(w)};
       }
       nearest.push_back(best);
@@ -256,7 +240,7 @@ bool is_valid_index(const WordIndex& index) {
     for (size_t word = 0; word < index.words; ++word) {
       const auto list = index.list(block, word);
       if (!list.empty() &&
-          (list.back() >= index.block_views(block) ||
+          (list.back() >= index.views - block * kIndexBlock ||
            std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()) != list.end()))
         return false;
     }

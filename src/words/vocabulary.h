@@ -2,7 +2,6 @@
 // views, and the inverted index from words to views.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -53,9 +52,6 @@ std::vector<uint32_t> nearest_words(const Vocabulary& vocabulary, const cv::Mat&
 /// The set of the nearest words; empty if there are no descriptors.
 WordSet quantize(const Vocabulary& vocabulary, const cv::Mat& descriptors);
 
-/// The number of different bits.
-uint32_t hamming_bytes(const uint8_t* a, const uint8_t* b, size_t bytes);
-
 /// Word sets of consecutive views: view v has words[offsets[v]] .. words[offsets[v+1]].
 struct ViewWords {
   std::vector<uint64_t> offsets = {0};
@@ -83,9 +79,6 @@ struct WordIndex {
   std::vector<uint16_t> lists;          ///< indices within the block, increasing
 
   size_t blocks() const { return (views + kIndexBlock - 1) / kIndexBlock; }
-  size_t block_views(size_t block) const {
-    return std::min(kIndexBlock, views - block * kIndexBlock);
-  }
   /// The views of a block that show a word, minus block * kIndexBlock.
   std::span<const uint16_t> list(size_t block, size_t word) const {
     const uint64_t* at = offsets.data() + block * words + word;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <opencv2/core/hal/hal.hpp>
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
@@ -39,25 +40,6 @@ void for_nearest(const cv::Mat& words, const cv::Mat& points, std::span<const ui
 // Whether a is nearer than b by score; the lower index wins a tie.
 bool nearer(const NearestCenter& a, const NearestCenter& b) {
   return a.score < b.score || (a.score == b.score && a.center < b.center);
-}
-
-/// Points grouped by center: the members of c are points[offsets[c]] .. points[offsets[c + 1]],
-/// increasing.
-struct Members {
-  std::vector<size_t> offsets;
-  std::vector<uint32_t> points;
-};
-
-Members group_members(const std::vector<NearestCenter>& assigned, size_t centers) {
-  Members members;
-  members.offsets.assign(centers + 1, 0);
-  for (const NearestCenter& own : assigned) ++members.offsets[own.center + 1];
-  for (size_t c = 0; c < centers; ++c) members.offsets[c + 1] += members.offsets[c];
-  members.points.resize(assigned.size());
-  std::vector<size_t> at(members.offsets.begin(), members.offsets.end() - 1);
-  for (size_t i = 0; i < assigned.size(); ++i)
-    members.points[at[assigned[i].center]++] = static_cast<uint32_t>(i);
-  return members;
 }
 
 // The mean of floats, summed in index order in double.
@@ -96,8 +78,8 @@ cv::Mat rows_of(const cv::Mat& points, const std::vector<size_t>& indices) {
 
 double squared_distance(const cv::Mat& points, size_t i, size_t j) {
   if (points.type() == CV_8U)
-    return hamming_bytes(points.ptr(static_cast<int>(i)), points.ptr(static_cast<int>(j)),
-                         static_cast<size_t>(points.cols));
+    return cv::hal::normHamming(points.ptr(static_cast<int>(i)), points.ptr(static_cast<int>(j)),
+                                points.cols);
   const auto* x = points.ptr<float>(static_cast<int>(i));
   const auto* y = points.ptr<float>(static_cast<int>(j));
   // Four sums in a fixed order, so that the additions are independent.
@@ -113,15 +95,16 @@ double squared_distance(const cv::Mat& points, size_t i, size_t j) {
 std::vector<char> move_centers(const cv::Mat& points, const std::vector<NearestCenter>& assigned,
                                cv::Mat& centers, const Monitor& monitor) {
   const auto count = static_cast<size_t>(centers.rows);
-  const Members members = group_members(assigned, count);
+  std::vector<std::vector<uint32_t>> members(count);  // increasing
+  for (size_t i = 0; i < assigned.size(); ++i)
+    members[assigned[i].center].push_back(static_cast<uint32_t>(i));
   std::vector<char> has_moved(count, 0);
   parallel_for(count, monitor, [&](size_t c) {
-    const std::span<const uint32_t> own(members.points.data() + members.offsets[c],
-                                        members.offsets[c + 1] - members.offsets[c]);
-    if (own.empty()) return;
+    if (members[c].empty()) return;
     cv::Mat row = centers.row(static_cast<int>(c));
     const cv::Mat before = row.clone();
-    points.type() == CV_32F ? mean_of(points, own, row) : majority_of(points, own, row);
+    points.type() == CV_32F ? mean_of(points, members[c], row)
+                            : majority_of(points, members[c], row);
     has_moved[c] = !std::equal(row.data, row.data + row.elemSize() * row.total(), before.data);
   });
   return has_moved;
