@@ -66,30 +66,13 @@ EvaluationSettings evaluation_of(const Source& source, const SequenceDatabase* d
 std::string query_command(const TuneOptions& options, const CommonOptions& common,
                           const QuerySettings& settings, size_t index = 0);
 
-/// --c-l, --t-r and --margin.
-void add_sequence_grid(const Command& command, GridFlags& flags);
-/// The grid of the flags. Default c_l are those of 5, 10, 20, 40, 80 that fit the query and a
-/// training sequence, or 5; default t_r or margins cover the scale of the settings. Throws
-/// Error(usage) for an invalid list.
-Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
-                   const SequenceDatabase& database, const DescriptorSet& query);
-
-/// --c-w and --t-p.
-void add_fabmap_grid(const Command& command, GridFlags& flags);
-Grid fabmap_grid(const GridFlags& flags);
-
 /// The given window lengths, or those of `standard` with a window in the query and in a training
 /// sequence; the shortest if there are none. Throws as parse_counts does.
 std::vector<uint64_t> window_lengths(const std::string& given, const char* standard,
                                      const SequenceDatabase& database, const DescriptorSet& query);
 
-/// Parses "2,5,10", "0.2:0.6:0.05" (with both ends if the steps reach them), "1:5" (in steps of 1),
-/// or a mixture, without duplicates. Values of a range are rounded to nine decimals. "auto", if
-/// allowed, is nullopt. Throws Error(usage), which names the flag.
-std::vector<std::optional<double>> parse_values(const std::string& text, const std::string& flag,
-                                                bool allow_auto);
-
-/// As parse_values, for integers from 1 to 1e9.
+/// Parses "2,5,10", "10:50:10", "1:5" (in steps of 1), or a mixture, without duplicates, as
+/// integers from 1 to 1e9. Throws Error(usage), which names the flag.
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag);
 
 /// The program itself, and its commands.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <deque>
+#include <map>
 #include <string>
 
 #include "base/error.h"
@@ -10,8 +11,27 @@
 #include "evaluate/judgment.h"
 
 namespace vpr {
-
 namespace {
+
+bool has_error(const CellCounts& cell) {
+  return cell.counts.recognitions.incorrect > 0 || cell.unknown_place.value_or(0) > 0;
+}
+
+bool is_superior(const LabelCounts& a, const LabelCounts& b) {
+  return a.correct >= b.correct && a.incorrect <= b.incorrect &&
+         (a.correct > b.correct || a.incorrect < b.incorrect);
+}
+
+// The reason for which no cell with a threshold is recommended.
+Advice missing_advice(std::span<const CellCounts> cells) {
+  const auto any = [&](uint64_t LabelCounts::*count) {
+    return std::ranges::any_of(cells, [&](const CellCounts& cell) {
+      return cell.threshold && cell.counts.recognitions.*count > 0;
+    });
+  };
+  if (any(&LabelCounts::correct)) return Advice::always_errors;
+  return any(&LabelCounts::incorrect) ? Advice::no_correct_recognitions : Advice::no_recognitions;
+}
 
 /// One window length: a plan for each threshold, and the matches for all of them.
 struct LengthSweep {
@@ -156,18 +176,14 @@ std::optional<ThresholdScale> threshold_scale(const Result& result) {
   return settings->distance_threshold ? scale_of(*settings) : ThresholdScale::bits;
 }
 
-/// The cells of a sweep: their results, from any thread, and CellCounts::unknown_place.
-struct SweepCells {
-  const Grid& grid;
-  std::function<Result(size_t cell)> result_of;
-  std::function<std::optional<uint64_t>(size_t cell)> untrained_of = {};
-};
-
-// Counts every cell, by window, then threshold. `shape`: a result without matches.
-Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTruth& truth,
-                  uint64_t seed, const Monitor& monitor) {
+// Counts every cell, by window, then threshold. `shape`: a result without matches. `result_of`: of
+// a cell, from any thread. `untrained_of`: CellCounts::unknown_place of a cell.
+template <class ResultOf, class UntrainedOf>
+Sweep count_cells(const Result& shape, const Grid& grid, const ResultOf& result_of,
+                  const UntrainedOf& untrained_of, const GroundTruth& truth, uint64_t seed,
+                  const Monitor& monitor) {
   Sweep sweep;
-  sweep.grid = cells.grid;
+  sweep.grid = grid;
   sweep.query = shape.query;
   sweep.score = &shape.score();
   sweep.protocol = truth.protocol;
@@ -177,28 +193,85 @@ Sweep count_cells(const Result& shape, const SweepCells& cells, const GroundTrut
     sweep.threshold_symbol = decision_kind(settings->decision).symbol;
     sweep.threshold_order = decision_kind(settings->decision).order;
   }
-  const size_t thresholds = cells.grid.thresholds.size();
-  sweep.cells.resize(cells.grid.windows.size() * thresholds);
+  const size_t thresholds = grid.thresholds.size();
+  sweep.cells.resize(grid.windows.size() * thresholds);
   StepCounter counter(monitor, "count", sweep.cells.size());
   parallel_for(sweep.cells.size(), monitor, [&](size_t c) {
-    const Result result = cells.result_of(c);
-    sweep.cells[c] = {cells.grid.windows[c / thresholds],
-                      cells.grid.thresholds[c % thresholds],
+    const Result result = result_of(c);
+    sweep.cells[c] = {grid.windows[c / thresholds],
+                      grid.thresholds[c % thresholds],
                       threshold_scale(result),
                       count_recognitions(result, truth, monitor),
-                      cells.untrained_of ? cells.untrained_of(c) : std::nullopt,
+                      untrained_of(c),
                       judge(result, truth, {}).localization};
     counter.add();
   });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
   if (!sweep.recommendation.cell) return sweep;
-  const Result recommended = cells.result_of(*sweep.recommendation.cell);
+  const Result recommended = result_of(*sweep.recommendation.cell);
   sweep.recommended_settings = recommended.settings;
   sweep.intervals = count_intervals(recommended, truth, seed);
   return sweep;
 }
 
 }  // namespace
+
+std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order) {
+  if (!cell.threshold) return std::nullopt;
+  return order == ScoreOrder::distance ? *cell.threshold : -*cell.threshold;
+}
+
+size_t best_counts(std::span<const FrameCounts> counts, uint64_t max_incorrect) {
+  const auto is_better = [&](const FrameCounts& a, const FrameCounts& b) {
+    const bool is_allowed = a.incorrect() <= max_incorrect;
+    if (is_allowed != (b.incorrect() <= max_incorrect)) return is_allowed;
+    const auto rank = [&](const FrameCounts& one) {
+      const auto loss = -static_cast<int64_t>(one.path.correct);
+      const auto incorrect = static_cast<int64_t>(one.incorrect());
+      return is_allowed ? std::pair(loss, incorrect) : std::pair(incorrect, loss);
+    };
+    return rank(a) < rank(b);
+  };
+  return static_cast<size_t>(std::ranges::min_element(counts, is_better) - counts.begin());
+}
+
+Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {
+  Recommendation choice;
+  std::map<uint64_t, std::vector<size_t>> by_window;  // cells with a threshold
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].threshold) by_window[cells[i].window].push_back(i);
+    if (std::ranges::none_of(cells, [&](const CellCounts& other) {
+          return is_superior(other.counts.recognitions, cells[i].counts.recognitions);
+        }))
+      choice.pareto.push_back(i);
+  }
+  if (by_window.empty()) {
+    choice.advice = cells.empty() ? Advice::no_recognitions : Advice::only_automatic;
+    return choice;
+  }
+  std::map<uint64_t, size_t> first_errors;  // by window
+  for (auto& [window, thresholds] : by_window) {
+    std::ranges::stable_sort(thresholds, {},
+                             [&](size_t cell) { return *looseness_of(cells[cell], order); });
+    const auto error =
+        std::ranges::find_if(thresholds, [&](size_t cell) { return has_error(cells[cell]); });
+    if (error != thresholds.end()) first_errors[window] = *error;
+    for (auto cell = thresholds.begin(); cell != error; ++cell) {
+      const bool is_last = cell + 1 == error && !cells[*cell].unknown_place;
+      std::optional<size_t>& best = is_last ? choice.near_miss : choice.cell;
+      const uint64_t least = best ? cells[*best].counts.recognitions.correct : 0;
+      if (cells[*cell].counts.recognitions.correct > least) best = *cell;  // ties to the first
+    }
+  }
+  choice.advice = choice.cell ? Advice::recommended : missing_advice(cells);
+  if (choice.cell) choice.near_miss.reset();
+  const auto& named = choice.cell ? choice.cell : choice.near_miss;
+  if (!named) return choice;
+  if (const auto error = first_errors.find(cells[*named].window); error != first_errors.end())
+    choice.first_error = error->second;
+  if (!choice.cell) choice.advice = choice.first_error ? Advice::next_errs : Advice::grid_ends;
+  return choice;
+}
 
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
                       const std::string& query_name, const ResolvedSettings& base, const Grid& grid,
@@ -216,7 +289,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
   const auto untrained_of = [&](size_t cell) {
     return untrained_windows(lengths[cell / thresholds], cell % thresholds);
   };
-  return count_cells(shape, {grid, result_of, untrained_of}, truth, resources.seed, monitor);
+  return count_cells(shape, grid, result_of, untrained_of, truth, resources.seed, monitor);
 }
 
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
@@ -248,7 +321,8 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     result.recognitions = recognitions[cell];
     return result;
   };
-  return count_cells(all, {grid, result_of}, read_truth(scope_of(all)), seed, monitor);
+  const auto untrained_of = [](size_t) { return std::nullopt; };
+  return count_cells(all, grid, result_of, untrained_of, read_truth(scope_of(all)), seed, monitor);
 }
 
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {

@@ -8,7 +8,7 @@
 #include "chart/chart.h"
 #include "files/run_info.h"
 #include "present/table.h"
-#include "tune/cell_counts.h"
+#include "tune/sweep.h"
 
 namespace vpr {
 

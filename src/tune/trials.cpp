@@ -10,7 +10,6 @@
 #include "present/evaluation_text.h"
 #include "run/train_sequences.h"
 #include "sequence/sequence_json.h"
-#include "tune/sweep.h"
 
 namespace vpr {
 namespace {

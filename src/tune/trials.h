@@ -11,7 +11,7 @@
 #include "fabmap/place_query.h"
 #include "files/run_info.h"
 #include "present/table.h"
-#include "tune/cell_counts.h"
+#include "tune/sweep.h"
 
 namespace vpr {
 

@@ -1,4 +1,4 @@
-#include "tune/cell_counts.h"
+#include "tune/sweep.h"
 
 #include <catch2/catch.hpp>
 
