@@ -47,7 +47,9 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 }
 
 DescriptorSet make_query(const std::vector<LdbCode>& codes) {
-  DescriptorSet query = ldb_set(codes, {});
+  DescriptorSet query;
+  query.descriptors.append(codes);
+  query.sequence.frames = codes.size();
   query.sequence.frame_names = numbers(codes.size());
   return query;
 }

@@ -61,7 +61,7 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
       throw Error(ErrorKind::usage,
                   "{}: the list has scores. Add --similarity (higher is better) or --distance "
                   "(lower is better)",
-                  found.list.name);
+                  path.string());
   }
   found.judgment = judge_loops(found.list, found.trajectory, found.rules);
   return found;

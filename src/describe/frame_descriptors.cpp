@@ -144,13 +144,8 @@ void DescriptorStore::append(DescriptorStore&& more) {
   length = more.length;
 }
 
-DescriptorSet selected(DescriptorSet&& set, const Selection& selection) {
-  if (selection.is_all()) return std::move(set);
-  return selected(std::as_const(set), selection);
-}
-
-DescriptorSet selected(const DescriptorSet& set, const Selection& selection) {
-  assert(!selection.is_all());
+DescriptorSet selected(DescriptorSet set, const Selection& selection) {
+  if (selection.is_all()) return set;
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
   result.descriptors.unit = set.descriptors.unit;
@@ -161,14 +156,6 @@ DescriptorSet selected(const DescriptorSet& set, const Selection& selection) {
   if (!set.words.empty()) result.words = selected(set.words, selection);
   result.sequence = selected(set.sequence, selection);
   return result;
-}
-
-DescriptorSet ldb_set(std::span<const LdbCode> codes, Sequence sequence) {
-  DescriptorSet set;
-  set.descriptors.append(codes);
-  set.sequence = std::move(sequence);
-  set.sequence.frames = codes.size();
-  return set;
 }
 
 std::vector<LdbCode> ldb_codes(const DescriptorSet& set) {

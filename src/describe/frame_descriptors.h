@@ -86,11 +86,8 @@ struct DescriptorSet {
 };
 
 /// The set with the selected frames: repeats or omits rows without describing frames again.
-DescriptorSet selected(DescriptorSet&& set, const Selection& selection);
-/// The same as a copy; the selection is not all frames.
-DescriptorSet selected(const DescriptorSet& set, const Selection& selection);
+DescriptorSet selected(DescriptorSet set, const Selection& selection);
 
-DescriptorSet ldb_set(std::span<const LdbCode> codes, Sequence sequence);
 /// The codes of a set, which must hold LDB codes.
 std::vector<LdbCode> ldb_codes(const DescriptorSet& set);
 

@@ -45,12 +45,12 @@ std::vector<LoopLine> read_lines(FileLocation& location, std::string_view text) 
         location.fail("expected the header query,match[,score], or numbers");
       if (is_header) continue;
       if (cells.size() != 2 && cells.size() != 3)
-        location.fail(fmt::format("expected query, match and optionally a score; found {} columns",
-                                  cells.size()));
+        location.fail("expected query, match and optionally a score; found {} columns",
+                      cells.size());
       names.resize(cells.size());
     }
     if (cells.size() != names.size())
-      location.fail(fmt::format("expected {} columns, found {}", names.size(), cells.size()));
+      location.fail("expected {} columns, found {}", names.size(), cells.size());
     LoopLine& loop = lines.emplace_back();
     loop = {cells[column("query")], cells[column("match")], {}, number};
     if (column("score") < cells.size()) loop.score = cells[column("score")];
@@ -73,10 +73,10 @@ bool is_by_time(const std::vector<LoopLine>& lines, const Trajectory& trajectory
 
 size_t frame_of_index(const FileLocation& location, std::string_view text, size_t frames) {
   const auto frame = parse_frame(text);
-  if (!frame) location.fail(fmt::format("\"{}\" is not a frame number", text));
+  if (!frame) location.fail("\"{}\" is not a frame number", text);
   if (!frame->in_range || frame->value >= frames)
-    location.fail(fmt::format("there is no frame {}; the trajectory has {} (0 to {})", text, frames,
-                              frames == 0 ? 0 : frames - 1));
+    location.fail("there is no frame {}; the trajectory has {} (0 to {})", text, frames,
+                  frames == 0 ? 0 : frames - 1);
   return frame->value;
 }
 
@@ -86,9 +86,8 @@ size_t frame_of_time(const FileLocation& location, std::string_view text, TimeUn
   const size_t frame = nearest_time(trajectory.times_ns, time);
   const int64_t difference = std::abs(trajectory.times_ns[frame] - time);
   if (difference > max_difference_ns)
-    location.fail(
-        fmt::format("the pose nearest to the time {} is {} s away, but --max-difference is {} s",
-                    text, time_text(difference), time_text(max_difference_ns)));
+    location.fail("the pose nearest to the time {} is {} s away, but --max-difference is {} s",
+                  text, time_text(difference), time_text(max_difference_ns));
   return frame;
 }
 
@@ -112,13 +111,8 @@ Curve curve_of_best(const LoopJudgment& judgment, ScoreOrder order) {
 constexpr size_t kFirstLine = 2;  // after the header
 
 bool is_recognition(const Result& result, const Match& match) {
-  const auto found =
-      std::lower_bound(result.recognitions.begin(), result.recognitions.end(), match,
-                       [](const Match& a, const Match& b) {
-                         return a.query != b.query ? a.query < b.query : a.train < b.train;
-                       });
-  return found != result.recognitions.end() && found->query == match.query &&
-         found->train == match.train;
+  const auto position = [](const Match& one) { return std::pair(one.query, one.train); };
+  return std::ranges::binary_search(result.recognitions, position(match), {}, position);
 }
 
 bool is_decided(const Result& result) {
@@ -149,9 +143,8 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
   FileLocation location{path.string()};
   const std::vector<LoopLine> lines = read_lines(location, file);
   LoopList list;
-  list.name = path.string();
-  list.is_by_time = is_by_time(lines, trajectory, rules.frames);
-  if (list.is_by_time && trajectory.times_ns.empty())
+  const bool are_times = is_by_time(lines, trajectory, rules.frames);
+  if (are_times && trajectory.times_ns.empty())
     throw Error(ErrorKind::usage,
                 "{}: names frames by time stamps, but {} has none; pass them with --pose-times",
                 path.string(), trajectory.name);
@@ -160,24 +153,23 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
     location.at("line", line.number);
     if (!unit) unit = unit_of_time(line.query);
     const auto frame = [&](std::string_view text) {
-      if (!list.is_by_time) return frame_of_index(location, text, trajectory.poses.size());
-      if (!unit) location.fail(fmt::format("\"{}\" is not a valid time", text));
+      if (!are_times) return frame_of_index(location, text, trajectory.poses.size());
+      if (!unit) location.fail("\"{}\" is not a valid time", text);
       return frame_of_time(location, text, *unit, trajectory, rules.max_difference_ns);
     };
     ListedLoop loop{frame(line.query), frame(line.match), {}, line.number};
     if (line.score) {
       loop.score = parse_real(*line.score);
-      if (!loop.score) location.fail(fmt::format("the score \"{}\" is not a number", *line.score));
+      if (!loop.score) location.fail("the score \"{}\" is not a number", *line.score);
     }
     for (const size_t end : {loop.query, loop.match})
       if (!trajectory.poses[end])
-        location.fail(fmt::format("{} has no pose for frame {}", trajectory.name, end));
+        location.fail("{} has no pose for frame {}", trajectory.name, end);
     if (loop.match == loop.query)
-      location.fail(fmt::format("frame {} cannot close a loop with itself", loop.query));
+      location.fail("frame {} cannot close a loop with itself", loop.query);
     if (loop.match > loop.query)
-      location.fail(fmt::format(
-          "frame {} closes a loop with the later frame {}; list the later frame as query",
-          loop.query, loop.match));
+      location.fail("frame {} closes a loop with the later frame {}; list the later frame as query",
+                    loop.query, loop.match);
     list.has_scores = loop.score.has_value();
     list.loops.push_back(loop);
   }
@@ -302,7 +294,7 @@ LoopList loop_list_of(const Result& result, const std::string& name, const Traje
     throw Error(ErrorKind::data, "{}: the query has {}, but {} has {}", name,
                 counted(result.query.frames, "frame"), trajectory.name,
                 counted(trajectory.poses.size(), "pose"));
-  LoopList list{name, loops_of(result), false, true};
+  LoopList list{loops_of(result), true};
   for (const ListedLoop& loop : list.loops)
     for (const size_t frame : {loop.query, loop.match})
       if (!trajectory.poses[frame])

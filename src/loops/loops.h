@@ -35,9 +35,7 @@ struct ListedLoop {
 
 /// A list in the order of its file.
 struct LoopList {
-  std::string name;  ///< of the file, for errors
   std::vector<ListedLoop> loops;
-  bool is_by_time = false;
   bool has_scores = false;
 };
 
@@ -120,8 +118,8 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
 /// probabilities. Line numbers are those of loops_csv.
 std::vector<ListedLoop> loops_of(const Result& result);
 
-/// The same as a list with a name. Throws Error(data) for a result of another query than the
-/// trajectory's, and for a loop of a frame without a pose.
+/// The same as a list. `name`: of the result, for errors. Throws Error(data) for a result of
+/// another query than the trajectory's, and for a loop of a frame without a pose.
 LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory);
 
 /// The input format of `vpr-eval --loops`: the header query,match,score and one line per loop.

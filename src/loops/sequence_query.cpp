@@ -41,8 +41,8 @@ void append_frames(SequenceDatabase& database, const PrecomputedDistances& matri
 }
 
 // The variance of the distances of the first readable query frame.
-double first_variance(const MatrixQuery& made) {
-  const std::vector<DescribedFrames> train = descriptor_spans(made.database);
+double first_variance(const QueryData& made) {
+  const std::vector<DescribedFrames> train = descriptor_spans(*made.database);
   const std::vector<FrameStretch> queries = readable_runs(made.query.span());
   const FrameDistances distances = frame_distances(train, made.query.span());
   if (queries.empty() || distances.readable_frames == 0) return 0;
@@ -75,17 +75,16 @@ std::vector<int64_t> times_of_names(const std::string& query, const Monitor& mon
     const std::vector<int64_t> times = read_frame_times(query, monitor);
     if (may_be_numbers(times))
       warn(monitor,
-           fmt::format("{}: the names of its frames, {} to {}, are interpreted as seconds; if they "
-                       "count frames, use --frame-times, or a gap in frames",
-                       query, time_text(times.front()), time_text(times.back())));
+           "{}: the names of its frames, {} to {}, are interpreted as seconds; if they count "
+           "frames, use --frame-times, or a gap in frames",
+           query, time_text(times.front()), time_text(times.back()));
     return times;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::data) throw;
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}; a gap in seconds needs times. Use --frame-times FILE with one per line, "
-                    "or a gap in frames, as in --gap 300.",
-                    error.what()));
+    throw Error(ErrorKind::usage,
+                "{}; a gap in seconds needs times. Use --frame-times FILE with one per line, or a "
+                "gap in frames, as in --gap 300.",
+                error.what());
   }
 }
 
@@ -137,17 +136,17 @@ QueryData open_scores(const QueryInputs& inputs, ResultContext& context, const M
   std::vector<NamedArgument> sequences;
   for (const std::string& range : inputs.train_sequences)
     sequences.push_back(parse_named_range(range, "", "--train-sequence"));
-  MatrixQuery made = matrix_query(*distances, sequences);
+  QueryData data = matrix_query(*distances, sequences);
   const PrecomputedUnits& units = distances->units();
   if (!scores.array) context.run.paths["scores"] = scores.path;
   context.scores = {scores.order(), units.best, units.unit, units.is_exact};
   context.database_fingerprint = context.query_fingerprint = distances->fingerprint(monitor);
   const auto& [name, query] = inputs.query;
-  return {name.empty() ? std::filesystem::path(scores.path).stem().string() : name,
-          std::make_shared<SequenceDatabase>(std::move(made.database)),
-          selected(std::move(made.query), at_speed(query.speed, distances->queries(), query.seed)),
-          {},
-          distances};
+  data.name = name.empty() ? std::filesystem::path(scores.path).stem().string() : name;
+  data.query =
+      selected(std::move(data.query), at_speed(query.speed, distances->queries(), query.seed));
+  data.scores = distances;
+  return data;
 }
 
 }  // namespace
@@ -163,12 +162,13 @@ SequenceDatabase own_database(const DescriptorSet& query, const std::string& nam
   return database;
 }
 
-MatrixQuery matrix_query(const PrecomputedDistances& matrix,
-                         const std::vector<NamedArgument>& sequences) {
-  MatrixQuery made;
-  made.database.descriptors.kind = &precomputed_kind();
-  if (sequences.empty()) append_frames(made.database, matrix, {"references", {}});
-  for (const NamedArgument& sequence : sequences) append_frames(made.database, matrix, sequence);
+QueryData matrix_query(const PrecomputedDistances& matrix,
+                       const std::vector<NamedArgument>& sequences) {
+  QueryData made{"", std::make_shared<SequenceDatabase>()};
+  SequenceDatabase& database = *made.database;
+  database.descriptors.kind = &precomputed_kind();
+  if (sequences.empty()) append_frames(database, matrix, {"references", {}});
+  for (const NamedArgument& sequence : sequences) append_frames(database, matrix, sequence);
   made.query.descriptors.kind = &precomputed_kind();
   append_frame_numbers(made.query.descriptors.owned, 0, matrix.queries());
   Sequence& query = made.query.sequence;
@@ -176,9 +176,9 @@ MatrixQuery matrix_query(const PrecomputedDistances& matrix,
   for (size_t i = 0; i < query.frames; ++i) query.frame_names.push_back(fmt::format("#{}", i));
   query.unreadable = matrix.empty_queries();
   made.query.precomputed = &matrix;
-  const size_t frames = made.database.descriptors.rows().size();
-  made.database.overlapping_sequences.emplace();
-  made.database.statistics =
+  const size_t frames = database.descriptors.rows().size();
+  database.overlapping_sequences.emplace();
+  database.statistics =
       TrainStatistics{{},
                       0,
                       std::vector<float>(frames, 0),

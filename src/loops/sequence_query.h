@@ -20,21 +20,6 @@ namespace vpr {
 /// A database with the query as the only training sequence, without training statistics.
 SequenceDatabase own_database(const DescriptorSet& query, const std::string& name);
 
-/// A score matrix as a query and a database.
-struct MatrixQuery {
-  SequenceDatabase database;
-  DescriptorSet query;
-};
-
-/// The rows of a matrix as query frames, its columns as training frames: all columns as one
-/// sequence, "references", or the ranges of columns in `sequences`. Frames without any score are
-/// unreadable. Z-scores start without bias, from the variance of the first readable query frame's
-/// distances; every frame is a keyframe. Automatic thresholds and exclusion radii are unknown.
-/// `matrix` must outlive the result. Throws Error(usage) for a range outside the matrix and for
-/// duplicate names.
-MatrixQuery matrix_query(const PrecomputedDistances& matrix,
-                         const std::vector<NamedArgument>& sequences);
-
 /// The frames of a query, and the training frames that they are matched with.
 struct QueryData {
   std::string name;  ///< of the query
@@ -43,6 +28,15 @@ struct QueryData {
   std::vector<int64_t> times_ns = {};                    ///< for loops with a gap in seconds
   std::shared_ptr<const PrecomputedDistances> scores{};  ///< to which the other members refer
 };
+
+/// The rows of a matrix as query frames, its columns as training frames: all columns as one
+/// sequence, "references", or the ranges of columns in `sequences`. Frames without any score are
+/// unreadable. Z-scores start without bias, from the variance of the first readable query frame's
+/// distances; every frame is a keyframe. Automatic thresholds and exclusion radii are unknown.
+/// `matrix` must outlive the result. Throws Error(usage) for a range outside the matrix and for
+/// duplicate names.
+QueryData matrix_query(const PrecomputedDistances& matrix,
+                       const std::vector<NamedArgument>& sequences);
 
 /// Frames or scores to match, before they are read.
 struct QueryInputs {

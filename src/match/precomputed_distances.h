@@ -85,9 +85,6 @@ class PrecomputedDistances {
   /// Reads the whole file once. Throws Error(input) if it cannot be read; Error(data) if it is not
   /// a matrix of scores, has no score, or has an infinite best score; and Error(interrupted).
   PrecomputedDistances(ScoreFile file, const Monitor& monitor);
-  PrecomputedDistances(const std::filesystem::path& path, const ScoreFormat& format,
-                       const Monitor& monitor)
-      : PrecomputedDistances(ScoreFile(path, format), monitor) {}
 
   size_t queries() const { return file_.queries(); }
   size_t references() const { return file_.references(); }

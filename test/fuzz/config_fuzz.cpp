@@ -37,7 +37,9 @@ void query(const Json& json) {
   const auto settings = settings_from<SequenceQuerySettings>(json);
   settings_in_force(settings);
   static const SequenceDatabase kDatabase = make_database();
-  const DescriptorSet query = ldb_set(generate_sequence(kFrames, 2), {});
+  DescriptorSet query;
+  query.descriptors.append(generate_sequence(kFrames, 2));
+  query.sequence.frames = kFrames;
   QueryResources resources;
   resources.kernels = select_kernels();
   resources.memory_limit = size_t{1} << 26;

@@ -44,7 +44,7 @@ void match(const PrecomputedDistances& scores, const FrameDistances& distances,
 }
 
 void read_distances(const std::filesystem::path& path, const ScoreFormat& format) {
-  const PrecomputedDistances scores(path, format, {});
+  const PrecomputedDistances scores(ScoreFile(path, format), {});
   scores.fingerprint({});
   if (scores.queries() * scores.references() > kMaxPairs) return;
   std::vector<uint16_t> row(scores.references());
@@ -57,9 +57,9 @@ void read_distances(const std::filesystem::path& path, const ScoreFormat& format
       fuzz::require(row[r] <= plain + 1 && plain <= row[r] + uint32_t{1});
     }
   }
-  const MatrixQuery query = matrix_query(scores, {});
+  const QueryData query = matrix_query(scores, {});
   const FrameDistances distances =
-      frame_distances(descriptor_spans(query.database), query.query.span());
+      frame_distances(descriptor_spans(*query.database), query.query.span());
   for (const size_t window_length : {1, 2}) match(scores, distances, window_length);
 }
 

@@ -70,7 +70,10 @@ SequenceDatabase make_database() {
 DescriptorSet make_query() {
   std::vector<LdbCode> codes = describe(kQuery);
   codes[kUnreadable] = {};
-  return ldb_set(codes, {"", codes.size(), frame_names(kQuery), {kUnreadable}});
+  DescriptorSet query;
+  query.descriptors.append(codes);
+  query.sequence = {"", codes.size(), frame_names(kQuery), {kUnreadable}};
+  return query;
 }
 
 // One entry per query window, with its row of distances or biased scores.

@@ -28,7 +28,7 @@ PrecomputedDistances of(const std::vector<double>& values, const std::vector<siz
                         const ScoreFormat& format = {}) {
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", values, shape);
-  return {folder / "s.npy", format, {}};
+  return {ScoreFile(folder / "s.npy", format), {}};
 }
 
 std::vector<uint8_t> numbers(size_t first, size_t count) {
@@ -65,14 +65,14 @@ TEST_CASE("scores become integers from the best to the worst") {
 
 TEST_CASE("integers with a range of 16 bits are exact") {
   test::write_array("s.npy", std::vector<int32_t>{3, 700, 41, 65535}, {2, 2});
-  const PrecomputedDistances precomputed("s.npy", {}, {});
+  const PrecomputedDistances precomputed(ScoreFile("s.npy", {}), {});
   CHECK(precomputed.units().is_exact);
   CHECK(precomputed.units().largest == 65535);
   CHECK(row_of(precomputed, 0) == std::vector<uint32_t>{3, 700});
   test::write_array("s.npy", std::vector<int32_t>{3, 65536}, {1, 2});
-  CHECK_FALSE(PrecomputedDistances("s.npy", {}, {}).units().is_exact);
+  CHECK_FALSE(PrecomputedDistances(ScoreFile("s.npy", {}), {}).units().is_exact);
   test::write_array("s.npy", std::vector<uint8_t>{3, 9, 5}, {1, 3});
-  CHECK(row_of({"s.npy", {true, false, {}}, {}}, 0) == std::vector<uint32_t>{6, 0, 4});
+  CHECK(row_of({ScoreFile("s.npy", {true, false, {}}), {}}, 0) == std::vector<uint32_t>{6, 0, 4});
 }
 
 TEST_CASE("a missing score has the largest distance") {
@@ -102,7 +102,7 @@ TEST_CASE("invalid matrices are refused") {
   CHECK(kind({1, kInfinity}, {1, 2}, {true, false, {}}) == ErrorKind::data);
   CHECK(kind({1.5e308, -1e308}, {1, 2}) == ErrorKind::data);  // their difference is infinite
   CHECK(test::has(test::error_text([&] { of({1, -kInfinity}, {1, 2}); }), "--missing"));
-  CHECK(test::error_kind([] { PrecomputedDistances("/off_map.npy", {}, {}); }) == ErrorKind::input);
+  CHECK(test::error_kind([] { ScoreFile("/off_map.npy", {}); }) == ErrorKind::input);
 }
 
 TEST_CASE("tiles equal distances of single pairs, for any frames and order") {
@@ -161,7 +161,7 @@ TEST_CASE("z-scores of precomputed Hamming distances equal those of the codes") 
   matrix.push_back(1386);  // an unused frame, so that both have the same largest distance
   matrix.resize(41 * 90, 0);
   test::write_array("s.npy", matrix, {41, 90});
-  const PrecomputedDistances precomputed("s.npy", {}, {});
+  const PrecomputedDistances precomputed(ScoreFile("s.npy", {}), {});
   const std::vector<uint8_t> references = numbers(0, 90);
   const std::vector<uint8_t> asked = numbers(0, 40);
   const DescribedFrames known{{kShape, references}, {}};

@@ -123,7 +123,6 @@ TEST_CASE("loop closures are indices or time stamps, with or without scores") {
     poses += time + std::string(kNoTurn);
   const Trajectory trajectory = read_trajectory(file("t.txt", poses), {});
   const LoopList plain = read_loops(file("l.txt", "# closures\n3 0\n\n2 1\n"), trajectory);
-  CHECK_FALSE(plain.is_by_time);
   CHECK_FALSE(plain.has_scores);
   REQUIRE(plain.loops.size() == 2);
   CHECK(plain.loops[1].query == 2);
@@ -132,7 +131,6 @@ TEST_CASE("loop closures are indices or time stamps, with or without scores") {
   const LoopList named =
       read_loops(file("s.csv", "score,match,query,name\n0.5,100.0199,100.3,a\n-2,100.1,100.2,b\n"),
                  trajectory);
-  CHECK(named.is_by_time);
   REQUIRE(named.loops.size() == 2);
   CHECK(named.loops[0].query == 3);
   CHECK(named.loops[0].match == 0);
@@ -141,7 +139,7 @@ TEST_CASE("loop closures are indices or time stamps, with or without scores") {
   const Trajectory whole =
       read_trajectory(file("whole.txt", std::string("100") + kNoTurn + "101" + kNoTurn), {});
   const auto seconds = file("v.csv", "101,100\n");
-  CHECK(read_loops(seconds, whole).is_by_time);
+  CHECK(read_loops(seconds, whole).loops.at(0).query == 1);
   CHECK(test::error_kind([&] { read_loops(seconds, whole, LoopFrames::index); }) ==
         ErrorKind::data);
 }
