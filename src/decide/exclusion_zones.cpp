@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include "match/components.h"
 #include "match/distance_statistics.h"
@@ -161,16 +162,14 @@ std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
   const size_t count = sequences.size();
   if (count < 2) return {};
   most_pairs /= count * (count - 1);
-  std::vector<std::pair<size_t, size_t>> pairs;
+  std::set<std::pair<size_t, size_t>> pairs;
   for (size_t b = 0; b < count; ++b) {
     const Searched train = make_searched(sequences[b], radii[b], monitor);
     for (size_t a = 0; a < count; ++a)
       if (a != b && is_recognized(sequences[a], train, kernels, monitor, most_pairs))
-        pairs.push_back(std::minmax(a, b));
+        pairs.insert(std::minmax(a, b));
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+  return {pairs.begin(), pairs.end()};
 }
 
 }  // namespace vpr

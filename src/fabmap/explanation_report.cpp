@@ -24,8 +24,7 @@ const cv::Scalar kText(40, 40, 40);
 const cv::Scalar kPaper(245, 245, 245);
 
 cv::Scalar color_of_point(bool speaks_for) {
-  const cv::Vec3b bgr = bgr_of(speaks_for ? Meaning::correct : Meaning::incorrect);
-  return {static_cast<double>(bgr[0]), static_cast<double>(bgr[1]), static_cast<double>(bgr[2])};
+  return bgr_of(speaks_for ? Meaning::correct : Meaning::incorrect);
 }
 
 /// The position of an image on the canvas.
@@ -89,8 +88,7 @@ void join(cv::Mat& canvas, const ImagePair& pair, const Placement& query, const 
   for (const MarkedPoint& from : pair.query.points) {
     if (!from.speaks_for || std::find(joined.begin(), joined.end(), from.word) != joined.end())
       continue;
-    const auto to = std::find_if(pair.view.points.begin(), pair.view.points.end(),
-                                 [&](const MarkedPoint& p) { return p.word == from.word; });
+    const auto to = std::ranges::find(pair.view.points, from.word, &MarkedPoint::word);
     if (to == pair.view.points.end()) continue;
     joined.push_back(from.word);
     cv::line(canvas, query(from.at), view(to->at), color_of_point(true), 1, cv::LINE_AA);

@@ -94,13 +94,11 @@ std::vector<size_t> best_views(std::span<const double> posterior,
                                const std::vector<uint32_t>& place_of) {
   std::vector<size_t> order(posterior.size() - 1);
   std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return posterior[a + 1] > posterior[b + 1]; });
+  std::ranges::stable_sort(order, std::greater(), [&](size_t view) { return posterior[view + 1]; });
   std::vector<size_t> best;
   for (const size_t view : order) {
     if (best.size() == kExplainedPlaces) break;
-    if (std::none_of(best.begin(), best.end(),
-                     [&](size_t v) { return place_of[v] == place_of[view]; }))
+    if (std::ranges::none_of(best, [&](size_t v) { return place_of[v] == place_of[view]; }))
       best.push_back(view);
   }
   return best;

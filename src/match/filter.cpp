@@ -211,6 +211,29 @@ void find_values(FilterState& state) {
   });
 }
 
+// Every run begins with a keyframe; a frame that differs by at least least_change from the last
+// keyframe of its run is a keyframe.
+FilterCells find_cells(const FrameDistances& distances, double least_change) {
+  FilterCells cells;
+  for (const FrameStretch& run : distances.train_runs) {
+    const DescriptorRows& rows = distances.train[run.sequence].rows;
+    cells.frames.resize(cells.frames.size() + kLongestStep, 0);
+    CellStretch& added =
+        cells.runs.emplace_back(CellStretch{cells.size(), 0, run.sequence, run.first + run.count});
+    size_t last = run.first_in_sequence;
+    for (size_t k = 0; k < run.count; ++k) {
+      const size_t frame = run.first_in_sequence + k;
+      if (k > 0 && frame_distance(rows, last, frame) < least_change) continue;
+      last = frame;
+      cells.frames.push_back(static_cast<uint32_t>(run.first + k));
+    }
+    added.count = cells.size() - added.first;
+    cells.places += added.count;
+  }
+  add_decoys(cells);
+  return cells;
+}
+
 }  // namespace
 
 const std::array<FilterRate, kRateCount>& filter_rates() { return kFilterRates; }
@@ -282,31 +305,8 @@ void add_decoys(FilterCells& cells) {
   }
 }
 
-FilterCells find_cells(const FrameDistances& distances, double least_change) {
-  FilterCells cells;
-  for (const FrameStretch& run : distances.train_runs) {
-    const DescriptorRows& rows = distances.train[run.sequence].rows;
-    cells.frames.resize(cells.frames.size() + kLongestStep, 0);
-    CellStretch& added =
-        cells.runs.emplace_back(CellStretch{cells.size(), 0, run.sequence, run.first + run.count});
-    size_t last = run.first_in_sequence;
-    for (size_t k = 0; k < run.count; ++k) {
-      const size_t frame = run.first_in_sequence + k;
-      if (k > 0 && frame_distance(rows, last, frame) < least_change) continue;
-      last = frame;
-      cells.frames.push_back(static_cast<uint32_t>(run.first + k));
-    }
-    added.count = cells.size() - added.first;
-    cells.places += added.count;
-  }
-  add_decoys(cells);
-  return cells;
-}
-
 const CellStretch& run_of(const FilterCells& cells, size_t cell) {
-  const auto behind =
-      std::upper_bound(cells.runs.begin(), cells.runs.end(), cell,
-                       [](size_t c, const CellStretch& run) { return c < run.first; });
+  const auto behind = std::ranges::upper_bound(cells.runs, cell, {}, &CellStretch::first);
   assert(behind != cells.runs.begin());
   return *std::prev(behind);
 }

@@ -54,10 +54,6 @@ struct FilterCells {
   }
 };
 
-/// Every run begins with a keyframe; a frame that differs by at least least_change from the last
-/// keyframe of its run is a keyframe.
-FilterCells find_cells(const FrameDistances& distances, double least_change);
-
 /// Adds the decoys of all runs, as the second half of the runs.
 void add_decoys(FilterCells& cells);
 

@@ -76,8 +76,7 @@ std::vector<Stretch> stretches_of(std::span<const DescribedFrames> train) {
 // Reads the distances of a query frame to training frames [first, last).
 void read_row(const PrecomputedDistances& precomputed, size_t query,
               const std::vector<Stretch>& stretches, size_t first, size_t last, uint16_t* out) {
-  auto stretch = std::upper_bound(stretches.begin(), stretches.end(), first,
-                                  [](size_t frame, const Stretch& s) { return frame < s.first; });
+  auto stretch = std::ranges::upper_bound(stretches, first, {}, &Stretch::first);
   for (--stretch; stretch != stretches.end() && stretch->first < last; ++stretch) {
     const size_t from = std::max(first, stretch->first);
     const size_t to = std::min(last, stretch->first + stretch->count);

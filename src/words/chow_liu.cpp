@@ -2,7 +2,6 @@
 #include "words/chow_liu.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -91,6 +90,7 @@ struct Edge {
   double information = 0;
   uint32_t a = 0;
   uint32_t b = 0;
+  uint32_t both = 0;  ///< frames that show both words
 };
 
 bool better(const Edge& x, const Edge& y) {
@@ -113,45 +113,36 @@ WordColumns make_word_columns(std::span<const WordSet> frames, size_t words) {
   return columns;
 }
 
-// The number of frames that show both words.
-size_t count_both(const WordColumns& columns, size_t a, size_t b) {
-  size_t both = 0;
-  for (size_t chunk = 0; chunk < columns.chunks; ++chunk)
-    both += static_cast<size_t>(
-        std::popcount(columns.bits[columns.at(chunk, a)] & columns.bits[columns.at(chunk, b)]));
-  return both;
-}
-
 // Orients the edges away from the root, the smaller word of the best edge.
 ChowLiuTree orient(const std::vector<Edge>& edges, const std::vector<uint32_t>& counts,
-                   const WordColumns& columns, size_t frames) {
+                   size_t frames) {
   const size_t words = counts.size();
   ChowLiuTree tree;
   tree.parent.resize(words);
-  std::vector<std::vector<uint32_t>> neighbors(words);
-  for (const Edge& edge : edges) {
-    neighbors[edge.a].push_back(edge.b);
-    neighbors[edge.b].push_back(edge.a);
-  }
+  std::vector<std::vector<const Edge*>> edges_of(words);
+  for (const Edge& edge : edges)
+    for (const uint32_t word : {edge.a, edge.b}) edges_of[word].push_back(&edge);
   const uint32_t root = edges.empty() ? 0 : std::min_element(edges.begin(), edges.end(), better)->a;
   tree.parent[root] = root;
+  std::vector<uint32_t> both(words, 0);  // frames that show a word and its parent
   std::vector<uint32_t> open = {root};
   while (!open.empty()) {
     const uint32_t word = open.back();
     open.pop_back();
-    for (const uint32_t next : neighbors[word]) {
+    for (const Edge* edge : edges_of[word]) {
+      const uint32_t next = edge->a == word ? edge->b : edge->a;
       if (next == tree.parent[word]) continue;
       tree.parent[next] = word;
+      both[next] = edge->both;
       open.push_back(next);
     }
   }
   for (size_t q = 0; q < words; ++q) {
     const uint32_t parent = tree.parent[q];
-    const size_t both = count_both(columns, q, parent);
     tree.p.push_back(smoothed(counts[q], frames));
-    tree.p_given.push_back(parent == q ? tree.p[q] : smoothed(both, counts[parent]));
-    tree.p_given_not.push_back(parent == q ? tree.p[q]
-                                           : smoothed(counts[q] - both, frames - counts[parent]));
+    tree.p_given.push_back(parent == q ? tree.p[q] : smoothed(both[q], counts[parent]));
+    tree.p_given_not.push_back(
+        parent == q ? tree.p[q] : smoothed(counts[q] - both[q], frames - counts[parent]));
   }
   return tree;
 }
@@ -204,7 +195,7 @@ ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const 
     for (const uint32_t word : frame) ++counts[word];
   const WordColumns columns = make_word_columns(frames, words);
   const MutualInformation information(frames.size());
-  std::vector<Edge> best(words, {-1e300, 0, 0});
+  std::vector<Edge> best(words, {-1e300, 0, 0, 0});
   std::vector<uint32_t> outside(words - 1);
   std::iota(outside.begin(), outside.end(), 1U);
   std::vector<uint32_t> both(columns.padded_words);
@@ -219,7 +210,7 @@ ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const 
       const double shared = information(counts[added], counts[v], both[v]);
       if (shared >= best[v].information) {
         const auto [a, b] = std::minmax({static_cast<uint32_t>(added), v});
-        const Edge edge{shared, a, b};
+        const Edge edge{shared, a, b, both[v]};
         if (better(edge, best[v])) best[v] = edge;
       }
       if (best[v].information >= best[outside[next]].information &&
@@ -232,7 +223,7 @@ ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const 
     outside.pop_back();
     counter.add();
   }
-  return orient(edges, counts, columns, frames.size());
+  return orient(edges, counts, frames.size());
 }
 
 std::vector<double> tree_rows(const ChowLiuTree& tree) {

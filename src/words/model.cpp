@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -180,8 +181,7 @@ std::vector<Step> plan_steps(const FabmapQuery& query) {
     const size_t row = 4 * size_t{z} + 2 * size_t{parent};
     steps.push_back({q, z ? given : 1 - given, model.log_p[q][row], model.log_p[q][row + 1], 0});
   }
-  std::stable_sort(steps.begin(), steps.end(),
-                   [](const Step& a, const Step& b) { return a.p_observed < b.p_observed; });
+  std::ranges::stable_sort(steps, {}, &Step::p_observed);
   double variance = 0;
   double largest = 0;
   for (size_t s = steps.size(); s-- > 0;) {
@@ -381,9 +381,7 @@ std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<cons
     evidence.push_back({q, seen[q] != 0, shown[q] != 0,
                         model.log_p[q][2 * row + shown[q]] - model.log_p_new[q][row]});
   }
-  std::stable_sort(
-      evidence.begin(), evidence.end(),
-      [](const WordEvidence& a, const WordEvidence& b) { return a.log_odds > b.log_odds; });
+  std::ranges::stable_sort(evidence, std::greater(), &WordEvidence::log_odds);
   return evidence;
 }
 

@@ -94,8 +94,7 @@ void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descripto
   const FabmapTrainSettings& settings = database.settings;
   database.vocabulary = make_words(descriptors, settings, database.seed, monitor);
   warn_featureless("--pretrain",
-                   static_cast<size_t>(std::count_if(descriptors.begin(), descriptors.end(),
-                                                     [](const cv::Mat& m) { return m.empty(); })),
+                   static_cast<size_t>(std::ranges::count_if(descriptors, &cv::Mat::empty)),
                    descriptors.size(), settings.features.kind, monitor);
   const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
   std::vector<WordSet> frames(descriptors.size());
