@@ -132,31 +132,22 @@ void draw_plots(Session& session, const TuneOptions& options, const std::vector<
 
 /// The part that differs between the families: describes a query and sweeps it, over `grid`, or
 /// over the grid of the flags if it is null.
-using SweepQuery =
-    std::function<Sweep(const Source& source, const Grid* grid, const TruthReader& reader)>;
+using SweepQuery = std::function<Sweep(const Source& source, const Grid* grid)>;
 
 // Sweeps all queries over the grid of the first, and the recommended cell of each on the
-// validation. `database`: as in evaluation_of.
+// validation.
 std::vector<Sweep> sweep_all(const std::vector<Source>& queries,
-                             const std::optional<Source>& validation,
-                             const SequenceDatabase* database, const SweepQuery& sweep,
-                             const Monitor& monitor) {
-  const auto reader_of = [&](const Source& source) {
-    return [&monitor, by = evaluation_of(source, database)](const GroundTruthScope& scope) {
-      return whole_truth_of(by, scope, monitor);
-    };
-  };
+                             const std::optional<Source>& validation, const SweepQuery& sweep) {
   std::vector<Sweep> sweeps;
   std::optional<Grid> grid;
   for (const Source& query : queries) {
-    Sweep& found = sweeps.emplace_back(sweep(query, grid ? &*grid : nullptr, reader_of(query)));
+    Sweep& found = sweeps.emplace_back(sweep(query, grid ? &*grid : nullptr));
     grid = found.grid;
     const auto& recommended = found.recommendation.cell;
     if (!recommended || !validation) continue;
     const CellCounts& cell = found.cells[*recommended];
     const Grid one = {{cell.window}, {cell.threshold}};
-    found.validation = {validation->sequence.name,
-                        sweep(*validation, &one, reader_of(*validation)).cells.front()};
+    found.validation = {validation->sequence.name, sweep(*validation, &one).cells.front()};
   }
   return sweeps;
 }
@@ -207,7 +198,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
                                  session.options.process.seed};
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
-  const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
+  const auto sweep = [&](const Source& source, const Grid* grid) {
     std::vector<LabeledQuery> labeled;
     labeled.push_back({source.sequence.name,
                        describe_query(source.sequence.sequence, database, settings, monitor),
@@ -215,8 +206,8 @@ void tune_fastable(Session& session, const TuneOptions& options,
     const DescriptorSet& query = labeled.front().frames;
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
-        grid != nullptr ? *grid : sequence_grid(options.grid, *settings, database, query), reader,
-        resources, monitor);
+        grid != nullptr ? *grid : sequence_grid(options.grid, *settings, database, query),
+        reader_of(labeled.front().by, monitor), resources, monitor);
     ensure_statistics(database, monitor);
     const Monitor silent = {monitor.progress, {}, monitor.stop};
     SequenceQuerySettings filter;
@@ -226,7 +217,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
     return found;
   };
-  const std::vector<Sweep> sweeps = sweep_all(queries, validation, &database, sweep, monitor);
+  const std::vector<Sweep> sweeps = sweep_all(queries, validation, sweep);
   present(session, options, DatabaseFamily::sequences, *settings, sweeps, watch.elapsed_s());
 }
 
@@ -238,14 +229,15 @@ void tune_fabmap(Session& session, const TuneOptions& options,
   const auto validation = find_validation(options, DatabaseFamily::fabmap, queries, session);
   const FabmapDatabase database = read_fabmap_database(options.database);
   const Stopwatch watch;
-  const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
+  const auto sweep = [&](const Source& source, const Grid* grid) {
     const SequenceWords query = describe_words(open_sequence(source.sequence.sequence), database,
                                                settings.skip_unreadable, monitor);
     return sweep_fabmap(database, query, source.sequence.name, settings,
-                        grid != nullptr ? *grid : fabmap_grid(options.grid), reader,
+                        grid != nullptr ? *grid : fabmap_grid(options.grid),
+                        reader_of(evaluation_of(source, nullptr), monitor),
                         session.options.process.seed, monitor);
   };
-  const std::vector<Sweep> sweeps = sweep_all(queries, validation, nullptr, sweep, monitor);
+  const std::vector<Sweep> sweeps = sweep_all(queries, validation, sweep);
   present(session, options, DatabaseFamily::fabmap, settings, sweeps, watch.elapsed_s());
 }
 

@@ -150,6 +150,16 @@ std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths
   return std::nullopt;
 }
 
+// The reason for a missing margin.
+const char* failure_of(const std::vector<CalibratedLength>& lengths) {
+  // The length with the most queries is the best explanation.
+  if (std::ranges::max_element(lengths, {}, &CalibratedLength::queries)->calibration.advice ==
+      CalibrationAdvice::no_right_recognition)
+    return "no window is recognized correctly; check that the ground truth belongs to this query";
+  return "at every setting that recognizes a window correctly, others are incorrect, or would be "
+         "if their place were not trained";
+}
+
 constexpr double kSecondsPerHour = 3600;
 
 /// False recognitions to expect in another number of windows.
@@ -187,6 +197,11 @@ Json length_json(const CalibratedLength& length) {
 }
 
 }  // namespace
+
+TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor) {
+  return
+      [by, &monitor](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); };
+}
 
 UnknownPlaceScan::UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere,
                                    size_t window_length, size_t query_windows,
@@ -270,29 +285,30 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
                 "{}: shows no trained place according to the ground truth. Use a sequence that "
                 "passes trained places.",
                 query_name);
+  const std::optional<size_t> chosen = choose_length(calibrated.lengths);
+  if (!chosen)
+    throw Error(ErrorKind::expectation, "{}: no margin: {}", query_name,
+                failure_of(calibrated.lengths));
   calibrated.protocol = truth->protocol;
-  calibrated.chosen = choose_length(calibrated.lengths);
+  calibrated.chosen = *chosen;
   return calibrated;
 }
 
 Json calibration_json(const CalibratedSequence& calibrated, const RunInfo& run, double seconds) {
+  const CalibratedLength& chosen = calibrated.lengths[calibrated.chosen];
   Json json = {{"schema", "vpr.calibration/3"},
-               {"settings", nullptr},
+               {"settings", settings_in_force(chosen.settings)},
                {"query", {{"name", calibrated.query.name}, {"ground_truth", calibrated.protocol}}},
                {"precision", calibrated.precision},
-               {"chosen", or_null(calibrated.chosen)},
-               {"lengths", Json::array()}};
+               {"chosen", calibrated.chosen},
+               {"lengths", Json::array()},
+               {"in_1000_windows", rate_json(rate_of(chosen, 1000))}};
   json["query"].update(value_to_json(calibrated.query.selection, kDataForm));
   for (const CalibratedLength& length : calibrated.lengths)
     json["lengths"].push_back(length_json(length));
-  if (calibrated.chosen) {
-    const CalibratedLength& length = calibrated.lengths[*calibrated.chosen];
-    json["settings"] = settings_in_force(length.settings);
-    json["in_1000_windows"] = rate_json(rate_of(length, 1000));
-    if (calibrated.fps) {
-      json["fps"] = *calibrated.fps;
-      json["in_an_hour"] = rate_json(rate_of(length, *calibrated.fps * kSecondsPerHour));
-    }
+  if (calibrated.fps) {
+    json["fps"] = *calibrated.fps;
+    json["in_an_hour"] = rate_json(rate_of(chosen, *calibrated.fps * kSecondsPerHour));
   }
   json["provenance"] = provenance_json(run);
   add_run(json, run, {{"calibrate", seconds}});
@@ -301,8 +317,7 @@ Json calibration_json(const CalibratedSequence& calibrated, const RunInfo& run, 
 
 Table calibration_table(const CalibratedSequence& calibrated) {
   Table table;
-  table.title = fmt::format("{}: windows recognized at the margin found{}", calibrated.query.name,
-                            calibrated.chosen ? " (* chosen)" : "");
+  table.title = calibrated.query.name + ": windows recognized at the margin found (* chosen)";
   table.columns = {"c_l", "margin", "correct", "incorrect", "of", "false recognitions", "95 %"};
   for (size_t l = 0; l < calibrated.lengths.size(); ++l) {
     const CalibratedLength& length = calibrated.lengths[l];
@@ -322,10 +337,7 @@ Table calibration_table(const CalibratedSequence& calibrated) {
 }
 
 std::string calibration_text(const CalibratedSequence& calibrated) {
-  if (!calibrated.chosen)
-    return fmt::format("{}: no margin: {}.\n", calibrated.query.name,
-                       calibration_failure(calibrated));
-  const CalibratedLength& length = calibrated.lengths[*calibrated.chosen];
+  const CalibratedLength& length = calibrated.lengths[calibrated.chosen];
   const Calibration& found = length.calibration;
   std::string text = fmt::format(
       "{}: margin {:.4g} at c_l {}: {} recognized correctly and {} incorrectly, of {} whose place "
@@ -338,16 +350,6 @@ std::string calibration_text(const CalibratedSequence& calibrated) {
                       calibrated.fps ? "an hour" : "1000 windows", rate.expected, rate.interval.low,
                       rate.interval.high);
   return text + "Expect more in other rooms and at another speed.\n";
-}
-
-std::string calibration_failure(const CalibratedSequence& calibrated) {
-  // The length with the most queries is the best explanation.
-  const CalibratedLength& length =
-      *std::ranges::max_element(calibrated.lengths, {}, &CalibratedLength::queries);
-  if (length.calibration.advice == CalibrationAdvice::no_right_recognition)
-    return "no window is recognized correctly; check that the ground truth belongs to this query";
-  return "at every setting that recognizes a window correctly, others are incorrect, or would be "
-         "if their place were not trained";
 }
 
 }  // namespace vpr

@@ -15,6 +15,7 @@
 #include "base/json_fwd.h"
 #include "base/statistics.h"
 #include "decide/exclusion_zones.h"
+#include "evaluate/evaluation.h"
 #include "files/run_info.h"
 #include "present/table.h"
 #include "run/query.h"
@@ -96,6 +97,8 @@ struct CalibratedLength {
 
 /// Reads the ground truth for the indices of a result.
 using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
+/// Reads it as whole_truth_of does. The monitor must outlive the reader.
+TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor);
 
 /// The calibration of every window length, and the recommended length.
 struct CalibratedSequence {
@@ -103,31 +106,28 @@ struct CalibratedSequence {
   std::string protocol;                   ///< of the ground truth, in words
   std::vector<CalibratedLength> lengths;  ///< increasing c_l
   /// The shortest with at least 0.7 of the correctly recognized windows of the best length; index.
-  std::optional<size_t> chosen;
+  size_t chosen = 0;
   double precision = 1;
   std::optional<double> fps = {};  ///< of the query, if known, for the report
 };
 
 /// `base`: the settings except c_l and the margin. `lengths`: c_l; ignored for the filter, which
 /// has windows of one frame. Throws Error(usage) for a precision that is not above 0 and at most 1,
-/// and if the ground truth has no query window at a trained place; also throws what plan_query and
-/// run_query throw.
+/// and if the ground truth has no query window at a trained place; Error(expectation), with a
+/// remedy, if no length has a margin; also throws what plan_query and run_query throw.
 CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const DescriptorSet& query,
                                       const std::string& query_name, const ResolvedSettings& base,
                                       std::vector<uint64_t> lengths, double precision,
                                       const TruthReader& read_truth,
                                       const QueryResources& resources, const Monitor& monitor);
 
-/// "settings" is a configuration for vpr-query --config, or null.
+/// "settings" is a configuration for vpr-query --config.
 Json calibration_json(const CalibratedSequence& calibrated, const RunInfo& run, double seconds);
 
 /// A row per window length; the chosen one has a star.
 Table calibration_table(const CalibratedSequence& calibrated);
 
-/// The margin and the false recognitions to expect, or calibration_failure. Ends with a line feed.
+/// The margin and the false recognitions to expect. Ends with a line feed.
 std::string calibration_text(const CalibratedSequence& calibrated);
-
-/// The reason for a missing margin, and a remedy.
-std::string calibration_failure(const CalibratedSequence& calibrated);
 
 }  // namespace vpr

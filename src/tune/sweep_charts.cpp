@@ -93,12 +93,10 @@ Chart sweep_chart(const Sweep& sweep) {
     for (const CellCounts& cell : sweep.cells)
       if (window_text(cell) == window) order.push_back(&cell);
     // From the strictest threshold to the loosest; automatic ones have no order and stand alone.
-    std::ranges::stable_sort(
-        order,
-        [](const auto& a, const auto& b) {
-          return a.has_value() != b.has_value() ? a.has_value() : a < b;
-        },
-        looseness);
+    std::ranges::stable_sort(order, {}, [&](const CellCounts* cell) {
+      const auto known = looseness(cell);
+      return std::pair(!known, known);
+    });
     for (const CellCounts* cell : order) {
       if (!looseness(cell) && !series.points.empty()) {
         series.points.push_back(kChartGap);

@@ -54,11 +54,6 @@ size_t best_cell(const std::vector<Query>& queries, uint64_t max_incorrect,
   return best_counts(sums, max_incorrect);
 }
 
-template <class Query>
-TruthReader reader_of(const Query& query, const Monitor& monitor) {
-  return [&](const GroundTruthScope& scope) { return whole_truth_of(query.by, scope, monitor); };
-}
-
 // Counts the frames of all queries. `run`: one query with the settings of the trial.
 template <class Query, class Run>
 void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& truth_monitor,
@@ -91,7 +86,7 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
   const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
   const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledQuery& query) {
     return sweep_sequences(database, query.frames, query.name, base, grid,
-                           reader_of(query, monitor), resources, monitor);
+                           reader_of(query.by, monitor), resources, monitor);
   });
   settings.window_length = grid.windows[cell / grid.thresholds.size()];
   settings.distance_threshold = grid.thresholds[cell % grid.thresholds.size()];
@@ -191,7 +186,7 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
                  const Monitor& monitor) {
   const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledWords& query) {
     return sweep_fabmap(database, query.frames, query.name, base, kFabmapGrid,
-                        reader_of(query, monitor), seed, monitor);
+                        reader_of(query.by, monitor), seed, monitor);
   });
   FabmapQuerySettings settings = base;
   settings.window = kFabmapGrid.windows[cell / kFabmapGrid.thresholds.size()];
