@@ -328,20 +328,18 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {
   const size_t length = result.window_length();
   const size_t block = block_of(result);
-  const auto interval = [&](const auto& matches, auto query_of, PlaceLabel wanted) {
+  const auto interval = [&](const auto& matches, auto query, PlaceLabel wanted) {
     std::vector<double> counts(result.query_windows, 0);
     for (const auto& match : matches)
-      if (label_of(truth, match, length) == wanted) counts[query_of(match)] += 1;
+      if (label_of(truth, match, length) == wanted) counts[match.*query] += 1;
     return bootstrap_sum(counts, block, seed);
   };
-  const auto of_recognition = [](const Match& recognition) { return recognition.query; };
-  const auto of_cluster = [](const Cluster& cluster) { return cluster.query_window; };
-  SweepIntervals intervals{block, interval(result.recognitions, of_recognition, PlaceLabel::same),
-                           interval(result.recognitions, of_recognition, PlaceLabel::different)};
+  SweepIntervals intervals{block, interval(result.recognitions, &Match::query, PlaceLabel::same),
+                           interval(result.recognitions, &Match::query, PlaceLabel::different)};
   if (!result.clusters) return intervals;
   const std::vector<Cluster>& clusters = result.clusters->all;
-  intervals.correct_places = interval(clusters, of_cluster, PlaceLabel::same);
-  intervals.incorrect_places = interval(clusters, of_cluster, PlaceLabel::different);
+  intervals.correct_places = interval(clusters, &Cluster::query_window, PlaceLabel::same);
+  intervals.incorrect_places = interval(clusters, &Cluster::query_window, PlaceLabel::different);
   return intervals;
 }
 

@@ -1,6 +1,6 @@
-#include "tune/sweep.h"
-
 #include <catch2/catch.hpp>
+
+#include "tune/sweep.h"
 
 using namespace vpr;
 
