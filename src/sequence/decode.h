@@ -85,8 +85,4 @@ struct ImageHeader {
 /// Never throws: fields that a damaged header lacks keep their defaults.
 ImageHeader read_image_header(std::string_view file);
 
-/// The clockwise rotation, 0, 90, 180 or 270 degrees, that shows the frames of a video upright: of
-/// the first video track of an MP4 or QuickTime file. -1 for other files.
-int video_rotation(std::string_view file);
-
 }  // namespace vpr

@@ -199,10 +199,8 @@ void refuse_text(const std::filesystem::path& path, std::string_view start) {
 
 // Turns off OpenCV's own rotation, whose direction depends on its version, and returns the rotation
 // that shows frames upright: clockwise degrees.
-int upright_rotation(cv::VideoCapture& capture, const MappedFile& file) {
+int upright_rotation(cv::VideoCapture& capture) {
   capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
-  const int stated = video_rotation(file.text());
-  if (stated >= 0) return stated;
   const int angle = static_cast<int>(capture.get(cv::CAP_PROP_ORIENTATION_META));
   const bool is_reversed = cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6;
   return ((is_reversed ? -angle : angle) % 360 + 360) % 360;
@@ -231,14 +229,13 @@ VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
       capture_(std::make_unique<cv::VideoCapture>()),
       sequence_(argument.sequence) {
   const std::string path = argument.path.string();
-  const MappedFile file(argument.path);
   constexpr size_t kSignature = 64;
-  refuse_text(argument.path, file.text().substr(0, kSignature));
+  refuse_text(argument.path, read_file_start(argument.path, kSignature));
   if (!open_capture(*capture_, argument.path, cv::CAP_FFMPEG))
     throw Error(ErrorKind::input,
                 "{}: is neither a folder of images, a list (.txt) nor a video that can be decoded",
                 path);
-  rotation_ = upright_rotation(*capture_, file);
+  rotation_ = upright_rotation(*capture_);
 }
 
 VideoReader::~VideoReader() = default;

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
-#include <optional>
 
 #include "sequence/decode.h"
 
@@ -93,57 +91,6 @@ bool is_pgm_16(std::string_view file) {
   return value > 255;
 }
 
-/// A box of an MP4 file, without its header.
-struct Box {
-  std::string_view type;
-  std::string_view content;
-};
-
-// Removes the first box from `boxes`; nullopt at the end, and for a damaged size.
-std::optional<Box> next_box(std::string_view& boxes) {
-  const ByteReader reader{boxes};
-  if (boxes.size() < 8) return std::nullopt;
-  uint64_t size = reader.number(0, 4);
-  const uint64_t header = size == 1 ? 16 : 8;
-  if (size == 1) size = reader.number(8, 8);
-  if (size == 0) size = boxes.size();
-  if (size < header || size > boxes.size()) return std::nullopt;
-  const Box box{boxes.substr(4, 4), boxes.substr(header, size - header)};
-  boxes.remove_prefix(size);
-  return box;
-}
-
-std::optional<std::string_view> find_box(std::string_view boxes, std::string_view type) {
-  while (const auto box = next_box(boxes))
-    if (box->type == type) return box->content;
-  return std::nullopt;
-}
-
-bool is_video_track(std::string_view track) {
-  const auto media = find_box(track, "mdia");
-  const auto handler = media ? find_box(*media, "hdlr") : std::nullopt;
-  return handler && handler->size() >= 12 && handler->substr(8, 4) == "vide";
-}
-
-// By the matrix (a b u, c d v, x y w) that maps stored to shown positions, y pointing down.
-int rotation_of_track(std::string_view track) {
-  const auto header = find_box(track, "tkhd");
-  if (!header || header->empty()) return 0;
-  const ByteReader reader{*header};
-  const uint64_t at = header->front() == 1 ? 52 : 40;
-  const auto cell = [&](uint64_t index) {
-    return static_cast<int32_t>(static_cast<uint32_t>(reader.number(at + 4 * index, 4)));
-  };
-  const int32_t a = cell(0);
-  const int32_t b = cell(1);
-  const int32_t c = cell(3);
-  const int32_t d = cell(4);
-  if (a == 0 && d == 0 && b > 0 && c < 0) return 90;
-  if (a < 0 && d < 0 && b == 0 && c == 0) return 180;
-  if (a == 0 && d == 0 && b < 0 && c > 0) return 270;
-  return 0;
-}
-
 }  // namespace
 
 ImageHeader read_image_header(std::string_view file) {
@@ -158,17 +105,6 @@ ImageHeader read_image_header(std::string_view file) {
   else if (file.starts_with("RIFF"))
     header.orientation = webp_orientation(file);
   return header;
-}
-
-int video_rotation(std::string_view file) {
-  constexpr std::array<std::string_view, 6> kFirstBoxes = {"ftyp", "moov", "mdat",
-                                                           "wide", "free", "skip"};
-  const std::string_view first = file.size() < 8 ? std::string_view() : file.substr(4, 4);
-  if (std::ranges::find(kFirstBoxes, first) == kFirstBoxes.end()) return -1;
-  std::string_view tracks = find_box(file, "moov").value_or(std::string_view());
-  while (const auto box = next_box(tracks))
-    if (box->type == "trak" && is_video_track(box->content)) return rotation_of_track(box->content);
-  return 0;
 }
 
 }  // namespace vpr

@@ -75,7 +75,6 @@ TEST_CASE("a video is shown upright, whatever its display matrix") {
     const fs::path path = video(folder.path(), rotation);
     REQUIRE_FALSE(path.empty());  // OpenCV has an encoder
     INFO(rotation);
-    CHECK(video_rotation(read_text(path)) == rotation);
     const cv::Mat frame = frames_of(path).at(0);
     const bool is_turned = rotation % 180 != 0;
     REQUIRE(frame.size() == (is_turned ? cv::Size(120, 160) : cv::Size(160, 120)));
