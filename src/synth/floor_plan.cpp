@@ -52,11 +52,10 @@ void lay_grid(const Floor& floor, FloorPlan& plan) {
 
 bool is_glass(const Floor& floor, Point p) {
   return std::ranges::any_of(floor.glass, [&](const GlassFront& line) {
-    const double dx = line.to_x - line.from_x, dy = line.to_y - line.from_y;
-    const double square = dx * dx + dy * dy;
-    const double along = (p.x - line.from_x) * dx + (p.y - line.from_y) * dy;
-    const double t = square == 0 ? 0 : std::clamp(along / square, 0.0, 1.0);
-    return distance(p, {line.from_x + t * dx, line.from_y + t * dy}) < kPlanCellM / 2;
+    const Point from(line.from_x, line.from_y), way = Point(line.to_x, line.to_y) - from;
+    const double square = way.dot(way);
+    const double t = square == 0 ? 0 : std::clamp((p - from).dot(way) / square, 0.0, 1.0);
+    return distance(p, from + t * way) < kPlanCellM / 2;
   });
 }
 
@@ -129,8 +128,8 @@ void hang_lamps(const Floor& floor, FloorPlan& plan) {
 }  // namespace
 
 double distance(Point a, Point b) {
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  return std::sqrt(dx * dx + dy * dy);
+  const Point way = b - a;
+  return std::sqrt(way.dot(way));
 }
 
 Point Wall::direction() const {
@@ -140,8 +139,7 @@ Point Wall::direction() const {
 
 Point Wall::at(double along_m, double inward_m) const {
   const Point way = direction();
-  return {start.x + way.x * along_m + way.y * inward_m,
-          start.y + way.y * along_m - way.x * inward_m};
+  return start + along_m * way + inward_m * Point(way.y, -way.x);
 }
 
 uint8_t FloorPlan::open_at(Point point) const {
@@ -177,10 +175,8 @@ std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point directi
       const int32_t index =
           plan.wall_of[cell_index(plan, column, row) * 4 + static_cast<size_t>(side)];
       const Wall& wall = plan.walls[static_cast<size_t>(index)];
-      const Point hit{from.x + distance * direction.x, from.y + distance * direction.y};
-      const Point way = wall.direction();
-      return WallHit{distance, index,
-                     (hit.x - wall.start.x) * way.x + (hit.y - wall.start.y) * way.y};
+      const Point hit = from + distance * direction;
+      return WallHit{distance, index, (hit - wall.start).dot(wall.direction())};
     }
     column += step.column;
     row += step.row;
@@ -189,8 +185,8 @@ std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point directi
 }
 
 bool can_see(const FloorPlan& plan, Point from, Point to) {
-  const Point way{to.x - from.x, to.y - from.y};
-  if (way.x == 0 && way.y == 0) return plan.is_open(from);
+  const Point way = to - from;
+  if (way == Point()) return plan.is_open(from);
   const auto hit = cast_ray(plan, from, way);
   return hit && hit->distance >= 1;
 }

@@ -5,15 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include <opencv2/core/types.hpp>
+
 #include "synth/world.h"
 
 namespace vpr {
 
-/// A point on the floor, in meters.
-struct Point {
-  double x = 0;
-  double y = 0;
-};
+/// A point on the floor, or a vector, in meters.
+using Point = cv::Point2d;
 
 /// The distance in meters, rounded the same way on every machine: std::hypot differs between
 /// processors in the last digit.

@@ -65,10 +65,9 @@ constexpr double kNearestM = 0.25;  // minimum distance to a wall
 double meters_per_pixel(const Canvas& canvas, const Wall& wall, const Column& column) {
   const Point way = wall.direction();
   const Point normal{-way.y, way.x};
-  const double toward = normal.x * column.ray.x + normal.y * column.ray.y;
-  const double turn = (normal.x * canvas.right.x + normal.y * canvas.right.y) / toward;
-  const double dx = canvas.right.x - turn * column.ray.x, dy = canvas.right.y - turn * column.ray.y;
-  return std::abs(dx * way.x + dy * way.y) * column.depth / canvas.focal;
+  const double turn = normal.dot(canvas.right) / normal.dot(column.ray);
+  const Point step = canvas.right - turn * column.ray;
+  return std::abs(step.dot(way)) * column.depth / canvas.focal;
 }
 
 // The view through glass, and the reflection in it: the next wall that the reflected ray hits, at
@@ -87,8 +86,7 @@ void cast_through_glass(const Canvas& canvas, const Scene& scene, const WallHit&
   const bool is_sideways = side == Side::right || side == Side::left;
   const Point back{is_sideways ? -column.ray.x : column.ray.x,
                    is_sideways ? column.ray.y : -column.ray.y};
-  const Point from{canvas.position.x + column.ray.x * hit.distance * kBefore,
-                   canvas.position.y + column.ray.y * hit.distance * kBefore};
+  const Point from = canvas.position + column.ray * hit.distance * kBefore;
   const auto next = cast_ray(scene.plan, from, back);
   if (!next) return;
   column.mirrored_depth = hit.distance + next->distance;
@@ -148,7 +146,7 @@ std::vector<Column> cast_columns(const Canvas& canvas, const Scene& scene, int e
   for (int i = 0; i < canvas.columns(); i += every) {
     Column& column = columns[static_cast<size_t>(i / every)];
     const double t = (i + 0.5 - canvas.columns() / 2.0) / canvas.focal;
-    column.ray = {canvas.forward.x + t * canvas.right.x, canvas.forward.y + t * canvas.right.y};
+    column.ray = canvas.forward + t * canvas.right;
     const auto hit = cast_ray(scene.plan, canvas.position, column.ray);
     column.depth = std::max(hit->distance, kNearestM);
     const double texels = column.depth / canvas.focal * kTexelsPerMeter;
@@ -291,10 +289,6 @@ struct Planes {
   std::vector<PlaneRow> mirrored_ceiling;  // as the floor reflects it
 };
 
-Point on_plane(const Canvas& canvas, const Column& column, double depth) {
-  return {canvas.position.x + depth * column.ray.x, canvas.position.y + depth * column.ray.y};
-}
-
 // The reflection of a polished floor at a row: the wall upside down, and the ceiling.
 std::array<int, 4> reflection(const Canvas& canvas, const Scene& scene, const Planes& planes,
                               const Column& column, int y, double strip_texels_per_m) {
@@ -302,7 +296,8 @@ std::array<int, 4> reflection(const Canvas& canvas, const Scene& scene, const Pl
   if (height < kRoomHeightM)
     return sample_strip(column.strip, (kRoomHeightM - height) * strip_texels_per_m);
   const PlaneRow& row = planes.mirrored_ceiling[static_cast<size_t>(y)];
-  return sample_plane(scene.ceiling, scene.plan, row.level, on_plane(canvas, column, row.depth));
+  return sample_plane(scene.ceiling, scene.plan, row.level,
+                      canvas.position + row.depth * column.ray);
 }
 
 // Adds the view through the glass of a wall and the reflection in it.
@@ -312,7 +307,7 @@ void shine_glass(const Canvas& canvas, const Scene& scene, const Column& column,
   const int share = std::clamp((texel[3] - kGlassDaylight) * 256 / (255 - kGlassDaylight), 0, 256);
   const double up = canvas.horizon - middle;  // pixels
   if (!column.outside.empty() && share > 0) {
-    const double ray = std::sqrt(column.ray.x * column.ray.x + column.ray.y * column.ray.y);
+    const double ray = std::sqrt(column.ray.dot(column.ray));
     const double tangent = up / canvas.focal / ray;
     const auto far = sample_strip(column.outside,
                                   (1 - tangent) / 2 * static_cast<double>(column.outside.size()));
@@ -342,7 +337,7 @@ void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes
     if (middle < top) {
       const PlaneRow& plane = planes.ceiling[row];
       shine(sample_plane(scene.ceiling, scene.plan, plane.level,
-                         on_plane(canvas, column, plane.depth)),
+                         canvas.position + plane.depth * column.ray),
             light, pixel);
     } else if (middle < bottom) {
       const auto texel =
@@ -354,9 +349,9 @@ void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes
       }
     } else {
       const PlaneRow& plane = planes.floor[row];
-      shine(
-          sample_plane(scene.floor, scene.plan, plane.level, on_plane(canvas, column, plane.depth)),
-          light, pixel);
+      shine(sample_plane(scene.floor, scene.plan, plane.level,
+                         canvas.position + plane.depth * column.ray),
+            light, pixel);
       std::array<int, 3> mirrored;
       shine(reflection(canvas, scene, planes, column, y, strip_texels_per_m), light, mirrored);
       mix_in<3>(pixel, mirrored, static_cast<int>(24 + 70 * std::min(1.0, plane.depth / 9)));
@@ -368,12 +363,11 @@ void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes
 // A person is a flat image that faces the camera, hidden by nearer walls.
 void paint_figure(Canvas& canvas, const std::vector<Column>& columns, const Texture& texture,
                   Point position, const Light& light) {
-  const double dx = position.x - canvas.position.x, dy = position.y - canvas.position.y;
-  const double depth = dx * canvas.forward.x + dy * canvas.forward.y;
+  const Point way = position - canvas.position;
+  const double depth = way.dot(canvas.forward);
   if (depth < kNearestFigureM) return;
   const double scale = canvas.focal / depth;
-  const double center =
-      canvas.columns() / 2.0 + (dx * canvas.right.x + dy * canvas.right.y) * scale;
+  const double center = canvas.columns() / 2.0 + way.dot(canvas.right) * scale;
   const double left = center - kFigureWidthM / 2 * scale;
   const double top = canvas.horizon - (kFigureHeightM - canvas.eye) * scale;
   const int first = std::clamp(static_cast<int>(std::ceil(left)), 0, canvas.columns());
@@ -409,9 +403,7 @@ void paint_figures(Canvas& canvas, const std::vector<Column>& columns, const Vie
                    const Light& light) {
   std::vector<std::pair<double, const Figure*>> order;
   for (const Figure& figure : view.figures)
-    order.emplace_back((figure.position.x - canvas.position.x) * canvas.forward.x +
-                           (figure.position.y - canvas.position.y) * canvas.forward.y,
-                       &figure);
+    order.emplace_back((figure.position - canvas.position).dot(canvas.forward), &figure);
   std::ranges::stable_sort(order, [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [depth, figure] : order)
     paint_figure(canvas, columns, view.people[figure->person].postures[figure->posture],

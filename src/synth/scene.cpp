@@ -47,11 +47,11 @@ constexpr double kLightStepM = 0.25;  // resolution of the baked light
 double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
   double light = 0;
   for (const DaylightSource& source : sources) {
-    const double dx = point.x - source.at.x, dy = point.y - source.at.y;
-    const double square = dx * dx + dy * dy;
+    const Point way = point - source.at;
+    const double square = way.dot(way);
     if (square > kReachM * kReachM) continue;
-    const double toward = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
-                          std::sqrt(square + kInFrontM * kInFrontM);
+    const double toward =
+        (way.dot(source.inward) + kInFrontM) / std::sqrt(square + kInFrontM * kInFrontM);
     if (toward > 0 && can_see(plan, point, source.at))
       light += source.strength * std::min(1.0, toward) / (1 + square);
   }
@@ -61,7 +61,8 @@ double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sou
 double light_at(const FloorPlan& plan, Point point) {
   double light = kAmbientLight;
   for (const Lamp& lamp : plan.lamps) {
-    const double dx = lamp.at.x - point.x, dy = lamp.at.y - point.y, square = dx * dx + dy * dy;
+    const Point way = lamp.at - point;
+    const double square = way.dot(way);
     if (square < kLampReachM * kLampReachM && can_see(plan, point, lamp.at))
       light += lamp.power * 1.5 / (1.6 + square);
   }
@@ -140,8 +141,7 @@ BakedLight light_map(const FloorDay& floor_day, const Monitor& monitor) {
   parallel_for(static_cast<size_t>(map.rows), monitor, [&](size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < map.cols; ++x) {
-      const Point p{plan.origin.x + (x + 0.5) * kLightStepM,
-                    plan.origin.y + (y + 0.5) * kLightStepM};
+      const Point p = plan.origin + kLightStepM * Point(x + 0.5, y + 0.5);
       if (!plan.is_open(p)) continue;
       const double day = daylight_at(plan, floor_day.daylight, p);
       daylight.at<float>(y, x) = static_cast<float>(day);

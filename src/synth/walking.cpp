@@ -21,10 +21,6 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kStepsPerS = 1.8;
 constexpr double kUnevenness = 0.15;  // maximum relative variation of the speed
 
-Point between_points(Point a, Point b, double t) {
-  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
-}
-
 // A slow, smooth variation between about -1 and 1: the sum of two waves without a common period.
 struct Wander {
   double first_phase;
@@ -220,12 +216,12 @@ Path::Path(const std::vector<std::vector<double>>& given) {
     const Point before = corner(i - 1), here = corner(i), after = corner(i + 1);
     const double in = distance(before, here), out = distance(here, after);
     const double turn = std::min({kCornerM, in / 2, out / 2});
-    const Point enter = between_points(here, before, turn / in);
-    const Point leave = between_points(here, after, turn / out);
+    const Point enter = here + turn / in * (before - here);
+    const Point leave = here + turn / out * (after - here);
     for (int k = 0; k <= kCornerPoints; ++k) {  // a quadratic Bezier curve
       const double t = static_cast<double>(k) / kCornerPoints;
-      points_.push_back(
-          between_points(between_points(enter, here, t), between_points(here, leave, t), t));
+      const Point from = enter + t * (here - enter), to = here + t * (leave - here);
+      points_.push_back(from + t * (to - from));
     }
   }
   if (corners.size() > 1) points_.push_back(corner(corners.size() - 1));
@@ -240,20 +236,19 @@ Point Path::at(double path_m, double aside_m) const {
   if (next != way_.begin() && next != way_.end()) {
     const auto i = static_cast<size_t>(next - way_.begin());
     const double step = way_[i] - way_[i - 1];
-    point =
-        between_points(points_[i - 1], points_[i], step == 0 ? 0 : (path_m - way_[i - 1]) / step);
+    const double share = step == 0 ? 0 : (path_m - way_[i - 1]) / step;
+    point = points_[i - 1] + share * (points_[i] - points_[i - 1]);
   }
   if (aside_m == 0) return point;
   const double normal = (heading_at(path_m) + 90) * kTurn / 360;
-  return {point.x + aside_m * std::cos(normal), point.y + aside_m * std::sin(normal)};
+  return point + aside_m * Point(std::cos(normal), std::sin(normal));
 }
 
 double Path::heading_at(double path_m) const {
   const double behind = std::clamp(path_m - kLookAheadM / 2, 0.0, std::max(0.0, length_m() - 0.1));
   const double ahead = std::min(behind + 1.5 * kLookAheadM, length_m());
-  const Point from = at(behind), to = at(ahead);
-  if (from.x == to.x && from.y == to.y) return 0;
-  return std::atan2(to.y - from.y, to.x - from.x) * 360 / kTurn;
+  const Point way = at(ahead) - at(behind);
+  return way == Point() ? 0 : std::atan2(way.y, way.x) * 360 / kTurn;
 }
 
 double heading_difference(double a_deg, double b_deg) {
