@@ -359,7 +359,7 @@ void Program::run_session(int argc, char** argv) {
   try {
     run_(session);
     outputs.commit();
-    if (chosen_.is_given("--order") && !scope.order.is_used())
+    if (chosen_.is_given("--order") && !is_frame_order_used())
       warn(monitor, "--order has no effect: no folder of frames was read");
   } catch (const Error& error) {
     throw Error(error.kind(), outputs.with_targets(error.what()));
@@ -388,15 +388,13 @@ int Program::main(int argc, char** argv) {
   } catch (const Error& error) {
     return report(error);
   } catch (const std::bad_alloc&) {
-    return report({ErrorKind::internal,
-                   fmt::format("out of memory; use fewer frames{}",
-                               parser_.takes("--max-memory") ? " or a lower --max-memory" : "")});
+    return report({ErrorKind::internal, "out of memory; use fewer frames{}",
+                   parser_.takes("--max-memory") ? " or a lower --max-memory" : ""});
   } catch (const fs::filesystem_error& error) {
-    return report({ErrorKind::output, fmt::format("{}: cannot be read or written: {}",
-                                                  error.path1().string(), error.code().message())});
+    return report({ErrorKind::output, "{}: cannot be read or written: {}", error.path1().string(),
+                   error.code().message()});
   } catch (const std::exception& error) {
-    return report(
-        {ErrorKind::internal, fmt::format("internal error, please report it: {}", error.what())});
+    return report({ErrorKind::internal, "internal error, please report it: {}", error.what()});
   }
 }
 

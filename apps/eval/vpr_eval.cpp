@@ -276,14 +276,13 @@ constexpr const char* kMatrixExamples =
 
 void add_matrix(Program& program) {
   const auto inputs = std::make_shared<EvalInputs>();
-  const Command command = program.add_command(
-      "matrix", "Evaluate scores or descriptors of any program.", kMatrixExamples,
-      [inputs](Session& session) {
-        const bool is_automatic = session.options.process.order == FrameOrder::automatic;
-        const FrameOrderScope order(is_automatic ? FrameOrder::rows
-                                                 : session.options.process.order);
-        run(session, *inputs);
-      });
+  const Command command =
+      program.add_command("matrix", "Evaluate scores or descriptors of any program.",
+                          kMatrixExamples, [inputs](Session& session) {
+                            if (session.options.process.order == FrameOrder::automatic)
+                              set_frame_order(FrameOrder::rows);
+                            run(session, *inputs);
+                          });
   add_matrix_flags(program, command, *inputs);
 }
 

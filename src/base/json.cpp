@@ -29,8 +29,8 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   const std::string file = read_whole_file(path);
   std::optional<Json> json = parse_json(file);
   if (!json)
-    throw Error(kind, fmt::format("{}: is not valid JSON; check its commas, quotes and brackets",
-                                  path.string()));
+    throw Error(kind, "{}: is not valid JSON; check its commas, quotes and brackets",
+                path.string());
   return *std::move(json);
 }
 
@@ -46,17 +46,15 @@ void require_schema(const Json& json, std::string_view schema_kind, const std::s
   const std::string wanted = schema_name(schema_kind);
   const auto found = json.is_object() ? json.find("schema") : json.end();
   if (!json.is_object() || found == json.end() || !found->is_string())
-    throw Error(error_kind,
-                fmt::format("{}: expected a JSON object with \"schema\": \"{}\"", where, wanted));
+    throw Error(error_kind, "{}: expected a JSON object with \"schema\": \"{}\"", where, wanted);
   const std::string schema = found->get<std::string>();
   if (schema == wanted) return;
   if (schema.starts_with(fmt::format("vpr.{}/", schema_kind)))
-    throw Error(
-        error_kind,
-        fmt::format("{}: has schema {}, written by another version of the program (this one "
-                    "reads {}). Run the command that wrote it again",
-                    where, schema, wanted));
-  throw Error(error_kind, fmt::format("{}: expected schema {}, found {}", where, wanted, schema));
+    throw Error(error_kind,
+                "{}: has schema {}, written by another version of the program (this one reads {}). "
+                "Run the command that wrote it again",
+                where, schema, wanted);
+  throw Error(error_kind, "{}: expected schema {}, found {}", where, wanted, schema);
 }
 
 std::string to_text(const Json& json) {

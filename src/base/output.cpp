@@ -203,14 +203,13 @@ void remove_temporaries() {
     for (const fs::path& path : temporaries().paths) fs::remove_all(path, ignored);
 }
 
-std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
+std::vector<fs::directory_entry> entries_of(const fs::path& folder, ErrorKind kind) {
   std::vector<fs::directory_entry> entries;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     entries.push_back(*it);
   if (error)
-    throw Error(ErrorKind::output, "{}: can't be read: {}", folder.string(),
-                system_error_text(error.value()));
+    throw Error(kind, "{}: can't be read: {}", folder.string(), system_error_text(error.value()));
   return entries;
 }
 

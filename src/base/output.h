@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
+
 namespace vpr {
 
 /// The treatment of an output that exists already.
@@ -25,9 +27,10 @@ using FolderCheck = bool (*)(const std::filesystem::path& folder);
 /// Removes what incomplete outputs have written, before a process ends that cannot continue.
 void remove_temporaries();
 
-/// The entries of a folder, in the order of the file system. Throws Error(output) if it cannot be
+/// The entries of a folder, in the order of the file system. Throws Error(kind) if it cannot be
 /// read.
-std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder);
+std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder,
+                                                         ErrorKind kind = ErrorKind::output);
 
 /// Whether a folder holds only regular files whose names pass `is_ours`. Throws Error(output) if it
 /// cannot be read.

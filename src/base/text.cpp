@@ -1,6 +1,7 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -203,6 +204,12 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
       names, {}, [&](const std::string& name) { return edit_distance(word, name); });
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 bool is_utf8(const std::string& text) {
   try {
     (void)Json(text).dump();
@@ -328,23 +335,17 @@ std::string html_escaped(std::string_view text) {
   const std::string clean =
       Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace))
           .get<std::string>();
+  constexpr std::string_view kMarkup = "&<>\"'";
+  constexpr std::array<std::string_view, 5> kReferences = {"&amp;", "&lt;", "&gt;", "&quot;",
+                                                           "&#39;"};
   std::string escaped;
   for (const char c : clean) {
     const auto byte = static_cast<uint8_t>(c);
-    if (c == '&')
-      escaped += "&amp;";
-    else if (c == '<')
-      escaped += "&lt;";
-    else if (c == '>')
-      escaped += "&gt;";
-    else if (c == '"')
-      escaped += "&quot;";
-    else if (c == '\'')
-      escaped += "&#39;";
-    else if ((byte < 32 && c != '\n' && c != '\t') || byte == 127)
-      escaped += "\xef\xbf\xbd";
+    const bool is_control = (byte < 32 && c != '\n' && c != '\t') || byte == 127;
+    if (const size_t markup = kMarkup.find(c); markup != std::string_view::npos)
+      escaped += kReferences[markup];
     else
-      escaped += c;
+      escaped += is_control ? "\xef\xbf\xbd" : std::string(1, c);
   }
   return escaped;
 }

@@ -44,6 +44,9 @@ size_t edit_distance(std::string_view a, std::string_view b);
 /// The name closest to `word`, the first one on a tie; names must not be empty.
 std::string nearest(std::string_view word, const std::vector<std::string>& names);
 
+/// The text with the letters A to Z in lower case, in any locale.
+std::string lower_case(std::string text);
+
 /// Whether bytes are valid UTF-8, as JSON requires.
 bool is_utf8(const std::string& text);
 

@@ -190,12 +190,10 @@ std::optional<PixelRange> pixel_range(const std::filesystem::path& path) {
   return range_of(decode_pixels(path, PixelFormat::gray));
 }
 
-MegapixelLimit::MegapixelLimit(uint64_t megapixels) : before_(most_megapixels) {
+uint64_t set_megapixel_limit(uint64_t megapixels) {
   require_range("max_megapixels", static_cast<double>(megapixels), 1, kMaxMegapixels);
-  most_megapixels = megapixels;
+  return most_megapixels.exchange(megapixels);
 }
-
-MegapixelLimit::~MegapixelLimit() { most_megapixels = before_; }
 
 void check_frame_size(const std::filesystem::path& file, uint64_t width, uint64_t height) {
   const uint64_t limit = most_megapixels;

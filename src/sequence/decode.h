@@ -27,7 +27,7 @@ struct PixelRange {
 /// image. Throws Error(input), with the file, if it is missing, empty, damaged, or not a JPEG, PNG,
 /// TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is truncated (OpenCV
 /// itself fills the missing part with gray) or has more than 100 scans; Error(usage) if it is
-/// larger than the MegapixelLimit, before memory is allocated for its pixels.
+/// larger than the limit of megapixels, before memory is allocated for its pixels.
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
                      const std::optional<PixelRange>& range = {});
 
@@ -40,19 +40,9 @@ constexpr uint64_t kDefaultMegapixels = 100;
 /// OpenCV cannot decode more than 2^30 pixels.
 constexpr uint64_t kMaxMegapixels = 1073;
 
-/// Limits the size of decoded frames in the whole process during its lifetime, in millions of
-/// pixels.
-class MegapixelLimit {
- public:
-  /// Throws Error(usage) for a number outside 1 to kMaxMegapixels.
-  explicit MegapixelLimit(uint64_t megapixels);
-  ~MegapixelLimit();
-  MegapixelLimit(const MegapixelLimit&) = delete;
-  MegapixelLimit& operator=(const MegapixelLimit&) = delete;
-
- private:
-  uint64_t before_;
-};
+/// Limits the size of decoded frames in the whole process, in millions of pixels; returns the last
+/// limit. Throws Error(usage) for a number outside 1 to kMaxMegapixels.
+uint64_t set_megapixel_limit(uint64_t megapixels);
 
 /// Checks a frame before it is decoded. Throws Error(usage), with the file, for a frame above the
 /// limit.

@@ -43,13 +43,11 @@ void lower_to(std::atomic<size_t>& lowest, size_t value) {
   }
 }
 
-// Features depend on the size of an image: different sizes usually indicate mixed sources.
+// Features depend on the size of an image: different sizes usually indicate mixed sources. `first`:
+// the first size that is not empty.
 void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& sizes,
-                   const Monitor& monitor) {
-  const auto is_decoded = [](const cv::Size& size) { return !size.empty(); };
-  const auto first = std::ranges::find_if(sizes, is_decoded);
-  if (first == sizes.end()) return;
-  const auto differs = [&](const cv::Size& size) { return is_decoded(size) && size != *first; };
+                   std::vector<cv::Size>::const_iterator first, const Monitor& monitor) {
+  const auto differs = [&](const cv::Size& size) { return !size.empty() && size != *first; };
   const auto other = std::find_if(first, sizes.end(), differs);
   if (other == sizes.end()) return;
   const auto name = [&](auto at) { return sequence.files[at - sizes.begin()].filename().string(); };
@@ -112,9 +110,9 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
   }
   const auto first =
       std::ranges::find_if(sizes, [](const cv::Size& size) { return !size.empty(); });
-  if (first != sizes.end())
-    sequence.size = {static_cast<uint32_t>(first->width), static_cast<uint32_t>(first->height)};
-  warn_of_sizes(source, sizes, monitor);
+  if (first == sizes.end()) return sequence;
+  sequence.size = {static_cast<uint32_t>(first->width), static_cast<uint32_t>(first->height)};
+  warn_of_sizes(source, sizes, first, monitor);
   return sequence;
 }
 
@@ -341,8 +339,8 @@ std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Mo
 
 ProcessScope::ProcessScope(const ProcessSettings& settings)
     : threads(checked_threads(settings.threads)),
-      pixels(settings.max_megapixels),
-      order(settings.order),
+      megapixels_before(set_megapixel_limit(settings.max_megapixels)),
+      order_before(set_frame_order(settings.order)),
       cv_threads(cv::getNumThreads()),
       is_cv_optimized(cv::useOptimized()),
       cv_log_level(cv::utils::logging::getLogLevel()) {
@@ -355,6 +353,8 @@ ProcessScope::~ProcessScope() {
   cv::utils::logging::setLogLevel(static_cast<cv::utils::logging::LogLevel>(cv_log_level));
   cv::setUseOptimized(is_cv_optimized);
   cv::setNumThreads(cv_threads);
+  set_frame_order(order_before);
+  set_megapixel_limit(megapixels_before);
 }
 
 }  // namespace vpr

@@ -30,9 +30,9 @@ using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
 /// decoded in parallel; a video is read frame by frame in one thread, without seeking, while others
 /// process its frames. BGR frames of a video are converted to gray by BGR2GRAY. With
 /// Unreadable::fail, the first (lowest) undecodable frame throws Error(input); with skip, only a
-/// sequence without any readable frame does. A frame above the MegapixelLimit throws Error(usage)
-/// in both cases, for a video before any frame is decoded. A sequence of descriptors throws
-/// Error(data). Returns the sequence of the argument with its frames.
+/// sequence without any readable frame does. A frame above the limit of megapixels throws
+/// Error(usage) in both cases, for a video before any frame is decoded. A sequence of descriptors
+/// throws Error(data). Returns the sequence of the argument with its frames.
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
                         const Monitor& monitor, const FrameVisitor& body);
 
@@ -107,8 +107,8 @@ struct ProcessScope {
   ProcessScope& operator=(const ProcessScope&) = delete;
 
   ThreadLimit threads;
-  MegapixelLimit pixels;
-  FrameOrderScope order;
+  uint64_t megapixels_before;
+  FrameOrder order_before;
   int cv_threads;
   bool is_cv_optimized;
   int cv_log_level;

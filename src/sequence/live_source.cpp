@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/output.h"
 #include "base/text.h"
 #include "sequence/decode.h"
 #include "sequence/sequence_source.h"
@@ -80,7 +81,7 @@ constexpr std::chrono::seconds kReadEvery(1);  // for folders without events
 constexpr int kPatience = 10;  // times the rest, for which later images wait for an incomplete one
 
 Error gone(const fs::path& folder, const std::string& why) {
-  return {ErrorKind::input, fmt::format("{}: can't be read: {}", folder.string(), why)};
+  return {ErrorKind::input, "{}: can't be read: {}", folder.string(), why};
 }
 
 class GrowingFolder {
@@ -146,11 +147,10 @@ class GrowingFolder {
     if (error) throw gone(folder_, error.message());
     if (changed == changed_) return;
     changed_ = changed;
-    for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
-      const std::string name = it->path().filename().string();
+    for (const fs::directory_entry& entry : entries_of(folder_, ErrorKind::input)) {
+      const std::string name = entry.path().filename().string();
       if (is_frame_name(name) && is_later(name)) pending_.insert(name);
     }
-    if (error) throw gone(folder_, error.message());
   }
 
   void read_events(const Monitor& monitor) {

@@ -11,6 +11,7 @@
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/output.h"
 #include "base/text.h"
 
 namespace vpr {
@@ -25,10 +26,7 @@ constexpr std::string_view kArrayExtensions[] = {".npy"};
 constexpr std::string_view kListExtensions[] = {".txt", ".lst", ".csv"};
 
 bool has_extension(const fs::path& path, std::span<const std::string_view> extensions) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return std::ranges::find(extensions, extension) != extensions.end();
+  return std::ranges::find(extensions, lower_case(path.extension().string())) != extensions.end();
 }
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
@@ -51,11 +49,8 @@ std::string range_question(const std::string& text) {
 // In natural order of their names, without hidden ones.
 std::vector<fs::path> folder_entries(const fs::path& folder) {
   std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (!is_hidden(it->path())) found.push_back(it->path());
-  if (error)
-    throw Error(ErrorKind::input, "{}: can't be read: {}", folder.string(), error.message());
+  for (const fs::directory_entry& entry : entries_of(folder, ErrorKind::input))
+    if (!is_hidden(entry.path())) found.push_back(entry.path());
   std::ranges::sort(found, natural_less,
                     [](const fs::path& path) { return path.filename().string(); });
   return found;
@@ -279,14 +274,12 @@ bool is_frame_name(const fs::path& path) {
   return !is_hidden(path) && has_extension(path, kImageExtensions);
 }
 
-FrameOrderScope::FrameOrderScope(FrameOrder order) : before_(frame_order) {
-  frame_order = order;
+FrameOrder set_frame_order(FrameOrder order) {
   frame_order_is_used = false;
+  return frame_order.exchange(order);
 }
 
-FrameOrderScope::~FrameOrderScope() { frame_order = before_; }
-
-bool FrameOrderScope::is_used() const { return frame_order_is_used; }
+bool is_frame_order_used() { return frame_order_is_used; }
 
 SequenceSource open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;

@@ -75,22 +75,13 @@ template <>
 inline constexpr std::array<std::string_view, 5> kEnumNames<FrameOrder> = {"auto", "natural",
                                                                            "name", "time", "rows"};
 
-/// Sets the order in the whole process during its lifetime.
-class FrameOrderScope {
- public:
-  explicit FrameOrderScope(FrameOrder order);
-  ~FrameOrderScope();
-  FrameOrderScope(const FrameOrderScope&) = delete;
-  FrameOrderScope& operator=(const FrameOrderScope&) = delete;
-  /// Whether a folder was read in this order.
-  bool is_used() const;
-
- private:
-  FrameOrder before_;
-};
+/// Sets the order in the whole process; returns the last one.
+FrameOrder set_frame_order(FrameOrder order);
+/// Whether a folder was read since then.
+bool is_frame_order_used();
 
 /// Folder: its images by extension, without hidden and other files, not recursive, in the order of
-/// the FrameOrderScope. Images of formats that cannot be read are an error, since they would shift
+/// set_frame_order. Images of formats that cannot be read are an error, since they would shift
 /// frame numbers. Text file (.txt, .lst, .csv): one image per line, in the file's order, relative
 /// to the file; empty lines and lines that start with # are skipped. A .npy file, a folder of them
 /// without images, or a list of them: descriptors. Anything else: a video. Throws Error(input) for

@@ -48,16 +48,6 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   return cells;
 }
 
-namespace {
-
-std::string lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
-}  // namespace
-
 std::vector<std::string> header_names(std::string_view line) {
   try {
     std::vector<CsvRow> rows = parse_csv(line, "");

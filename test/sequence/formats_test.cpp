@@ -119,7 +119,7 @@ TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names o
   SECTION("UTM names") {
     const std::vector<std::string> names = {"@0@9.5@.png", "@0@11.9@.png"};
     CHECK(order_of(folder.path(), names) == names);
-    const FrameOrderScope order(FrameOrder::rows);
+    const ProcessScope process({.order = FrameOrder::rows});
     CHECK(order_of(folder.path(), names) == std::vector<std::string>{names[1], names[0]});
   }
   SECTION("as stated") {
@@ -127,11 +127,11 @@ TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names o
     CHECK(order_of(folder.path(), names) ==
           std::vector<std::string>{"9.png", "10.png", "0011.png"});
     {
-      const FrameOrderScope order(FrameOrder::name);
+      const ProcessScope process({.order = FrameOrder::name});
       CHECK(order_of(folder.path(), names) ==
             std::vector<std::string>{"0011.png", "10.png", "9.png"});
     }
-    const FrameOrderScope order(FrameOrder::time);
+    const ProcessScope process({.order = FrameOrder::time});
     CHECK(order_of(folder.path(), names).front() == "9.png");
     write_image(folder / "a.png", 1);
     CHECK_THROWS_WITH(open_sequence({folder.path(), {}}), Catch::Contains("--order time"));

@@ -191,7 +191,7 @@ TEST_CASE("an image with more pixels than the limit is refused in any format") {
   const std::string extension =
       GENERATE(as<std::string>(), ".png", ".jpg", ".bmp", ".pgm", ".tiff", ".webp");
   const TemporaryFolder folder;
-  const MegapixelLimit limit(1);
+  const ProcessScope limit({.max_megapixels = 1});
   for (int i = 0; i < 6; ++i) write_image(folder / fmt::format("{}.png", i), i);
   write_image(folder / ("7" + extension), 7, 1000, 1000);
   CHECK(read_all({folder.path(), {}}).images.size() == 7);
@@ -221,11 +221,12 @@ TEST_CASE("a small file that claims a large image does not allocate memory for i
 }
 
 TEST_CASE("invalid pixel limits are refused, and limits end with their scope") {
-  CHECK(error_kind([] { const MegapixelLimit none(0); }) == ErrorKind::usage);
-  CHECK(error_kind([] { const MegapixelLimit more(kMaxMegapixels + 1); }) == ErrorKind::usage);
-  const MegapixelLimit outer(2);
+  CHECK(error_kind([] { const ProcessScope none({.max_megapixels = 0}); }) == ErrorKind::usage);
+  CHECK(error_kind([] { const ProcessScope more({.max_megapixels = kMaxMegapixels + 1}); }) ==
+        ErrorKind::usage);
+  const ProcessScope outer({.max_megapixels = 2});
   {
-    const MegapixelLimit inner(1);
+    const ProcessScope inner({.max_megapixels = 1});
     CHECK(error_kind([] { check_frame_size("x", 1001, 1000); }) == ErrorKind::usage);
   }
   check_frame_size("x", 2000, 1000);
@@ -267,7 +268,7 @@ TEST_CASE("a video with frames above the limit is refused before decoding") {
   const std::string path = "walk.avi";
   write_video(path, 1280, 1024, {9});
   CHECK(read_all({path, {}}).images.size() == 1);
-  const MegapixelLimit limit(1);
+  const ProcessScope limit({.max_megapixels = 1});
   for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip})
     CHECK(has(error_text([&] { read_all({path, {}}, unreadable); }), "has 1280 x 1024 pixels"));
 }
