@@ -75,17 +75,23 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
       {"anchors",
        "CSV query,anchor of a few frames, with linear interpolation",
        {"path", "range", "reference", "radius_m", "ignore_radius_m", "times"},
-       is_anchors_csv,
+       [](const FileStart& start) {
+         return has_columns(start.first_line, {"query", "anchor"});
+       },
        read_anchors},
       {"labels",
        "CSV query,reference,label,tolerance of vpr-eval --ask-frames",
        {"path"},
-       is_labels_csv,
+       [](const FileStart& start) {
+         return has_columns(start.first_line, {"query", "reference", "label", "tolerance"});
+       },
        read_labels},
       {"pairs",
        "CSV query,reference[,label] or query,sequence,reference[,label]",
        {"path", "range"},
-       is_pairs_csv,
+       [](const FileStart& start) {
+         return has_columns(start.first_line, {"query", "reference"});
+       },
        read_pairs_csv,
        write_pairs_csv},
       {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions,

@@ -13,29 +13,24 @@
 namespace vpr {
 namespace {
 
-/// The labels of one query frame and one training sequence.
-struct RowLabels {
-  std::vector<LabelStretch> same;  ///< pairs with their surroundings
-  std::vector<size_t> different;
-};
+/// Labels of one query frame and one training sequence: `same` with the surroundings.
+using RowLabels = std::vector<LabelStretch>;
 
-void require_consistent(const GroundTruthBuilder& builder, size_t query, const RowLabels& labels) {
-  for (const size_t reference : labels.different)
-    for (const LabelStretch& run : labels.same)
-      if (run.first <= reference && reference <= run.last)
-        builder.fail("query {} and reference {} are labeled both same and different", query,
-                     reference);
+void add_label(const GroundTruthBuilder& builder, size_t query, const LabelStretch& added,
+               RowLabels& labels) {
+  for (const LabelStretch& run : labels)
+    if (run.label != added.label && run.first <= added.last && added.first <= run.last)
+      builder.fail("query {} and reference {} are labeled both same and different", query,
+                   (run.label == PlaceLabel::different ? run : added).first);
+  labels.push_back(added);
 }
 
 // Adds the pairs of the same place, and all pairs without a label as pairs to ignore.
 void add_row(GroundTruthBuilder& builder, size_t query, size_t sequence, RowLabels labels) {
   const size_t frames = builder.train(sequence).frames;
-  std::vector<LabelStretch> known = std::move(labels.same);
-  for (const size_t reference : labels.different)
-    known.push_back({reference, reference, PlaceLabel::different});
-  std::ranges::sort(known, {}, &LabelStretch::first);
+  std::ranges::sort(labels, {}, &LabelStretch::first);
   size_t next = 0;  // after the known pairs
-  for (const LabelStretch& run : known) {
+  for (const LabelStretch& run : labels) {
     if (run.first > next) builder.add(query, sequence, next, run.first - 1, PlaceLabel::ignore);
     const size_t first = std::max(run.first, next);
     if (run.label == PlaceLabel::same && first <= run.last)
@@ -46,10 +41,6 @@ void add_row(GroundTruthBuilder& builder, size_t query, size_t sequence, RowLabe
 }
 
 }  // namespace
-
-bool is_labels_csv(const FileStart& start) {
-  return has_columns(start.first_line, {"query", "reference", "label", "tolerance"});
-}
 
 std::string read_labels(GroundTruthBuilder& builder) {
   const std::string name = builder.argument().path.string();
@@ -80,15 +71,13 @@ std::string read_labels(GroundTruthBuilder& builder) {
     if (query >= asked.size() || reference >= frames) continue;
     const size_t reach = rows.frame("tolerance");
     const std::string& label = rows.text("label");
-    RowLabels& known = labels[{query, sequence}];
+    LabelStretch run{reference, reference, PlaceLabel::different};
     if (label == "same")
-      known.same.push_back({reference - std::min(reach, reference),
-                            std::min(reference + reach, frames - 1), PlaceLabel::same});
-    else if (label == "different")
-      known.different.push_back(reference);
-    else
+      run = {reference - std::min(reach, reference), std::min(reference + reach, frames - 1),
+             PlaceLabel::same};
+    else if (label != "different")
       rows.fail("label \"{}\" is neither same nor different", label);
-    require_consistent(builder, query, known);
+    add_label(builder, query, run, labels[{query, sequence}]);
     asked[query].push_back({static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
   }
   for (size_t query = 0; query < asked.size(); ++query)

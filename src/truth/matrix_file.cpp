@@ -69,6 +69,7 @@ class NpyStream {
     used_ = header_.offset;
   }
 
+  const std::vector<size_t>& shape() const { return header_.shape; }
   size_t rows() const { return header_.shape[header_.is_column_major ? 1 : 0]; }
   size_t cols() const { return header_.shape[header_.is_column_major ? 0 : 1]; }
   /// Whether the rows in the file are columns of the matrix.
@@ -149,37 +150,32 @@ bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t r
 }
 
 // `usually_query`: whether the rows of this kind of file are query frames by default.
-std::string read_streams(GroundTruthBuilder& builder, NpyStream& hard, NpyStream* soft,
+std::string read_streams(GroundTruthBuilder& builder, NpyStream hard, std::optional<NpyStream> soft,
                          bool usually_query) {
   const size_t sequence = builder.only_searched(builder.argument().path.string());
-  if (soft != nullptr && (hard.rows() != soft->rows() || hard.cols() != soft->cols() ||
-                          hard.is_transposed() != soft->is_transposed()))
+  if (soft && (hard.shape() != soft->shape() || hard.is_transposed() != soft->is_transposed()))
     builder.fail("the soft matrix has another shape or order than the hard one");
-  const bool flip = hard.is_transposed();
   const bool rows_are_query =
-      require_matrix_shape(builder, sequence, flip ? hard.cols() : hard.rows(),
-                           flip ? hard.rows() : hard.cols(), usually_query);
-  const bool stored_rows_are_query = rows_are_query != flip;
+      require_matrix_shape(builder, sequence, hard.shape()[0], hard.shape()[1], usually_query);
+  const bool stored_rows_are_query = rows_are_query != hard.is_transposed();
   std::vector<uint8_t> same(hard.cols());
-  std::vector<uint8_t> near(soft == nullptr ? 0 : hard.cols());
+  std::vector<uint8_t> near(hard.cols());
   for (size_t r = 0; r < hard.rows(); ++r) {
     builder.check_stop();
     hard.next_row(same);
-    if (soft != nullptr) soft->next_row(near);
+    if (soft) soft->next_row(near);
     for (size_t c = 0; c < same.size(); ++c) {
-      const bool is_near = soft != nullptr && near[c] != 0;
-      if (same[c] == 0 && !is_near) continue;
+      if (same[c] == 0 && near[c] == 0) continue;
       const size_t reference = stored_rows_are_query ? c : r;
       builder.add(stored_rows_are_query ? r : c, sequence, reference, reference,
                   same[c] != 0 ? PlaceLabel::same : PlaceLabel::ignore);
     }
   }
   hard.require_end();
-  if (soft != nullptr) soft->require_end();
-  return fmt::format("matrix of {} x {}, rows are {} frames{}; within {} of a 1",
-                     flip ? hard.cols() : hard.rows(), flip ? hard.rows() : hard.cols(),
-                     rows_are_query ? "query" : "training",
-                     soft == nullptr ? "" : "; pairs only in the soft matrix are ignored",
+  if (soft) soft->require_end();
+  return fmt::format("matrix of {} x {}, rows are {} frames{}; within {} of a 1", hard.shape()[0],
+                     hard.shape()[1], rows_are_query ? "query" : "training",
+                     soft ? "; pairs only in the soft matrix are ignored" : "",
                      counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
 }
 
@@ -196,18 +192,14 @@ std::string read_archive(GroundTruthBuilder& builder) {
                 path.string());
   if (archive.names().empty()) builder.fail("is an archive without a matrix");
   const auto hard = find_name(archive, kHard);
-  const auto soft = find_name(archive, kSoft);
-  if (!hard && archive.names().size() == 1) {
-    NpyStream only = open(0);
-    return read_streams(builder, only, nullptr, true);
-  }
+  if (!hard && archive.names().size() == 1) return read_streams(builder, open(0), {}, true);
   if (!hard)
     builder.fail("expected the matrices GThard and GTsoft, found {}",
                  fmt::join(archive.names(), ", "));
   NpyStream hard_stream = open(*hard);
-  if (!soft) return read_streams(builder, hard_stream, nullptr, false);
-  NpyStream soft_stream = open(*soft);
-  return read_streams(builder, hard_stream, &soft_stream, false);
+  std::optional<NpyStream> soft;
+  if (const auto index = find_name(archive, kSoft)) soft = open(*index);
+  return read_streams(builder, std::move(hard_stream), std::move(soft), false);
 }
 
 // A .npy file with training frames as rows. The values are 1 for a code of at least `least_code`;
@@ -252,10 +244,13 @@ std::string read_matrix_file(GroundTruthBuilder& builder) {
   const MappedFile file(argument.path);
   if (is_zip(file.text())) return read_archive(builder);
   refuse_convertible(argument.path, file.text().substr(0, kMaxNpyHeader));
-  NpyStream hard(argument.path.string(), fill_from(argument.path));
-  if (argument.options.soft.empty()) return read_streams(builder, hard, nullptr, true);
-  NpyStream soft(argument.options.soft.string(), fill_from(argument.options.soft));
-  return read_streams(builder, hard, &soft, true);
+  const auto open = [](const std::filesystem::path& path) {
+    return NpyStream(path.string(), fill_from(path));
+  };
+  NpyStream hard = open(argument.path);
+  std::optional<NpyStream> soft;
+  if (!argument.options.soft.empty()) soft = open(argument.options.soft);
+  return read_streams(builder, std::move(hard), std::move(soft), true);
 }
 
 void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,

@@ -236,10 +236,6 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
 
 }  // namespace
 
-bool is_pairs_csv(const FileStart& start) {
-  return has_columns(start.first_line, {"query", "reference"});
-}
-
 std::string read_pairs_csv(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
   const SequenceArgument source = parse_sequence_argument(path.string());
@@ -345,10 +341,6 @@ std::string read_anchors(GroundTruthBuilder& builder) {
                                               : in_frames(builder, anchors, source.range);
   return fmt::format("anchors: {}, interpolated linearly, without places before and after them, {}",
                      counted(count, "anchor"), within);
-}
-
-bool is_anchors_csv(const FileStart& start) {
-  return has_columns(start.first_line, {"query", "anchor"});
 }
 
 std::string read_aligned(GroundTruthBuilder& builder) {

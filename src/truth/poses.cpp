@@ -101,14 +101,9 @@ bool is_everything_near(const Poses& query, const Poses& train, const Nearness& 
       kMaxPairs, nearness.radius_m);
 }
 
-/// A training frame near a query frame.
-struct NearFrame {
-  size_t frame = 0;
-  PlaceLabel label = PlaceLabel::same;
-};
-
-std::vector<NearFrame> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
-                                   const Nearness& nearness, const GroundTruthBuilder& builder) {
+std::vector<LabelStretch> near_frames(const Pose& query, const Poses& train,
+                                      const SortedPoses& sorted, const Nearness& nearness,
+                                      const GroundTruthBuilder& builder) {
   const auto offset = [&](size_t frame) {
     return train[frame]->position[sorted.axis] - query.position[sorted.axis];
   };
@@ -117,13 +112,13 @@ std::vector<NearFrame> near_frames(const Pose& query, const Poses& train, const 
                                           [&](size_t frame) { return offset(frame) < -reach; });
   const auto end = std::partition_point(first, sorted.known.end(),
                                         [&](size_t frame) { return offset(frame) <= reach; });
-  std::vector<NearFrame> frames;
+  std::vector<LabelStretch> frames;
   for (auto frame = first; frame != end; ++frame) {
     const auto label = label_of(query, *train[*frame], nearness);
     if (!label) builder.fail("an angle is set, but a pose has no heading");
-    if (*label != PlaceLabel::different) frames.push_back({*frame, *label});
+    if (*label != PlaceLabel::different) frames.push_back({*frame, *frame, *label});
   }
-  std::ranges::sort(frames, {}, &NearFrame::frame);
+  std::ranges::sort(frames, {}, &LabelStretch::first);
   return frames;
 }
 
@@ -147,7 +142,7 @@ std::string read_poses(GroundTruthBuilder& builder) {
   std::optional<bool> have_heights;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const std::filesystem::path& path = side_options(builder.argument(), side).poses;
-    Trajectory found = read_pose_csv(path, {count.known()});
+    Trajectory found = read_pose_csv(path, count.known());
     if (found.is_on_earth)
       throw Error(ErrorKind::data,
                   "{}: has latitudes and longitudes, but the other side has poses in meters. Use "
@@ -275,8 +270,8 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       continue;
     }
     ++known;
-    for (const NearFrame& near : near_frames(*query[frame], train, sorted, nearness, builder)) {
-      builder.add(frame, sequence, near.frame, near.frame, near.label);
+    for (const LabelStretch& near : near_frames(*query[frame], train, sorted, nearness, builder)) {
+      builder.add(frame, sequence, near.first, near.last, near.label);
       same += near.label == PlaceLabel::same;
     }
     if (same > kMaxPairs) refuse_pairs(builder, nearness);

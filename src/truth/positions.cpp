@@ -171,7 +171,7 @@ bool is_gps_header(std::string_view line) {
   return find_gps_columns(header_names(line)).has_value();
 }
 
-Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
+Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, size_t most_frames) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   NamedRows rows(source.path, path.string(), {"frame"});
   std::optional<GpsColumns> gps;
@@ -182,14 +182,13 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
     rows.allow({"frame", "time", "timestamp", "x", "y", "z", "heading", "floor"});
   }
   const auto in_range = frame_count(source.range);
-  if (in_range && rules.frames && *in_range != *rules.frames)
-    rows.fail("its range has {}, but the sequence has {}", counted(*in_range, "frame"),
-              *rules.frames);
+  if (in_range && frames && *in_range != *frames)
+    rows.fail("its range has {}, but the sequence has {}", counted(*in_range, "frame"), *frames);
   Trajectory found;
   found.name = path.string();
   found.is_on_earth = gps.has_value();
   found.has_heights = rows.has("z");
-  found.poses.resize(rules.frames.value_or(0));
+  found.poses.resize(frames.value_or(0));
   std::set<size_t> listed;
   while (rows.next()) {
     const std::string& text = rows.text("frame");
@@ -197,10 +196,10 @@ Trajectory read_pose_csv(const fs::path& path, const PoseCsvRules& rules) {
     if (!number || !number->in_range) rows.fail("\"{}\" is not a frame number", text);
     const auto frame = frame_in_range(source.range, number->value);
     if (!frame) continue;
-    if (!rules.frames && *frame >= rules.most_frames)
+    if (!frames && *frame >= most_frames)
       rows.fail("the frame is too large; pass the number of frames");
-    if (rules.frames && *frame >= *rules.frames)
-      rows.fail("frame {} is out of range; there are {} frames{}", text, *rules.frames,
+    if (frames && *frame >= *frames)
+      rows.fail("frame {} is out of range; there are {} frames{}", text, *frames,
                 source.range.is_all() ? range_hint(source.path) : "");
     if (!listed.insert(*frame).second) rows.fail("frame {} is listed twice", text);
     found.poses.resize(std::max<size_t>(found.poses.size(), *frame + 1));
@@ -229,7 +228,7 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
     if (rows.has("x") && rows.has("y"))
       rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
     if (!images.empty()) rows.fail("has frame numbers (frame), so it needs no folder of images");
-    return read_pose_csv(path, {frames});
+    return read_pose_csv(path, frames);
   }
   const std::string name_column = find_column(rows.header(), {"image", "name", "file", "filename"});
   const std::string time_column = find_column(rows.header(), {"time", "timestamp"});
@@ -261,7 +260,7 @@ Routes read_routes(const std::vector<fs::path>& paths) {
   for (const fs::path& path : paths) {
     Route& route = found.routes.emplace_back();
     if (path.empty()) continue;
-    const Trajectory read = read_pose_csv(path, {});
+    const Trajectory read = read_pose_csv(path);
     (read.is_on_earth ? gps : meters) = path;
     if (!meters.empty() && !gps.empty())
       throw Error(
@@ -300,7 +299,7 @@ std::vector<WallLine> read_walls(const fs::path& path) {
   rows.allow({"x0", "y0", "x1", "y1", "floor", "kind"});
   std::vector<WallLine> walls;
   while (rows.next()) {
-    const std::string floor = rows.text("floor");
+    const std::string& floor = rows.text("floor");
     walls.push_back(
         {{rows.real("x0"), rows.real("y0"), floor}, {rows.real("x1"), rows.real("y1"), floor}});
   }
@@ -310,7 +309,7 @@ std::vector<WallLine> read_walls(const fs::path& path) {
 std::vector<double> read_traveled(const fs::path& path, const Sequence& sequence,
                                   const Monitor& monitor) {
   const Poses poses =
-      selected(read_pose_csv(path, {sequence.recorded_frames()}).poses, sequence.selection);
+      selected(read_pose_csv(path, sequence.recorded_frames()).poses, sequence.selection);
   if (const size_t missing = count_unknown(poses); missing > 0) {
     warn(
         monitor,

@@ -47,13 +47,6 @@ bool is_pose_header(std::string_view line);
 /// Whether it is a CSV header with lat or latitude, and lon, lng, long or longitude, in any case.
 bool is_gps_header(std::string_view line);
 
-/// The number of frames of the sequence: `frames` or, if unknown, the largest frame in the file
-/// plus one, which must be below `most_frames`.
-struct PoseCsvRules {
-  std::optional<size_t> frames;
-  size_t most_frames = size_t{1} << 22;
-};
-
 /// A CSV with a column `frame`, x and y or latitude and longitude, and optionally z, heading and
 /// floor. Columns other than these and time are refused, except next to latitudes. One pose per
 /// frame, on the earth for latitudes; nullopt for a frame without a line, or without a position:
@@ -61,7 +54,11 @@ struct PoseCsvRules {
 /// are then counted from its first frame with its step, and others are skipped. Frames may be in
 /// any order. Throws Error(input) if the file cannot be read; Error(data), with the line, if it is
 /// damaged, a frame is out of range or listed twice, or the range has another number of frames.
-Trajectory read_pose_csv(const std::filesystem::path& path, const PoseCsvRules& rules);
+/// `frames`: the number of frames of the sequence; without it, the largest frame in the file plus
+/// one, which must be below `most_frames`.
+Trajectory read_pose_csv(const std::filesystem::path& path,
+                         std::optional<size_t> frames = std::nullopt,
+                         size_t most_frames = kMaxGrownFrames);
 
 /// The fixes of one side on the earth: a CSV with columns for latitude, longitude and optionally
 /// heading, in degrees. Degrees have a decimal point, and longitudes are from -180 to 360. A line

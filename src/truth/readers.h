@@ -133,8 +133,6 @@ void require_writable(uint64_t count, uint64_t most, std::string_view what);
 /// line.
 std::string read_pairs_csv(GroundTruthBuilder& builder);
 
-bool is_pairs_csv(const FileStart& start);
-
 /// One pair per line, with the tolerance applied; writes the columns sequence and label only if
 /// needed.
 void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
@@ -147,8 +145,6 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
 /// is not known.
 std::string read_labels(GroundTruthBuilder& builder);
 
-bool is_labels_csv(const FileStart& start);
-
 /// A CSV query,anchor or query,sequence,anchor (or reference for anchor): anchors, with increasing
 /// query frames for each training sequence. A query frame between two neighboring anchors of a
 /// sequence is at the training frame found by linear interpolation, rounded (ties up); before the
@@ -159,8 +155,6 @@ bool is_labels_csv(const FileStart& start);
 /// query. Throws Error(data), with the line, for query frames that do not increase and for frames
 /// out of range; Error(usage) for a radius without poses, or poses without a radius.
 std::string read_anchors(GroundTruthBuilder& builder);
-
-bool is_anchors_csv(const FileStart& start);
 
 /// Query frame i is training frame step * i (argument: train_step, default 1), rounded to
 /// nearest, ties up. Frames beyond the training sequence match its end within the tolerance.

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "base/converters.h"
 #include "base/error.h"
@@ -46,15 +47,9 @@ std::array<double, 9> rotation_of(const FileLocation& location, std::array<doubl
 
 // Whether the rows are orthonormal and right-handed, up to rounding.
 bool is_rotation(const std::array<double, 9>& m) {
-  const auto dot = [&](size_t a, size_t b) {
-    return m[3 * a] * m[3 * b] + m[3 * a + 1] * m[3 * b + 1] + m[3 * a + 2] * m[3 * b + 2];
-  };
-  for (size_t a = 0; a < 3; ++a)
-    for (size_t b = a; b < 3; ++b)
-      if (!(std::abs(dot(a, b) - (a == b ? 1 : 0)) <= kRotationError)) return false;
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-             m[2] * (m[3] * m[7] - m[4] * m[6]) >
-         0;
+  const cv::Matx33d rows(m.data());
+  const cv::Matx33d error = rows * rows.t() - cv::Matx33d::eye();
+  return cv::norm(error, cv::NORM_INF) <= kRotationError && cv::determinant(rows) > 0;
 }
 
 /// A format with one pose per line.
@@ -97,7 +92,7 @@ Trajectory read_any(const std::filesystem::path& path) {
   const FileStart start = open_start(path);
   const std::string_view format = pose_line_format(start.first_line);
   if (!format.empty()) return read_pose_lines(path, format, true);
-  if (is_pose_header(start.first_line)) return read_pose_csv(path, {});
+  if (is_pose_header(start.first_line)) return read_pose_csv(path);
   if (start.is_folder || is_gps_header(start.first_line)) return read_fixes(path);
   refuse_convertible(start.path, start.bytes);
   throw Error(ErrorKind::usage,
