@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/named_table.h"
+#include "base/text.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
 #include "truth/formats.h"
@@ -42,21 +43,13 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
 
 // Bytes from "512M", "2G", "1000000"; K, M, G are powers of 1024.
 size_t parse_bytes(const std::string& text) {
-  static const std::string kUnits = "KMG";
-  size_t used = 0;
-  unsigned long long value = 0;
-  try {
-    value = std::stoull(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  const size_t unit = used + 1 == text.size() ? kUnits.find(text[used]) : std::string::npos;
-  const bool has_unit = used != text.size();
-  const size_t shift = has_unit ? 10 * (unit + 1) : 0;
-  if (used == 0 || text[0] == '-' || (has_unit && unit == std::string::npos) ||
-      value >> (52 - shift) != 0)
+  const size_t digits = std::min(text.find_last_not_of("KMG") + 1, text.size());
+  const auto value = parse_number<uint64_t>(std::string_view(text).substr(0, digits));
+  const std::string_view unit = std::string_view(text).substr(digits);
+  const size_t shift = unit.empty() ? 0 : 10 * (std::string_view("KMG").find(unit) + 1);
+  if (!value || unit.size() > 1 || *value >> (52 - shift) != 0)
     throw Error(ErrorKind::usage, "--max-memory takes bytes, as in 512M or 2G, found {}", text);
-  return value << shift;
+  return *value << shift;
 }
 
 }  // namespace

@@ -57,8 +57,9 @@ std::string usage_text(const CommandEntry& command, const std::string& path) {
   std::string usage;
   if (command.commands.empty() || command.runs_itself) {
     usage = fmt::format("Usage: {} [OPTIONS]", path);
-    for (const ArgumentEntry& argument : command.arguments)
-      usage += argument.is_required ? " " + argument.name : fmt::format(" [{}]", argument.name);
+    for (const FlagEntry& argument : command.arguments)
+      usage += argument.is_required ? " " + argument.names.front()
+                                    : fmt::format(" [{}]", argument.names.front());
     usage += "\n";
   }
   if (!command.commands.empty())
@@ -106,8 +107,9 @@ std::string troff(const std::string& text) {
 
 std::string manual_flags(const CommandEntry& command) {
   std::string text;
-  for (const ArgumentEntry& argument : command.arguments)
-    text += fmt::format(".TP\n\\fI{}\\fR\n{}\n", troff(argument.name), troff(argument.help));
+  for (const FlagEntry& argument : command.arguments)
+    text +=
+        fmt::format(".TP\n\\fI{}\\fR\n{}\n", troff(argument.names.front()), troff(argument.help));
   std::string group = "Options";
   for (const FlagEntry& flag : command.flags) {
     if (flag.group != group) text += fmt::format(".PP\n{}:\n", troff(flag.group));
@@ -270,9 +272,9 @@ std::string manual_page(const CommandEntry& program, const std::string& version)
     if (level.empty() && program.arguments.empty() && !program.commands.empty()) continue;
     page += fmt::format("\\fB{}{}\\fR [\\fIOPTIONS\\fR]", troff(program.name),
                         level.empty() ? "" : " " + troff(level));
-    for (const ArgumentEntry& argument : command->arguments)
+    for (const FlagEntry& argument : command->arguments)
       page += fmt::format(fmt::runtime(argument.is_required ? " \\fI{}\\fR" : " [\\fI{}\\fR]"),
-                          troff(argument.name));
+                          troff(argument.names.front()));
     page += "\n.br\n";
   }
   page += ".SH OPTIONS\n" + manual_flags(program);
@@ -290,8 +292,8 @@ std::string manual_page(const CommandEntry& program, const std::string& version)
 std::string help_text(const CommandEntry& command, const std::string& path) {
   std::string text = wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path);
   if (!command.arguments.empty()) text += "\nArguments:\n";
-  for (const ArgumentEntry& argument : command.arguments)
-    text += entry(argument.name, argument.help);
+  for (const FlagEntry& argument : command.arguments)
+    text += entry(argument.names.front(), argument.help);
   if (!command.commands.empty()) text += "\nCommands:\n";
   for (const CommandEntry& inner : command.commands) text += entry(inner.name, inner.description);
   text += flags_text(command);
@@ -305,8 +307,8 @@ std::string short_help_text(const CommandEntry& command, const std::string& path
   };
   std::string text =
       wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path) + "\n";
-  for (const ArgumentEntry& argument : command.arguments)
-    text += short_entry(argument.name, argument.help);
+  for (const FlagEntry& argument : command.arguments)
+    text += short_entry(argument.names.front(), argument.help);
   for (const FlagEntry& flag : command.flags)
     if (flag.group == kEssentialGroup) text += short_entry(flag_title(flag), flag.help);
   if (!command.commands.empty()) text += "\nCommands:\n";

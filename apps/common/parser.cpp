@@ -28,6 +28,7 @@ FlagEntry describe_flag(const CLI::Option& option) {
   FlagEntry flag;
   for (const std::string& name : option.get_snames()) flag.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) flag.names.push_back("--" + name);
+  if (!option.nonpositional()) flag.names = {option.get_name(true)};
   if (option.get_items_expected_max() > 0) {
     const std::string type = option.get_type_name();  // "WORD:choices"
     const size_t colon = type.find(':');
@@ -63,11 +64,7 @@ CommandEntry describe_commands(const CLI::App& app) {
   entry.runs_itself = app.get_require_subcommand_min() == 0;
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_group().empty()) continue;
-    if (option->nonpositional())
-      entry.flags.push_back(describe_flag(*option));
-    else
-      entry.arguments.push_back(
-          {option->get_name(true), option->get_description(), option->get_required()});
+    (option->nonpositional() ? entry.flags : entry.arguments).push_back(describe_flag(*option));
   }
   sort_flags(entry.flags);
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))

@@ -85,19 +85,13 @@ class Command {
   CLI::App* app_;
 };
 
-/// A flag as help, completions and manual pages show it.
+/// A flag or an argument as help, completions and manual pages show it.
 struct FlagEntry {
-  std::vector<std::string> names;    ///< with dashes, short names first
+  std::vector<std::string> names;    ///< with dashes, short names first; of an argument only one
   std::string value;                 ///< FILE, NUMBER, a|b|c; empty for a switch
   std::vector<std::string> choices;  ///< values for completions
   std::string help;
   std::string group;
-  bool is_required = false;
-};
-
-struct ArgumentEntry {
-  std::string name;
-  std::string help;
   bool is_required = false;
 };
 
@@ -111,7 +105,7 @@ struct CommandEntry {
   std::string name;
   std::string description;
   std::vector<Section> sections;
-  std::vector<ArgumentEntry> arguments;
+  std::vector<FlagEntry> arguments;
   std::vector<FlagEntry> flags;  ///< by group; required flags are first in their group
   std::vector<CommandEntry> commands;
   bool runs_itself = true;  ///< false: a command is required

@@ -78,8 +78,8 @@ void check_values(std::string_view name, const std::vector<uint64_t>& values, ui
                   uint64_t high) {
   if (values.empty()) throw Error(ErrorKind::usage, "{} is empty", name);
   for (const uint64_t value : values)
-    if (value < low || value > high)
-      throw Error(ErrorKind::usage, "{} must be from {} to {}, found {}", name, low, high, value);
+    require_range(name, static_cast<double>(value), static_cast<double>(low),
+                  static_cast<double>(high));
 }
 
 TimeSummary time_repeatedly(const Effort& effort, const std::function<void()>& work,

@@ -65,8 +65,7 @@ void add_whole_sequence(BenchResult& result, const SequenceSource& images, const
 BenchResult bench_describe(const DescribeBenchSettings& settings,
                            const std::optional<SequenceSource>& images, uint64_t seed,
                            const Monitor& monitor) {
-  if (settings.frames < 1 || settings.frames > 10'000)
-    throw Error(ErrorKind::usage, "frames must be from 1 to 10000, found {}", settings.frames);
+  check_values("frames", {settings.frames}, 1, 10'000);
   check_seconds(settings.seconds);
   check_feature_settings(settings.feature_settings);
   std::vector<FeatureKind> kinds;

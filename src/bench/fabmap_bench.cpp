@@ -28,9 +28,7 @@ void check_settings(const FabmapBenchSettings& settings) {
   check_values("descriptors", {settings.descriptors}, 0, 100'000'000);
   check_values("pretrain_frames", {settings.pretrain_frames}, 1, 1'000'000);
   check_seconds(settings.seconds);
-  if (!(settings.frame_ms >= 0 && settings.frame_ms <= 3'600'000))
-    throw Error(ErrorKind::usage, "frame_ms must be from 0 to 3600000, found {}",
-                settings.frame_ms);
+  require_range("frame_ms", settings.frame_ms, 0, 3'600'000);
   for (const std::string& variant : settings.variants) find_fabmap_variant(variant);
 }
 

@@ -160,10 +160,6 @@ constexpr std::array<MatchingTimer, 6> kTimers = {{
     {"lsh", true, time_lsh},
 }};
 
-const MatchingTimer& find_matching_timer(std::string_view name) {
-  return find_named(kTimers, "method", name);
-}
-
 void check_scores(const MatchingCase& example, const Monitor& monitor) {
   constexpr size_t kCheckedScores = 20;  // each needs as many reference distances as there are rows
   constexpr size_t kCheckedRows = 20;
@@ -187,7 +183,7 @@ void check_settings(const MatchingBenchSettings& settings) {
   if (settings.changed_bits > kLdbBits)
     throw Error(ErrorKind::usage, "changed_bits must be at most {}, found {}", kLdbBits,
                 settings.changed_bits);
-  for (const std::string& method : settings.methods) find_matching_timer(method);
+  for (const std::string& method : settings.methods) find_named(kTimers, "method", method);
   if (settings.descriptor_length > kMaxIntegers)
     throw Error(ErrorKind::usage, "descriptor_length must be at most {}, found {}", kMaxIntegers,
                 settings.descriptor_length);
@@ -199,7 +195,7 @@ void check_settings(const MatchingBenchSettings& settings) {
 std::vector<std::string> timed_methods(const MatchingBenchSettings& settings) {
   std::vector<std::string> methods;
   for (const std::string& method : settings.methods)
-    if (settings.descriptor_length == 0 || !find_matching_timer(method).needs_codes)
+    if (settings.descriptor_length == 0 || !find_named(kTimers, "method", method).needs_codes)
       methods.push_back(method);
   return methods;
 }
@@ -423,7 +419,7 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
           }
           BenchRow row{method, parameters_of(frames, length, query), "query frame"};
           reset_peak_memory();
-          find_matching_timer(method).measure(example, effort, monitor, row);
+          find_named(kTimers, "method", method).measure(example, effort, monitor, row);
           row.values.emplace_back("fps", 1000 / row.time.median_ms);
           row.values.emplace_back("cpu_at_10_hz_percent", row.time.median_ms);
           row.values.emplace_back("peak_mib", peak_memory() >> 20);

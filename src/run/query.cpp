@@ -27,20 +27,6 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan, const Mo
               first.score);
 }
 
-/// Measures consecutive steps.
-class StepTimer {
- public:
-  explicit StepTimer(std::map<std::string, double>& seconds) : seconds_(seconds) {}
-  void end_step(const char* name) {
-    seconds_[name] = watch_.elapsed_s();
-    watch_ = {};
-  }
-
- private:
-  std::map<std::string, double>& seconds_;
-  Stopwatch watch_;
-};
-
 std::optional<ResultKeyframes> find_keyframes(const QueryPlan& plan) {
   if (!plan.typical_distance) return std::nullopt;
   ResultKeyframes keyframes{keyframe_starts(plan.query, *plan.typical_distance), {}};
@@ -203,7 +189,11 @@ QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
   const size_t verified = is_approximate ? 0 : resources.verify_cells;
   QueryRun run;
   FrameDistances distances = searched_distances(plan);
-  StepTimer timer(run.seconds);
+  Stopwatch watch;
+  const auto end_step = [&](const char* name) {
+    run.seconds[name] = watch.elapsed_s();
+    watch = {};
+  };
 
   // Relative thresholds need the largest of all distances first.
   const bool has_two_passes = needs_maxima(plan);
@@ -211,7 +201,7 @@ QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
     MaximumScan scan(plan.sequences.size(), resources.kernels);
     match(distances, plan.match, {{std::ref(scan)}}, part_of(monitor, "pass", 0, 2));
     set_relative_limits(plan, scan.result());
-    timer.end_step("maximum");
+    end_step("maximum");
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), plan.scores, last_pass);
@@ -225,19 +215,19 @@ QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
     match(distances, plan.match, sinks, last_pass);
     run.result = rows.result(settings);
   }
-  timer.end_step("match");
+  end_step("match");
 
   if (verified > 0) {
     check_cells(cells.result(), plan, monitor);
     run.verified_cells = cells.result().size();
-    timer.end_step("verify");
+    end_step("verify");
   }
   if (is_approximate) {
     run.result.recall = recall_of(run.result, distances, plan, resources, monitor);
-    timer.end_step("recall");
+    end_step("recall");
   }
   cluster(run.result, monitor);
-  timer.end_step("cluster");
+  end_step("cluster");
   run.result.keyframes = find_keyframes(plan);
   return run;
 }

@@ -230,9 +230,7 @@ void check_zscore_window(const Settings& settings) {
                       settings.window_length));
   check_zscore_settings(settings.zscore);
   if (settings.loop) check_past_settings(settings.zscore);
-  const double weight = settings.fusion_weight.value_or(kFusionWeight);
-  require(weight >= 0 && weight <= kMostFusionWeight,
-          fmt::format("fusion_weight must be from 0 to {}, found {}", kMostFusionWeight, weight));
+  require_range("fusion_weight", settings.fusion_weight.value_or(0), 0, kMostFusionWeight);
 }
 
 void check_gap(const Settings& settings) {
@@ -256,9 +254,7 @@ void check_ranges(const Settings& settings) {
   if (score_kind(settings.score).needs_statistics) check_zscore_window(settings);
   if (has_paths(settings)) check_filter(settings.filter);
   if (settings.loop) check_gap(settings);
-  require(settings.clustering.eps >= 0 && settings.clustering.eps <= kMaxEps,
-          fmt::format("clustering.eps must be from 0 to {}, found {}", kMaxEps,
-                      settings.clustering.eps));
+  require_range("clustering.eps", static_cast<double>(settings.clustering.eps), 0, kMaxEps);
 }
 
 void fill_implied(Settings& settings, const Features& run) {

@@ -14,19 +14,15 @@ constexpr std::array<std::string_view, 3> kThresholdSettings = {"t_r", "t_r_scal
                                                                 "safety_factor"};
 constexpr std::array<std::string_view, 1> kMarginSettings = {"margin"};
 
-constexpr DecisionKind kThreshold = {.recognitions = "window pairs with a {} below the threshold",
-                                     .symbol = "t_r",
-                                     .order = ScoreOrder::distance,
-                                     .settings = kThresholdSettings};
-
-constexpr DecisionKind kMargin = {
-    .recognitions = "best matches with a {} better than the runner-up by at least the margin",
-    .symbol = "margin",
-    .order = ScoreOrder::similarity,
-    .settings = kMarginSettings};
-
-constexpr std::array<DecisionKind, kEnumNames<Decision>.size()> kDecisionKinds = {kThreshold,
-                                                                                  kMargin};
+constexpr std::array<DecisionKind, kEnumNames<Decision>.size()> kDecisionKinds = {
+    {{.recognitions = "window pairs with a {} below the threshold",
+      .symbol = "t_r",
+      .order = ScoreOrder::distance,
+      .settings = kThresholdSettings},
+     {.recognitions = "best matches with a {} better than the runner-up by at least the margin",
+      .symbol = "margin",
+      .order = ScoreOrder::similarity,
+      .settings = kMarginSettings}}};
 
 Json in_force(SequenceQuerySettings settings) {
   settings.threshold_scale = scale_of(settings);
@@ -53,16 +49,12 @@ Json in_force(const FabmapQuerySettings& settings) { return value_to_json(settin
 
 }  // namespace
 
-std::span<const DecisionKind> decision_kinds() { return kDecisionKinds; }
-
 const DecisionKind& decision_kind(Decision decision) {
   return kDecisionKinds[static_cast<size_t>(decision)];
 }
 
 void check_window_length(uint64_t window_length) {
-  if (window_length < 1 || window_length > kMaxWindowLength)
-    throw Error(ErrorKind::usage, "c_l must be from 1 to {}, found {}", kMaxWindowLength,
-                window_length);
+  require_range("c_l", static_cast<double>(window_length), 1, kMaxWindowLength);
 }
 
 void check_safety_factor(double factor) {

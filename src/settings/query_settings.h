@@ -44,7 +44,6 @@ struct DecisionKind {
   std::span<const std::string_view> settings = {};  ///< keys of settings of this decision only
 };
 
-std::span<const DecisionKind> decision_kinds();
 const DecisionKind& decision_kind(Decision decision);
 
 /// The settings of the sequence methods: FastABLE, OpenABLE, LSH, the filter.

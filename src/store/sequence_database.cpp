@@ -153,14 +153,13 @@ std::vector<std::pair<size_t, size_t>> read_overlapping_sequences(const Fields& 
 }
 
 std::vector<RepeatedPlace> read_repeated_places(const Fields& manifest, size_t frames) {
-  std::vector<std::vector<uint32_t>> rows;
-  manifest.read("repeated_places", rows);
+  std::vector<std::array<uint32_t, 2>> pairs;
+  manifest.read("repeated_places", pairs);
   std::vector<RepeatedPlace> places;
-  for (const std::vector<uint32_t>& row : rows) {
-    if (row.size() != 2 || row[0] >= frames || row[1] >= row[0] ||
-        (!places.empty() && row[0] <= places.back().frame))
+  for (const auto& [frame, first_pass] : pairs) {
+    if (frame >= frames || first_pass >= frame || (!places.empty() && frame <= places.back().frame))
       manifest.fail("its \"repeated_places\" are not pairs of frames in order");
-    places.push_back({row[0], row[1]});
+    places.push_back({frame, first_pass});
   }
   return places;
 }

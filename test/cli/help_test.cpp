@@ -64,7 +64,7 @@ TEST_CASE("no help string begins with a preposition") {
 TEST_CASE("help wraps between words, and examples can be pasted into a shell") {
   CommandEntry command;
   command.description = "Does it.";
-  command.arguments = {{"DB", "database", true}};
+  command.arguments = {{{"DB"}, "", {}, "database", "", true}};
   command.flags = {
       {{"-o", "--output"}, "FILE", {}, std::string(40, 'x') + " yyyyyyyyyyyy", "Options", true},
       {{"--much-longer-than-the-column"}, "a|b", {"a", "b"}, "h", "Options", false}};
