@@ -228,7 +228,7 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
   constexpr uint64_t kDefaultPairs = 10;  // of scores
   if (inputs.pairs.empty()) return 0;
   assert(matrix != nullptr || result != nullptr);
-  const std::vector<BestPair> pairs =
+  const std::vector<MatchedFrame> pairs =
       matrix == nullptr
           ? best_pairs(*result)
           : best_pairs(*matrix, layout, inputs.top_k.value_or(result ? 1 : kDefaultPairs),
@@ -249,7 +249,7 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
   };
   const bool has_blanks = has_blank(query) || std::ranges::any_of(train, has_blank);
   std::string text;
-  for (const BestPair& pair : pairs) {
+  for (const MatchedFrame& pair : pairs) {
     const std::string left = name_of(query, pair.query);
     const std::string right = name_of(train[pair.match.sequence], pair.match.reference);
     text += has_blanks ? fmt::format("{},{}\n", csv_field(left), csv_field(right))

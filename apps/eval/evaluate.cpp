@@ -128,7 +128,7 @@ ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix
   ScoreSettings settings{
       inputs.name.empty() ? std::filesystem::path(scores.source()).stem().string() : inputs.name,
       scores.matrix.format(), scores.window_length, scores.threshold};
-  settings.format.is_similarity = matrix.kind() == ScoreOrder::similarity;
+  settings.format.is_similarity = matrix.kind == ScoreOrder::similarity;
   if (!scores.speed.empty())
     settings.query.selection = at_speed(scores.speed, *scores.query_frames, seed);
   if (!inputs.truth.dataset.empty())
@@ -201,7 +201,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
     evaluation = evaluate_stored(stored, std::move(matrix), evaluated.by, session.monitor);
   } else {
     warn_of_order(session, inputs);
-    check_rows(inputs.scores, matrix->queries(),
+    check_rows(inputs.scores, matrix->queries,
                inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
     const ScoreSettings settings = score_settings(inputs, *matrix, session.options.process.seed);
     evaluation = evaluate_scores(std::move(*matrix), settings, evaluated.by, session.monitor);

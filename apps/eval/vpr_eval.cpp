@@ -125,7 +125,7 @@ void run_pairs(Session& session, const EvalInputs& inputs) {
   refuse(!session.options.output.empty(), "-o",
          "needs a ground truth. Add --ground-truth or --dataset");
   const auto matrix = open_inputs(session, inputs).matrix;
-  check_rows(inputs.scores, matrix->queries(), std::nullopt);
+  check_rows(inputs.scores, matrix->queries, std::nullopt);
   const ScoreLayout layout = layout_of(*matrix, inputs.scores.window_length);
   require_fit(*matrix, layout);
   const size_t count = write_pairs(session, inputs, &*matrix, layout, nullptr);

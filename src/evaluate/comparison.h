@@ -42,7 +42,6 @@ struct Comparison {
   std::vector<size_t> frames;  ///< query frames of paired methods that are compared
   size_t with_match = 0;       ///< of these
   size_t disputed = 0;         ///< omitted: the ground truths disagree on whether there is a match
-  std::vector<size_t> own;     ///< frames per method
   size_t block = 0;
   std::vector<ComparedValue> values;  ///< by metric, then method
   std::vector<PairedCounts> paired;   ///< per method; zeros for an unpaired one

@@ -20,37 +20,19 @@ std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthS
   return read_traveled(by.poses, scope.query, monitor);
 }
 
-/// A query frame and its training frame.
-struct MatchedFrame {
-  size_t query = 0;
-  FrameMatch match;
-};
-
 // The recognitions of a result, or the best matches if there are none.
 std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
   std::vector<MatchedFrame> all;
-  if (evaluation.result) {
-    const Result& result = *evaluation.result->result;
-    for (const Match* recognition : recognitions_by_frame(result))
-      if (recognition != nullptr)
-        all.push_back(
-            {anchor_of(recognition->query, result.window_length()),
-             {recognition->sequence, anchor_of(recognition->train, result.window_length())}});
-  }
+  if (evaluation.result) all = recognized_frames(evaluation);
   if (!all.empty()) return all;
   for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)
     if (query.best && query.has_match) all.push_back({query.frame, *query.best});
   return all;
 }
 
-bool is_incorrect(const GroundTruth& truth, const MatchedFrame& one) {
-  return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::different;
-}
-
-size_t count_right(const GroundTruth& truth, const std::vector<MatchedFrame>& all) {
-  return static_cast<size_t>(std::ranges::count_if(all, [&](const MatchedFrame& one) {
-    return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::same;
-  }));
+size_t count_correct(const GroundTruth& truth, const std::vector<MatchedFrame>& all) {
+  return static_cast<size_t>(std::ranges::count(
+      all, PlaceLabel::same, [&](const MatchedFrame& one) { return label_of(truth, one); }));
 }
 
 // A warning if the query and the searched training sequence of aligned sequences differ in length.
@@ -77,7 +59,7 @@ std::optional<std::string> tolerance_warning(const GroundTruth& truth,
   constexpr int64_t kMostOff = 10;  // frames; a larger offset is not a matter of tolerance
   GroundTruth wider = truth;
   while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
-    const size_t correct = count_right(wider, matches);
+    const size_t correct = count_correct(wider, matches);
     if (10 * correct < 9 * matches.size()) continue;
     const std::string share = correct == matches.size()
                                   ? fmt::format("all {}", correct)
@@ -94,9 +76,11 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   if (!truth.is_known || !by.ground_truth) return;
   std::vector<MatchedFrame> matches = matched_frames(evaluation);
   std::string noun = evaluation.result ? "recognitions" : "best matches";
-  const bool most_are_incorrect = 2 * count_right(truth, matches) < matches.size();
+  const bool most_are_incorrect = 2 * count_correct(truth, matches) < matches.size();
   if (!most_are_incorrect) {
-    std::erase_if(matches, [&](const MatchedFrame& one) { return !is_incorrect(truth, one); });
+    std::erase_if(matches, [&](const MatchedFrame& one) {
+      return label_of(truth, one) != PlaceLabel::different;
+    });
     noun = "incorrect " + noun;
   }
   if (matches.empty()) return;
@@ -199,7 +183,7 @@ Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<S
   if (truth.is_known)
     judged.by_keyframe =
         count_by_keyframe(*result, truth, evaluation.judgment.outcomes.confidence, monitor);
-  judged.clusters = judge_clusters(*result, clusters_of(*result), truth, monitor);
+  judged.clusters = judge_clusters(*result, truth, monitor);
   judged.result = std::move(result);
   if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);
   evaluation.matrix = std::move(matrix);
@@ -224,6 +208,15 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   evaluation.caution = label_caution(evaluation.truth, evaluation.judgment.outcomes);
   warn_of_truth(evaluation, by, monitor);
   return evaluation;
+}
+
+std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation) {
+  if (!evaluation.result) return evaluation.judgment.recognized;
+  std::vector<MatchedFrame> found;
+  const Result& result = *evaluation.result->result;
+  for (const Match* recognition : recognitions_by_frame(result))
+    if (recognition != nullptr) found.push_back(anchors_of(*recognition, result.window_length()));
+  return found;
 }
 
 void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,

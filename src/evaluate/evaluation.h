@@ -84,6 +84,9 @@ Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<S
 Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
                            const EvaluationSettings& by, const Monitor& monitor);
 
+/// The recognized query frames with the match by which each is judged.
+std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation);
+
 /// Warns if the opposite order of the scores is correct for more queries, and if the best score may
 /// be the missing value of vpr-query. `source`: of the scores, for messages.
 void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,

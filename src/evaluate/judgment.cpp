@@ -15,25 +15,15 @@ std::span<const std::optional<uint32_t>> decided_frames(const Result& result) {
   return result.path->decided;
 }
 
-void count_matches(Judgment& judgment) {
-  Localization& path = judgment.localization;
+void set_verdicts(Judgment& judgment, std::vector<Verdict> verdicts,
+                  std::span<const double> traveled_m,
+                  std::span<const std::optional<uint32_t>> decided = {}) {
+  Localization& path = judgment.localization = localize(verdicts, traveled_m, decided);
+  judgment.verdicts = std::move(verdicts);
   for (const QueryOutcome& query : judgment.outcomes.queries) {
     path.frames_with_match += query.has_match;
     path.off_map += !query.has_match && judgment.verdicts[query.frame] == Verdict::incorrect;
   }
-}
-
-void set_verdicts(Judgment& judgment, std::vector<Verdict> verdicts,
-                  std::span<const double> traveled_m,
-                  std::span<const std::optional<uint32_t>> decided = {}) {
-  judgment.localization = localize(verdicts, traveled_m, decided);
-  judgment.verdicts = std::move(verdicts);
-  count_matches(judgment);
-}
-
-size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
-  const ScoreLayout::Columns* columns = layout.columns_of(sequence);
-  return columns == nullptr ? 0 : columns->first + window;
 }
 
 }  // namespace
@@ -65,8 +55,7 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
   set_confidence(judgment, judgment.outcomes.confidence);
   for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
-    judgment.recognized.push_back(
-        {recognition.query, column_of(judgment.layout, recognition.sequence, recognition.train)});
+    judgment.recognized.push_back(anchors_of(recognition, result.window_length()));
   }
   set_verdicts(judgment, verdicts_of(result, truth), traveled_m, decided_frames(result));
   return judgment;
@@ -101,17 +90,15 @@ Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Groun
   judgment.layout = layout;
   set_pairs(judgment, scan_matrix(matrix, truth, judgment.layout, monitor));
   set_confidence(judgment, Confidence::score);
-  judgment.is_oracle = !threshold && matrix.has_scores();
+  judgment.is_oracle = !threshold && matrix.has_scores;
   judgment.threshold =
       threshold ? threshold : recall_at_full_precision(judgment.single_best).threshold;
   std::optional<uint64_t> accepted;
-  if (judgment.threshold) accepted = score_key(*judgment.threshold, matrix.kind());
-  if (!matrix.has_scores()) accepted = kNoScore - 1;  // the first of each list
+  if (judgment.threshold) accepted = score_key(*judgment.threshold, matrix.kind);
+  if (!matrix.has_scores) accepted = kNoScore - 1;  // the first of each list
   for (const QueryOutcome& query : judgment.outcomes.queries)
     if (accepted && query.best && query.key <= *accepted)
-      judgment.recognized.push_back({query.frame + 1 - layout.window_length,
-                                     column_of(layout, query.best->sequence,
-                                               query.best->reference + 1 - layout.window_length)});
+      judgment.recognized.push_back({query.frame, *query.best});
   set_verdicts(judgment, verdicts_of(judgment.outcomes, accepted), traveled_m);
   return judgment;
 }

@@ -37,23 +37,17 @@ struct MatrixScan {
 MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor);
 
-/// A recognition as a query window and a column of the layout.
-struct RecognizedCell {
-  size_t query_window = 0;
-  size_t column = 0;
-};
-
 struct Judgment {
   JudgedBy by = JudgedBy::ground_truth;
   ScoreLayout layout;
   Outcomes outcomes;
   Curve single_best;
-  std::optional<Curve> other_best;         ///< by the other confidence, if margins are known
-  std::optional<PairJudgment> all_pairs;   ///< of a matrix
-  std::vector<RecognizedCell> recognized;  ///< of a result; without one, accepted best matches
-  std::optional<double> threshold;         ///< of accepted best matches
-  bool is_oracle = false;                  ///< the threshold was chosen from the ground truth
-  std::vector<Verdict> verdicts;           ///< one per query frame
+  std::optional<Curve> other_best;        ///< by the other confidence, if margins are known
+  std::optional<PairJudgment> all_pairs;  ///< of a matrix
+  std::vector<MatchedFrame> recognized;   ///< by a result; without one, accepted best matches
+  std::optional<double> threshold;        ///< of accepted best matches
+  bool is_oracle = false;                 ///< the threshold was chosen from the ground truth
+  std::vector<Verdict> verdicts;          ///< one per query frame
   Localization localization;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K to report
   size_t stretch_frames = kDefaultStretch;  ///< of the reported recall achievement rate

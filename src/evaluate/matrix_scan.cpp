@@ -203,7 +203,7 @@ Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const Scor
                  std::vector<uint64_t> same_keys, uint64_t positives, const Monitor& monitor) {
   const KeyIndex index(std::move(same_keys));
   const Counters counters = count_incorrect(matrix, truth, layout, index, monitor);
-  Curve curve{matrix.kind(), positives, {}};
+  Curve curve{matrix.kind, positives, {}};
   const bool has_incorrect = counters.best.count > 0;
   if (has_incorrect && (index.size() == 0 || counters.best.key < index.key(0)))
     curve.points.push_back({counters.best.key, 0, 0, counters.best.count});
@@ -228,8 +228,8 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor) {
   MatrixScan scan;
   auto& [outcomes, pairs] = scan;
-  outcomes = unanswered(truth, layout.scope.query.frames, layout.window_length, matrix.kind());
-  outcomes.has_scores = matrix.has_scores();
+  outcomes = unanswered(truth, layout.scope.query.frames, layout.window_length, matrix.kind);
+  outcomes.has_scores = matrix.has_scores;
   outcomes.has_ranks = true;
   std::vector<ScanPart> parts(thread_count());
   for (ScanPart& part : parts) part.keeps_ignored = !truth.asked.empty();
@@ -254,8 +254,8 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
   std::ranges::sort(same_keys);
   pairs.curve =
       pair_curve(matrix, truth, layout, std::move(same_keys), pairs.curve.positives, monitor);
-  pairs.curve.has_scores = matrix.has_scores();
-  if (!matrix.has_scores()) pairs.curve.points.clear();
+  pairs.curve.has_scores = matrix.has_scores;
+  if (!matrix.has_scores) pairs.curve.points.clear();
   return scan;
 }
 

@@ -10,13 +10,9 @@
 namespace vpr {
 namespace {
 
-// Whether a frame with a match has a correct reference among its K best.
-bool is_found_at(const QueryOutcome& query, size_t k) {
-  if (!query.has_match) return false;
-  return query.verdict == Verdict::correct || (query.rank && *query.rank <= k);
+double recall_of(const QueryOutcome& query, size_t k) {
+  return query.verdict == Verdict::correct || (query.rank && *query.rank <= k) ? 1 : 0;
 }
-
-double recall_of(const QueryOutcome& query, size_t k) { return is_found_at(query, k) ? 1 : 0; }
 
 double precision_of(const QueryOutcome& query, size_t k) {
   const auto correct = std::ranges::count_if(query.correct_ranks, [&](auto r) { return r <= k; });
@@ -148,6 +144,10 @@ constexpr std::array<std::pair<std::string_view, uint64_t LabelCounts::*>, 3> kV
      {"incorrect", &LabelCounts::incorrect},
      {"ignored", &LabelCounts::ignored}}};
 
+uint32_t weight_of(const QueryOutcome& query, std::span<const uint32_t> weights) {
+  return weights.empty() ? 1 : weights[query.frame];
+}
+
 // The rows for which this holds, which are consecutive.
 template <class Condition>
 std::span<const Metric> rows_with(const Condition& has) {
@@ -176,14 +176,18 @@ Curve curve_of(std::span<const ScoredItem> items, uint64_t positives, ScoreOrder
   return curve;
 }
 
-Curve single_best_curve(const Outcomes& outcomes) {
+Curve single_best_curve(const Outcomes& outcomes, std::span<const uint32_t> weights) {
   std::vector<ScoredItem> items;
-  for (const QueryOutcome& query : outcomes.queries)
-    if (query.verdict == Verdict::correct || query.verdict == Verdict::incorrect)
+  uint64_t positives = 0;
+  for (const QueryOutcome& query : outcomes.queries) {
+    const uint32_t weight = weight_of(query, weights);
+    if (query.has_match) positives += weight;
+    if (is_judged(query))
       items.push_back(
-          {confidence_key(query, outcomes.confidence), query.verdict == Verdict::correct});
+          {confidence_key(query, outcomes.confidence), query.verdict == Verdict::correct, weight});
+  }
   sort_items(items);
-  Curve curve = curve_of(items, frames_with_match(outcomes), confidence_order(outcomes));
+  Curve curve = curve_of(items, positives, confidence_order(outcomes));
   curve.has_scores = outcomes.has_scores;
   if (!curve.has_scores) curve.points.clear();
   return curve;
@@ -284,18 +288,17 @@ std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) 
 std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames) {
   const size_t frames = outcomes.queries.size();
   const size_t count = std::max<size_t>(1, (frames + stretch_frames / 2) / stretch_frames);
-  std::vector<size_t> found(count);
+  std::vector<double> found(count);
   std::vector<size_t> judged(count);
   for (const QueryOutcome& query : outcomes.queries) {
     if (!query.has_match) continue;
     // The stretch s holds frames from floor(s * frames / count) on.
     const size_t stretch = ((query.frame + 1) * count - 1) / frames;
     ++judged[stretch];
-    if (is_found_at(query, 1)) ++found[stretch];
+    found[stretch] += recall_of(query, 1);
   }
-  std::vector<std::optional<double>> recalls(count);
-  for (size_t s = 0; s < count; ++s)
-    if (judged[s] > 0) recalls[s] = static_cast<double>(found[s]) / static_cast<double>(judged[s]);
+  std::vector<std::optional<double>> recalls;
+  for (size_t s = 0; s < count; ++s) recalls.push_back(share_of(found[s], judged[s]));
   return recalls;
 }
 
@@ -393,14 +396,16 @@ std::string MetricAt::symbol() const {
   return k == 0 ? std::string(metric->symbol) : fmt::format("{}{}", metric->symbol, k);
 }
 
-std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes) {
+std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes,
+                                 std::span<const uint32_t> weights) {
   if (!metric.metric->is_known_at(outcomes, metric.k)) return std::nullopt;
   double sum = 0;
-  size_t frames = 0;
+  uint64_t frames = 0;
   for (const QueryOutcome& query : outcomes.queries) {
     if (!query.has_match) continue;
-    ++frames;
-    sum += metric.metric->of_query(query, metric.k);
+    const uint32_t weight = weight_of(query, weights);
+    frames += weight;
+    sum += weight * metric.metric->of_query(query, metric.k);
   }
   return share_of(sum, frames);
 }

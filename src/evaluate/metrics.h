@@ -60,8 +60,9 @@ void sort_items(std::vector<ScoredItem>& items);
 Curve curve_of(std::span<const ScoredItem> items, uint64_t positives, ScoreOrder kind);
 
 /// Best matches by confidence, except ignored ones. Those of frames without a match are incorrect.
-/// Recall is over frames_with_match.
-Curve single_best_curve(const Outcomes& outcomes);
+/// Recall is over frames_with_match. `weights`: how often each frame counts, by
+/// QueryOutcome::frame; empty: once.
+Curve single_best_curve(const Outcomes& outcomes, std::span<const uint32_t> weights = {});
 
 struct MetricValue {
   std::optional<double> value;      ///< unset if it is not defined
@@ -225,8 +226,10 @@ struct MetricAt {
 MetricAt metric_at(std::string_view key, size_t k = 0);
 
 /// A metric of ranks: ties to the first, references labeled ignore skipped, missing ranks
-/// incorrect. Unset if no query frame has a match, or unless is_known_at.
-std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes);
+/// incorrect. Unset if no query frame has a match, or unless is_known_at. `weights`: as in
+/// single_best_curve.
+std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes,
+                                 std::span<const uint32_t> weights = {});
 /// Recall@K.
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
 

@@ -1,7 +1,6 @@
 #include "evaluate/outcomes.h"
 
 #include <algorithm>
-#include <cassert>
 #include <map>
 #include <set>
 #include <tuple>
@@ -14,14 +13,10 @@ namespace vpr {
 namespace {
 
 void count(KeyframeCounts& counts, const LabelCounts& labels) {
-  if (labels.correct + labels.incorrect == 0)
-    ++counts.ignored;
-  else if (labels.incorrect == 0)
-    ++counts.correct;
-  else if (labels.correct == 0)
-    ++counts.incorrect;
-  else
-    ++counts.mixed;
+  ++(labels.correct + labels.incorrect == 0 ? counts.ignored
+     : labels.incorrect == 0                ? counts.correct
+     : labels.correct == 0                  ? counts.incorrect
+                                            : counts.mixed);
 }
 
 // The keyframe of a frame; the first one is frame 0.
@@ -83,7 +78,7 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
     const auto& best = result.best[window];
     if (!best) continue;
     QueryOutcome& query = outcomes.at_window(window);
-    query.best = FrameMatch{best->sequence, anchor_of(best->train, length)};
+    query.best = anchors_of(*best, length).match;
     query.key = score_key(best->score, outcomes.kind);
     query.verdict = verdict_of(label_of(truth, *best, length));
   }
@@ -99,9 +94,7 @@ void add_margins(Outcomes& outcomes, const Result& result) {
   for (size_t window = 0; window < result.margins.size(); ++window) {
     QueryOutcome& query = outcomes.at_window(window);
     const auto& best = result.best[window];
-    if (!best ||
-        query.best != FrameMatch{best->sequence, anchor_of(best->train, result.window_length())})
-      continue;
+    if (!best || query.best != anchors_of(*best, result.window_length()).match) continue;
     query.margin = frame_margin(result, window);
     query.required_margin = result.sequences[best->sequence].margin;
   }
@@ -110,6 +103,10 @@ void add_margins(Outcomes& outcomes, const Result& result) {
 uint64_t frames_with_match(const Outcomes& outcomes) {
   return static_cast<uint64_t>(
       std::ranges::count(outcomes.queries, true, &QueryOutcome::has_match));
+}
+
+bool is_judged(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
 }
 
 uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
@@ -145,9 +142,12 @@ void LabelCounts::add(PlaceLabel label, uint64_t pairs) {
                                     : ignored) += pairs;
 }
 
+PlaceLabel label_of(const GroundTruth& truth, const MatchedFrame& matched) {
+  return truth.label(matched.query, matched.match.sequence, matched.match.reference);
+}
+
 PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length) {
-  return truth.label(anchor_of(match.query, window_length), match.sequence,
-                     anchor_of(match.train, window_length));
+  return label_of(truth, anchors_of(match, window_length));
 }
 
 PlaceLabel label_of(const GroundTruth& truth, const Cluster& cluster, size_t window_length) {
@@ -167,9 +167,9 @@ Clusters clusters_of(const Result& result) {
   return single;
 }
 
-std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& clusters,
-                                          const GroundTruth& truth, const Monitor& monitor) {
-  assert(clusters.of_recognition.size() == result.recognitions.size());
+std::vector<JudgedCluster> judge_clusters(const Result& result, const GroundTruth& truth,
+                                          const Monitor& monitor) {
+  const Clusters clusters = clusters_of(result);
   const size_t length = result.window_length();
   std::vector<JudgedCluster> judged;
   for (const Cluster& cluster : clusters.all)
@@ -205,8 +205,7 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
       places.insert({recognition.sequence, recognition.train});
   }
   counts.distinct = places.size();
-  if (result.clusters)
-    count_clusters(counts, judge_clusters(result, *result.clusters, truth, monitor));
+  if (result.clusters) count_clusters(counts, judge_clusters(result, truth, monitor));
   counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
 }
@@ -223,11 +222,10 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
   std::map<std::tuple<size_t, uint32_t, size_t>, LabelCounts> pairs;
   for (const Match& recognition : result.recognitions) {
     check_stop(monitor);
-    const uint32_t sequence = recognition.sequence;
-    const size_t query = keyframe_of(query_keyframes, anchor_of(recognition.query, length));
-    const size_t train =
-        keyframe_of(train_keyframes[sequence], anchor_of(recognition.train, length));
-    pairs[{query, sequence, train}].add(label_of(truth, recognition, length));
+    const auto [frame, match] = anchors_of(recognition, length);
+    pairs[{keyframe_of(query_keyframes, frame), match.sequence,
+           keyframe_of(train_keyframes[match.sequence], match.reference)}]
+        .add(label_of(truth, recognition, length));
   }
   for (const auto& [pair, labels] : pairs) count(counts.recognitions, labels);
   Outcomes outcomes = outcomes_of(result, truth);

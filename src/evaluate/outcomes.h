@@ -82,6 +82,9 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 /// Number of query frames with a match: the denominator of recall.
 uint64_t frames_with_match(const Outcomes& outcomes);
 
+/// Whether the best match counts in a curve: it is correct or incorrect.
+bool is_judged(const QueryOutcome& query);
+
 /// Smaller keys are more confident; kNoScore, which is never accepted, if the value is unknown.
 uint64_t confidence_key(const QueryOutcome& query, Confidence by);
 ScoreOrder confidence_order(const Outcomes& outcomes);
@@ -135,6 +138,7 @@ struct JudgedCluster {
 /// Sets the counts of clusters, mixed clusters, recognitions by place, and distinct.
 void count_clusters(Counts& counts, const std::vector<JudgedCluster>& clusters);
 
+PlaceLabel label_of(const GroundTruth& truth, const MatchedFrame& matched);
 /// The label of a match at the anchors of its windows.
 PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length);
 /// The label of the representative of a cluster.
@@ -143,9 +147,9 @@ PlaceLabel label_of(const GroundTruth& truth, const Cluster& cluster, size_t win
 /// The clusters of a result; without clusters, each recognition as its own cluster.
 Clusters clusters_of(const Result& result);
 
-/// One entry per cluster, in their order.
-std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& clusters,
-                                          const GroundTruth& truth, const Monitor& monitor = {});
+/// One entry per cluster of clusters_of(result).
+std::vector<JudgedCluster> judge_clusters(const Result& result, const GroundTruth& truth,
+                                          const Monitor& monitor = {});
 
 /// Windows are judged at their anchors.
 Counts count_recognitions(const Result& result, const GroundTruth& truth,

@@ -224,11 +224,11 @@ ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& querie
 ScoreMatrix scores_of(const std::shared_ptr<const ScoredLists>& lists,
                       std::optional<ScoreOrder> kind, bool has_scores,
                       const std::vector<fs::path>& files) {
-  ComputedScores scores;
+  ScoreMatrix scores;
   scores.queries = scores.block = lists->queries.size();
   scores.references = lists->references;
   scores.kind = kind.value_or(ScoreOrder::distance);
-  scores.are_ranks = !has_scores;
+  scores.has_scores = has_scores;
   scores.compute = [lists, kind = scores.kind](size_t first, size_t count, std::span<double> out) {
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
     for (size_t q = 0; q < count; ++q)
@@ -245,7 +245,7 @@ ScoreMatrix scores_of(const std::shared_ptr<const ScoredLists>& lists,
     }
     return files.size() == 1 ? sums : checksum(std::as_bytes(std::span(sums)));
   };
-  return ScoreMatrix(std::move(scores));
+  return scores;
 }
 
 }  // namespace
@@ -285,19 +285,13 @@ bool is_index_array(const fs::path& path, size_t references) {
 }
 
 ScoreMatrix index_scores(const fs::path& path, size_t references) {
-  const NpyArray array(path);
-  const NumberType* type = find_number_type(array.type());
+  const ScoreFile file(path, {});
   ScoredLists lists{references, {}};
-  lists.queries.resize(array.shape()[0]);
-  const size_t columns = array.shape()[1];
-  const size_t down = array.is_column_major() ? 1 : columns;
-  const size_t right = array.is_column_major() ? array.shape()[0] : 1;
-  const std::span<const std::byte> bytes = array.value_bytes();
-  std::vector<double> row(columns);
+  lists.queries.resize(file.queries());
+  std::vector<double> row(file.references());
   for (size_t query = 0; query < lists.queries.size(); ++query) {
-    type->read(bytes.data() + query * down * type->bytes, right * type->bytes, columns, row.data(),
-               1);
-    for (size_t k = 0; k < columns; ++k) {
+    file.read_query(query, 0, row.size(), row.data());
+    for (size_t k = 0; k < row.size(); ++k) {
       if (row[k] == -1) continue;  // faiss found no further neighbor
       if (!(row[k] >= 0 && row[k] < static_cast<double>(references)))
         throw Error(ErrorKind::data, "{}, row {}: the index {} is out of range; there are {}",
@@ -308,9 +302,9 @@ ScoreMatrix index_scores(const fs::path& path, size_t references) {
   return scores_of(std::make_shared<const ScoredLists>(std::move(lists)), {}, false, {path});
 }
 
-std::vector<BestPair> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout, size_t most,
-                                 const Monitor& monitor) {
-  std::vector<std::vector<uint32_t>> columns(matrix.queries());
+std::vector<MatchedFrame> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout,
+                                     size_t most, const Monitor& monitor) {
+  std::vector<std::vector<uint32_t>> columns(matrix.queries);
   matrix.for_each_row(
       thread_count(), monitor, "pairs", [&](size_t, size_t query, std::span<const uint64_t> keys) {
         std::vector<uint32_t> order(keys.size());
@@ -322,20 +316,17 @@ std::vector<BestPair> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& l
         for (auto column = order.begin(); column != end && keys[*column] != kNoScore; ++column)
           columns[query].push_back(*column);
       });
-  std::vector<BestPair> pairs;
+  std::vector<MatchedFrame> pairs;
   for (size_t query = 0; query < columns.size(); ++query)
     for (const uint32_t column : columns[query])
       pairs.push_back({layout.anchor(query), match_of_column(layout, column)});
   return pairs;
 }
 
-std::vector<BestPair> best_pairs(const Result& result) {
-  std::vector<BestPair> pairs;
-  const size_t length = result.window_length();
+std::vector<MatchedFrame> best_pairs(const Result& result) {
+  std::vector<MatchedFrame> pairs;
   for (const auto& best : result.best)
-    if (best)
-      pairs.push_back(
-          {anchor_of(best->query, length), {best->sequence, anchor_of(best->train, length)}});
+    if (best) pairs.push_back(anchors_of(*best, result.window_length()));
   return pairs;
 }
 

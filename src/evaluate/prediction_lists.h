@@ -37,20 +37,12 @@ bool is_index_array(const std::filesystem::path& path, size_t references);
 /// The ranks of the indices; -1 is none. Throws Error(data) for an index out of range.
 ScoreMatrix index_scores(const std::filesystem::path& path, size_t references);
 
-/// A query frame and a frame of a training sequence: anchors of windows.
-struct BestPair {
-  size_t query = 0;
-  FrameMatch match;
-
-  bool operator==(const BestPair&) const = default;
-};
-
 /// By query, its `most` best references with a score, best first, ties to the first column. Throws
 /// as ScoreMatrix::for_each_row does.
-std::vector<BestPair> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout, size_t most,
-                                 const Monitor& monitor);
+std::vector<MatchedFrame> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout,
+                                     size_t most, const Monitor& monitor);
 
 /// The best matches of a result.
-std::vector<BestPair> best_pairs(const Result& result);
+std::vector<MatchedFrame> best_pairs(const Result& result);
 
 }  // namespace vpr

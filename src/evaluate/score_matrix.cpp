@@ -102,31 +102,27 @@ void require_order(const ScoreInput& input) {
                 "--similarity (large is better)");
 }
 
-ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format)
-    : ScoreMatrix(ScoreFile(path, format)) {}
-
 ScoreMatrix::ScoreMatrix(ScoreFile opened) {
   const auto file = std::make_shared<const ScoreFile>(std::move(opened));
-  scores_.queries = scores_.block = file->queries();
-  scores_.references = file->references();
-  scores_.kind = order_of(file->format());
-  scores_.fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
+  queries = block = file->queries();
+  references = file->references();
+  kind = order_of(file->format());
+  fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
   const auto read = [file](size_t first, size_t count, std::span<double> scores) {
-    const size_t references = file->references();
+    const size_t width = file->references();
     if (file->is_query_major()) {
       for (size_t q = 0; q < count; ++q)
-        file->read_query(first + q, 0, references, scores.data() + q * references);
+        file->read_query(first + q, 0, width, scores.data() + q * width);
       return file->forget(first, count);
     }
     std::vector<double> column(count);
-    for (size_t r = 0; r < references; ++r) {
+    for (size_t r = 0; r < width; ++r) {
       file->read_reference(r, first, count, column.data());
-      for (size_t q = 0; q < count; ++q) scores[q * references + r] = column[q];
+      for (size_t q = 0; q < count; ++q) scores[q * width + r] = column[q];
     }
-    file->forget(0, references);
+    file->forget(0, width);
   };
-  scores_.compute = [read, name = file->name()](size_t first, size_t count,
-                                                std::span<double> scores) {
+  compute = [read, name = file->name()](size_t first, size_t count, std::span<double> scores) {
     try {
       read(first, count, scores);
     } catch (const Error& error) {
@@ -137,22 +133,21 @@ ScoreMatrix::ScoreMatrix(ScoreFile opened) {
 
 void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std::string& step,
                                const RowBody& body) const {
-  if (queries() == 0) return;
-  const size_t most = std::min(scores_.block, queries());
-  const size_t block =
-      std::clamp<size_t>(kBlockValues / std::max<size_t>(1, references()), 1, most);
-  StepCounter counter(monitor, step, queries());
+  if (queries == 0) return;
+  const size_t together = std::clamp<size_t>(kBlockValues / std::max<size_t>(1, references), 1,
+                                             std::min(block, queries));
+  StepCounter counter(monitor, step, queries);
   parallel_for(workers, monitor, [&](size_t worker) {
     std::vector<double> scores;
     std::vector<uint64_t> keys;
-    for (size_t first = worker * block; first < queries(); first += workers * block) {
-      const size_t count = std::min(block, queries() - first);
-      scores.resize(count * references());
+    for (size_t first = worker * together; first < queries; first += workers * together) {
+      const size_t count = std::min(together, queries - first);
+      scores.resize(count * references);
       keys.resize(scores.size());
-      if (references() > 0) scores_.compute(first, count, scores);
-      for (size_t i = 0; i < scores.size(); ++i) keys[i] = score_key(scores[i], kind());
+      if (references > 0) compute(first, count, scores);
+      for (size_t i = 0; i < scores.size(); ++i) keys[i] = score_key(scores[i], kind);
       for (size_t q = 0; q < count; ++q)
-        body(worker, first + q, std::span(keys).subspan(q * references(), references()));
+        body(worker, first + q, std::span(keys).subspan(q * references, references));
       counter.add(count);
     }
   });
@@ -196,7 +191,7 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
   const auto queries = std::make_shared<const ArrayRows>(query);
   const auto references = std::make_shared<const ArrayRows>(reference);
   require_alike(query, *queries, reference, *references, metric_of_vectors.has_value());
-  ComputedScores scores;
+  ScoreMatrix scores;
   scores.queries = queries->count();
   scores.references = references->count();
   scores.block = kQueryValues;
@@ -228,7 +223,7 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
       }
     return checksum(std::as_bytes(std::span(sums)));
   };
-  return ScoreMatrix(std::move(scores));
+  return scores;
 }
 
 const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
@@ -257,9 +252,9 @@ ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length) {
   assert(window_length >= 1);
   ScoreLayout layout;
   layout.window_length = window_length;
-  layout.scope.query.frames = matrix.queries() + window_length - 1;
-  layout.scope.sequences = {{{"references", matrix.references() + window_length - 1}}};
-  layout.columns = {{0, 0, matrix.references()}};
+  layout.scope.query.frames = matrix.queries + window_length - 1;
+  layout.scope.sequences = {{{"references", matrix.references + window_length - 1}}};
+  layout.columns = {{0, 0, matrix.references}};
   return layout;
 }
 
@@ -277,11 +272,11 @@ ScoreLayout layout_of(const Result& result) {
 }
 
 void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout) {
-  if (matrix.queries() == row_count(layout) && matrix.references() == column_count(layout)) return;
+  if (matrix.queries == row_count(layout) && matrix.references == column_count(layout)) return;
   throw Error(ErrorKind::data,
               "the scores are {} x {}, but the result has {} query windows and {} training "
               "windows. Pass the matrix that was saved with it",
-              matrix.queries(), matrix.references(), row_count(layout), column_count(layout));
+              matrix.queries, matrix.references, row_count(layout), column_count(layout));
 }
 
 void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
@@ -295,6 +290,11 @@ void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
     std::copy(frames.begin() + static_cast<std::ptrdiff_t>(back), frames.end(),
               labels.begin() + static_cast<std::ptrdiff_t>(columns.first));
   }
+}
+
+MatchedFrame anchors_of(const Match& match, size_t window_length) {
+  return {anchor_of(match.query, window_length),
+          {match.sequence, anchor_of(match.train, window_length)}};
 }
 
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column) {

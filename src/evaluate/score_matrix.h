@@ -46,33 +46,24 @@ void visit_fields(ScoreInput& input, Visitor&& visit) {
 /// Throws Error(usage) unless the scores are either distances or similarities.
 void require_order(const ScoreInput& input);
 
-/// Scores that are computed on demand.
-struct ComputedScores {
+/// Scores that are read or computed on demand.
+struct ScoreMatrix {
   size_t queries = 0;
   size_t references = 0;
   size_t block = 1;  ///< maximum number of queries that are computed together
   ScoreOrder kind = ScoreOrder::distance;
-  bool are_ranks = false;  ///< 1, 2, ... by query: comparable within a query only
+  bool has_scores = true;  ///< false: ranks 1, 2, ... by query, comparable within a query only
   /// Writes the scores of queries [first, first + count) to all references, row by row; NaN for a
   /// missing score. Thread-safe.
   std::function<void(size_t first, size_t count, std::span<double> scores)> compute;
-  std::function<std::string(const Monitor& monitor)> fingerprint;  ///< of their sources
-};
+  /// Of the file or of the sources of computed scores, as in provenance.
+  std::function<std::string(const Monitor& monitor)> fingerprint;
 
-/// NaN is not a score.
-class ScoreMatrix {
- public:
-  /// Throws as ScoreFile does.
-  ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format);
+  ScoreMatrix() = default;
   explicit ScoreMatrix(ScoreFile file);
-
-  explicit ScoreMatrix(ComputedScores scores) : scores_(std::move(scores)) {}
-
-  size_t queries() const { return scores_.queries; }
-  size_t references() const { return scores_.references; }
-  ScoreOrder kind() const { return scores_.kind; }
-  /// Whether scores of different queries are comparable.
-  bool has_scores() const { return !scores_.are_ranks; }
+  /// Throws as ScoreFile does.
+  ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format)
+      : ScoreMatrix(ScoreFile(path, format)) {}
 
   /// Receives the keys (score_key) of one query to all references, valid during the call.
   using RowBody = std::function<void(size_t worker, size_t query, std::span<const uint64_t> keys)>;
@@ -81,12 +72,6 @@ class ScoreMatrix {
   /// double cannot represent exactly.
   void for_each_row(size_t workers, const Monitor& monitor, const std::string& step,
                     const RowBody& body) const;
-
-  /// The fingerprint of the file or of the sources of computed scores, as in provenance.
-  std::string fingerprint(const Monitor& monitor) const { return scores_.fingerprint(monitor); }
-
- private:
-  ComputedScores scores_;
 };
 
 /// Distances of all pairs of descriptors: for vectors the metric (default: cosine), with sums of
@@ -140,6 +125,15 @@ struct FrameMatch {
 
   bool operator==(const FrameMatch&) const = default;
 };
+/// A query frame with its match.
+struct MatchedFrame {
+  size_t query = 0;
+  FrameMatch match;
+
+  bool operator==(const MatchedFrame&) const = default;
+};
+/// The anchors of the windows of a match.
+MatchedFrame anchors_of(const Match& match, size_t window_length);
 /// `column` is below column_count.
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column);
 

@@ -17,23 +17,6 @@ std::string prefix(const std::string& name, const std::string& query) {
   return csv_field(name) + "," + csv_field(query) + ",";
 }
 
-/// The match of each recognized query frame.
-std::vector<std::optional<FrameMatch>> recognized_matches(const Evaluation& evaluation) {
-  const Judgment& judgment = evaluation.judgment;
-  std::vector<std::optional<FrameMatch>> matches(judgment.verdicts.size());
-  if (!evaluation.result) {
-    for (const QueryOutcome& query : judgment.outcomes.queries)
-      if (judgment.verdicts[query.frame] != Verdict::none) matches[query.frame] = query.best;
-    return matches;
-  }
-  const Result& result = *evaluation.result->result;
-  const std::vector<const Match*> recognitions = recognitions_by_frame(result);
-  for (size_t frame = 0; frame < recognitions.size(); ++frame)
-    if (const Match* match = recognitions[frame])
-      matches[frame] = FrameMatch{match->sequence, anchor_of(match->train, result.window_length())};
-  return matches;
-}
-
 const Pose* position_of(const TrainPositions& positions, const FrameMatch& match) {
   if (match.sequence >= positions.size()) return nullptr;
   const auto& frames = positions[match.sequence];
@@ -111,10 +94,8 @@ std::string recognized_trajectory(const Evaluation& evaluation, const TrainPosit
                                   const FrameClock& clock) {
   const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
   std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
-  const auto matches = recognized_matches(evaluation);
-  for (size_t frame = 0; frame < matches.size(); ++frame) {
-    if (!matches[frame]) continue;
-    const Pose* pose = position_of(positions, *matches[frame]);
+  for (const auto& [frame, match] : recognized_frames(evaluation)) {
+    const Pose* pose = position_of(positions, match);
     if (pose == nullptr) continue;
     const auto& [x, y, z] = pose->position;
     const std::string height = z == 0 ? "0" : fmt::format("{:.6f}", z);

@@ -82,11 +82,12 @@ std::vector<Series> recognized_boxes(const Judgment& judgment, const GroundTruth
                                      const PixelGrid& grid, const Monitor& monitor) {
   const ScoreLayout& layout = judgment.layout;
   std::map<std::pair<size_t, size_t>, Meaning> pixels;  // by row and column
-  for (const RecognizedCell& cell : judgment.recognized) {
+  const std::vector<FrameBand> columns = column_bands(layout);
+  for (const MatchedFrame& one : judgment.recognized) {
     check_stop(monitor);
-    const FrameMatch match = match_of_column(layout, cell.column);
-    pixels[{cell.query_window / grid.cells, cell.column / grid.cells}] = meaning_of(
-        verdict_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
+    pixels[{(one.query - layout.anchor(0)) / grid.cells,
+            position_of(columns, one.match) / grid.cells}] =
+        meaning_of(verdict_of(label_of(truth, one)));
   }
   std::vector<Series> all;
   const auto cells = static_cast<double>(grid.cells);
@@ -221,7 +222,7 @@ std::vector<double> pixel_scores(const ScoreMatrix& matrix, const PixelGrid& gri
                           line[c / grid.cells] = std::min(line[c / grid.cells], keys[c]);
                       });
   std::vector<double> scores;
-  for (const uint64_t key : best) scores.push_back(score_of_key(key, matrix.kind()));
+  for (const uint64_t key : best) scores.push_back(score_of_key(key, matrix.kind));
   return scores;
 }
 

@@ -34,9 +34,9 @@ std::filesystem::path write_matrix(const std::vector<T>& values, size_t rows, si
 }
 
 std::vector<std::vector<double>> all_scores(const ScoreMatrix& matrix) {
-  std::vector<std::vector<double>> rows(matrix.queries());
+  std::vector<std::vector<double>> rows(matrix.queries);
   matrix.for_each_row(2, {}, "", [&](size_t, size_t query, std::span<const uint64_t> keys) {
-    for (const uint64_t key : keys) rows[query].push_back(score_of_key(key, matrix.kind()));
+    for (const uint64_t key : keys) rows[query].push_back(score_of_key(key, matrix.kind));
   });
   return rows;
 }

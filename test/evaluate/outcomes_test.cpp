@@ -190,7 +190,7 @@ TEST_CASE("a place that is correct at its mean counts its incorrect recognitions
   result.recognitions = {{2, 0, 2, 0, 5}, {2, 0, 4, 0, 5}, {3, 0, 3, 0, 5},
                          {4, 0, 2, 0, 5}, {4, 0, 4, 0, 5}, {7, 0, 0, 0, 5}};
   cluster(result);
-  const std::vector<JudgedCluster> judged = judge_clusters(result, *result.clusters, aligned(0));
+  const std::vector<JudgedCluster> judged = judge_clusters(result, aligned(0));
   REQUIRE(judged.size() == 2);
   CHECK((judged[0].label == PlaceLabel::same && judged[0].is_mixed()));
   CHECK(judged[0].recognitions == LabelCounts{3, 2, 0});

@@ -21,10 +21,10 @@ const Names kReferences = {"db/left/1.jpg", "db/left/2.jpg", "db/right/1.jpg", "
 
 // Row by row, "-" for a missing score.
 std::string rows_of(const ScoreMatrix& matrix) {
-  std::vector<std::string> rows(matrix.queries());
+  std::vector<std::string> rows(matrix.queries);
   matrix.for_each_row(1, {}, "", [&](size_t, size_t query, std::span<const uint64_t> keys) {
     for (const uint64_t key : keys) {
-      const double score = score_of_key(key, matrix.kind());
+      const double score = score_of_key(key, matrix.kind);
       rows[query] += std::isnan(score) ? " -" : fmt::format(" {}", score);
     }
   });
@@ -82,7 +82,7 @@ TEST_CASE("lists of pairs have ranks, and those with scores have scores") {
   const List pairs(
       "q/b.jpg db/right/1.jpg\nq/b.jpg db/left/1.jpg\n\n# nothing\nq/a.jpg left/2.jpg\n");
   CHECK(rows_of(pairs.matrix()) == " - 1 - - | 2 - 1 - | - - - -");
-  CHECK(pairs.matrix(ScoreOrder::distance).kind() == ScoreOrder::distance);
+  CHECK(pairs.matrix(ScoreOrder::distance).kind == ScoreOrder::distance);
   const List scored("a.jpg db/left/1.jpg 0.25\na.jpg db/right/2.jpg 0.5\na.jpg db/left/1.jpg 1\n");
   CHECK(rows_of(scored.matrix(ScoreOrder::similarity)) == " 1 - - 0.5 | - - - - | - - - -");
   CHECK(rows_of(scored.matrix(ScoreOrder::distance)) == " 0.25 - - 0.5 | - - - - | - - - -");
@@ -141,7 +141,7 @@ TEST_CASE("the best pairs equal those of sorted rows") {
   for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
     const ScoreMatrix matrix("s.npy", {kind == ScoreOrder::similarity, false, {}});
     const ScoreLayout layout = layout_of(matrix, 3);
-    const std::vector<BestPair> pairs = best_pairs(matrix, layout, 5, {});
+    const std::vector<MatchedFrame> pairs = best_pairs(matrix, layout, 5, {});
     REQUIRE(pairs.size() == 6 * 5 + 1);
     size_t p = 0;
     for (size_t row = 0; row < kRows; ++row) {
@@ -154,7 +154,7 @@ TEST_CASE("the best pairs equal those of sorted rows") {
         return kind == ScoreOrder::distance ? left < right : left > right;
       });
       for (size_t k = 0; k < std::min<size_t>(5, order.size()); ++k, ++p)
-        CHECK(pairs[p] == BestPair{row + 2, {0, order[k] + 2}});
+        CHECK(pairs[p] == MatchedFrame{row + 2, {0, order[k] + 2}});
     }
   }
 }

@@ -24,10 +24,10 @@ void read_rows(const std::filesystem::path& path, const ScoreFormat& format) {
   matrix.fingerprint({});
   size_t rows = 0;
   matrix.for_each_row(1, {}, "", [&](size_t, size_t, std::span<const uint64_t> keys) {
-    fuzz::require(keys.size() == matrix.references());
+    fuzz::require(keys.size() == matrix.references);
     ++rows;
   });
-  fuzz::require(rows == matrix.queries());
+  fuzz::require(rows == matrix.queries);
 }
 
 void match(const PrecomputedDistances& scores, const FrameDistances& distances,

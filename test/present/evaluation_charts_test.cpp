@@ -146,7 +146,7 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   Judgment judgment = walk("cccccccc");
   judgment.layout.columns = {{0, 0, 28}};
   judgment.layout.scope.sequences.resize(1);
-  judgment.recognized = {{0, 0}, {1, 5}};  // right, and wrong
+  judgment.recognized = {{2, {0, 2}}, {3, {0, 7}}};  // right, and wrong
   const GroundTruth truth = aligned(judgment);
   RowPixels pixels(judgment.layout, 2000);
   std::vector<uint32_t> row(27);
