@@ -121,17 +121,6 @@ struct Evaluated {
 /// without a ground truth if one is needed.
 Evaluated evaluate(Session& session, const EvalInputs& inputs);
 
-/// The files of --outcomes-csv and --recognitions-csv.
-class CsvTables {
- public:
-  void add(const EvalInputs& inputs, const Evaluation& evaluation);
-  void write(const Session& session, const EvalInputs& inputs) const;
-
- private:
-  std::string outcomes_;
-  std::string recognitions_;
-};
-
 /// `brief` as text, followed by `tables` with -v. Other formats are `tables`.
 std::string output_text(const Session& session, TableFormat format, const std::string& brief,
                         const std::string& tables);

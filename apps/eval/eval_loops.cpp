@@ -76,8 +76,7 @@ void run_loops(Session& session, const LoopInputs& inputs) {
   Json report = loops_json(evaluation, session.run);
   RunInfo run = session.run;
   run.paths = {{"loops", inputs.path}, {"poses", inputs.poses}};
-  report["machine"] = machine_json(run);
-  report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
+  add_run(report, run, {{"evaluate", watch.elapsed_s()}});
   session.write_output(report);
   if (!inputs.html.empty())
     session.outputs.file(inputs.html).write(loops_page(evaluation, session.run));

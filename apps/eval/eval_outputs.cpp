@@ -185,20 +185,6 @@ std::string name_of(const std::vector<std::string>& names, size_t frame) {
 
 }  // namespace
 
-void CsvTables::add(const EvalInputs& inputs, const Evaluation& evaluation) {
-  if (!inputs.outcomes_csv.empty())
-    outcomes_ += outcomes_csv(evaluation.judgment, inputs.row_name, evaluation.query().name);
-  if (!inputs.recognitions_csv.empty() && evaluation.result)
-    recognitions_ += recognitions_csv(*evaluation.result, inputs.row_name);
-}
-
-void CsvTables::write(const Session& session, const EvalInputs& inputs) const {
-  if (!inputs.outcomes_csv.empty())
-    session.outputs.file(inputs.outcomes_csv).write(outcomes_csv_header() + outcomes_);
-  if (!inputs.recognitions_csv.empty())
-    session.outputs.file(inputs.recognitions_csv).write(recognitions_csv_header() + recognitions_);
-}
-
 std::string output_text(const Session& session, TableFormat format, const std::string& brief,
                         const std::string& tables) {
   if (format != TableFormat::text) return tables;

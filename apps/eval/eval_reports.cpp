@@ -162,8 +162,7 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   RunInfo info = session.run;
   for (size_t r = 0; r < inputs.reports.size(); ++r)
     info.paths[fmt::format("report_{}", r + 1)] = inputs.reports[r];
-  json["machine"] = machine_json(info);
-  json["timing"] = timing_json({{"compare", watch.elapsed_s()}});
+  add_run(json, info, {{"compare", watch.elapsed_s()}});
   session.write_output(json);
   if (!inputs.html.empty()) session.outputs.file(inputs.html).write(comparison_page(comparison));
   if (!inputs.plots.empty())

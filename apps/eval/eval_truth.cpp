@@ -92,67 +92,65 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
   return {{"", *inputs.query_frames}, {{{"", *inputs.train_frames}}}};
 }
 
-Json finding_json(const GroundTruthFinding& finding) {
-  return {{"count", finding.count}, {"examples", finding.examples}};
+/// A count of a check.
+struct CheckRow {
+  std::string part;  ///< of the JSON file
+  std::string key;
+  std::string_view meaning;
+  std::optional<uint64_t> count;
+  const std::vector<std::string>* examples = nullptr;  ///< the first pairs that are counted
+};
+
+std::vector<CheckRow> rows_of(const InspectedGroundTruth& found,
+                              const GroundTruthSummary& summary) {
+  const auto& [out_of_range, contradiction, duplicate] = found.findings;
+  return {{"frames", "query", "query frames", summary.query_frames},
+          {"frames", "train", "training frames", summary.train_frames},
+          {"pairs", "same", "pairs of the same place, tolerance applied", summary.same},
+          {"pairs", "ignored", "pairs to ignore", summary.ignored},
+          {"pairs", "most_matches", "most matches of one query", summary.most_matches},
+          {"findings", "out_of_range", "pairs out of range: damage", out_of_range.count,
+           &out_of_range.examples},
+          {"findings", "contradiction", "pairs labeled both same and ignore: damage",
+           contradiction.count, &contradiction.examples},
+          {"findings", "duplicate", "pairs given more than once; they count once", duplicate.count,
+           &duplicate.examples},
+          {"findings", "queries_without_match", "queries without a match; counted apart",
+           summary.queries_without_match},
+          {"findings", "train_frames_without_match", "training frames that no query matches",
+           summary.train_frames_without_match},
+          {"findings", "one_sided", "pairs (i, j) without (j, i); usual between two sequences",
+           summary.one_sided, &summary.one_sided_examples}};
 }
 
-Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
-                              const GroundTruthSummary& summary, const RunInfo& run) {
-  const auto finding = [&](FindingKind kind) {
-    return finding_json(ground_truth.findings[static_cast<size_t>(kind)]);
-  };
+Json check_json(const InspectedGroundTruth& found, const std::vector<CheckRow>& rows,
+                const RunInfo& run) {
   Json json = {{"schema", "vpr.ground-truth-check/3"},
-               {"format", ground_truth.format},
-               {"protocol", ground_truth.truth.protocol}};
-  json["frames"] = {{"query", summary.query_frames}, {"train", summary.train_frames}};
-  json["pairs"] = {
-      {"same", summary.same}, {"ignored", summary.ignored}, {"most_matches", summary.most_matches}};
-  json["findings"] = {{"out_of_range", finding(FindingKind::out_of_range)},
-                      {"contradiction", finding(FindingKind::contradiction)},
-                      {"duplicate", finding(FindingKind::duplicate)},
-                      {"queries_without_match", summary.queries_without_match},
-                      {"train_frames_without_match", summary.train_frames_without_match},
-                      {"one_sided", nullptr}};
-  if (summary.one_sided)
-    json["findings"]["one_sided"] = finding_json({*summary.one_sided, summary.one_sided_examples});
+               {"format", found.format},
+               {"protocol", found.truth.protocol}};
+  for (const CheckRow& row : rows) {
+    Json& value = json[row.part][row.key];
+    if (row.count && row.examples != nullptr)
+      value = {{"count", *row.count}, {"examples", *row.examples}};
+    else
+      value = or_null(row.count);
+  }
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);
   return json;
 }
 
-/// A row per count, with its meaning.
-Table ground_truth_table(const InspectedGroundTruth& ground_truth,
-                         const GroundTruthSummary& summary) {
-  const auto finding = [&](FindingKind kind) {
-    return ground_truth.findings[static_cast<size_t>(kind)].count;
-  };
-  Table table{ground_truth.truth.protocol, {"what", "count"}, {}};
-  add_row(table, "query frames", summary.query_frames);
-  add_row(table, "training frames", summary.train_frames);
-  add_row(table, "pairs of the same place, tolerance applied", summary.same);
-  add_row(table, "pairs to ignore", summary.ignored);
-  add_row(table, "most matches of one query", summary.most_matches);
-  add_row(table, "pairs out of range: damage", finding(FindingKind::out_of_range));
-  add_row(table, "pairs labeled both same and ignore: damage", finding(FindingKind::contradiction));
-  add_row(table, "pairs given more than once; they count once", finding(FindingKind::duplicate));
-  add_row(table, "queries without a match; counted apart", summary.queries_without_match);
-  add_row(table, "training frames that no query matches", summary.train_frames_without_match);
-  add_row(table, "pairs (i, j) without (j, i); usual between two sequences",
-          summary.one_sided ? std::to_string(*summary.one_sided) : "-");
-  return table;
-}
-
-/// The first pairs of each finding, one per line.
-std::string ground_truth_examples(const InspectedGroundTruth& ground_truth,
-                                  const GroundTruthSummary& summary) {
-  std::string text;
-  for (const FindingKind kind :
-       {FindingKind::out_of_range, FindingKind::contradiction, FindingKind::duplicate})
-    for (const std::string& example : ground_truth.findings[static_cast<size_t>(kind)].examples)
-      text += example + "\n";
-  if (summary.one_sided)
-    for (const std::string& example : summary.one_sided_examples) text += example + "\n";
-  return text;
+/// A row per count, with its meaning; as text with the first pairs of findings, one per line.
+std::string check_text(const std::string& title, const std::vector<CheckRow>& rows,
+                       TableFormat format) {
+  Table table{title, {"what", "count"}, {}};
+  std::string examples;
+  for (const CheckRow& row : rows) {
+    add_row(table, row.meaning, row.count ? std::to_string(*row.count) : "-");
+    if (row.count && row.examples != nullptr)
+      for (const std::string& example : *row.examples) examples += example + "\n";
+  }
+  return render_table(table, format) + (format == TableFormat::text ? examples : "");
 }
 
 /// `target`: the other format.
@@ -166,17 +164,19 @@ Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruth
           {"ignored", summary.ignored}};
 }
 
+InspectedGroundTruth inspect(const Session& session, const TruthInputs& inputs) {
+  return inspect_ground_truth(ground_truth_argument(inputs.ground_truth, inputs.flags),
+                              find_scope(inputs.scope, session.monitor), session.monitor);
+}
+
 void run_check(Session& session, const TruthInputs& inputs) {
   session.claim_output();
-  const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
-  const InspectedGroundTruth found =
-      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
+  const InspectedGroundTruth found = inspect(session, inputs);
   const GroundTruthSummary summary = summarize(found, session.monitor);
-  const Json json = ground_truth_report_json(found, summary, session.run);
+  const std::vector<CheckRow> rows = rows_of(found, summary);
+  const Json json = check_json(found, rows, session.run);
   session.write_output(json);
-  std::string text = render_table(ground_truth_table(found, summary), inputs.format);
-  if (inputs.format == TableFormat::text) text += ground_truth_examples(found, summary);
-  session.print_result(text, json);
+  session.print_result(check_text(found.truth.protocol, rows, inputs.format), json);
   require_undamaged(found, inputs.ground_truth);
 }
 
@@ -191,9 +191,7 @@ void run_convert(Session& session, const TruthInputs& inputs) {
     throw Error(ErrorKind::usage, "{} cannot be written. Use --to with {}", target.name,
                 format_names(is_written));
   session.claim_output();
-  const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
-  const InspectedGroundTruth found =
-      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
+  const InspectedGroundTruth found = inspect(session, inputs);
   require_undamaged(found, inputs.ground_truth);
   if (!found.truth.asked.empty())
     throw Error(ErrorKind::usage, "{}: most pairs are unknown, and no other format has such pairs",

@@ -1,6 +1,7 @@
 // vpr-eval: evaluates results of vpr-query, and scores of any method.
 #include <algorithm>
 #include <memory>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -61,6 +62,22 @@ RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run
     if (!path.empty()) run.paths[role] = path;
   return run;
 }
+
+/// The files of --outcomes-csv and --recognitions-csv.
+struct CsvTables {
+  std::string outcomes = outcomes_csv_header();
+  std::string recognitions = recognitions_csv_header();
+
+  void add(const Evaluation& evaluation, const std::string& name) {
+    outcomes += outcomes_csv(evaluation.judgment, name, evaluation.query().name);
+    if (evaluation.result) recognitions += recognitions_csv(*evaluation.result, name);
+  }
+  void write(const Session& session, const EvalInputs& inputs) const {
+    for (const auto& [path, text] :
+         {std::tie(inputs.outcomes_csv, outcomes), std::tie(inputs.recognitions_csv, recognitions)})
+      if (!path.empty()) session.outputs.file(path).write(text);
+  }
+};
 
 /// Null without --expect, and if --update creates the file.
 Json read_expected(const Session& session, const EvalInputs& inputs) {
@@ -161,7 +178,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   write_map(session, inputs, evaluated);
   write_questions(session, inputs, evaluated);
   CsvTables csv;
-  csv.add(inputs, evaluation);
+  csv.add(evaluation, inputs.row_name);
   csv.write(session, inputs);
   write_trajectory(session, inputs, evaluated, dataset_fps(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
@@ -205,7 +222,7 @@ void run_several(Session& session, const EvalInputs& inputs) {
   for (size_t i = 0; i < inputs.results.size(); ++i) {
     const EvalInputs one = inputs_of(inputs, i);
     Evaluated evaluated = evaluate(session, one);
-    csv.add(one, evaluated.evaluation);
+    csv.add(evaluated.evaluation, one.row_name);
     reports.push_back(std::move(evaluated.report));
     info.paths[fmt::format("result_{}", i + 1)] = inputs.results[i];
   }

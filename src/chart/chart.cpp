@@ -63,22 +63,22 @@ std::string bands_svg(const Drawing& drawing) {
   double named = 1e9;
   const auto& bands = drawing.chart.y.bands;
   for (size_t i = 0; i < bands.size(); ++i) {
-    const ChartBand& band = bands[i];
-    const double y = drawing.at.y(band.begin);
+    const ChartTick& band = bands[i];
+    const double y = drawing.at.y(band.at);
     if (i > 0)
       svg += fmt::format("<path class=\"border\" d=\"M{:.1f} {:.1f}h{:.1f}\"/>", area.left, y,
                          area.width);
-    const double end = i + 1 < bands.size() ? drawing.at.y(bands[i + 1].begin) : area.top;
+    const double end = i + 1 < bands.size() ? drawing.at.y(bands[i + 1].at) : area.top;
     const double middle = (y + end) / 2;
     if (named - middle < 16) continue;
     svg += svg_text(area.right() + 6, middle + 4.5, "start",
-                    shortened(band.name, drawing.at.names_width), "name");
+                    shortened(band.text, drawing.at.names_width), "name");
     named = middle;
   }
   named = -1e9;
   for (size_t i = 0; i < drawing.chart.x.bands.size(); ++i) {
-    const ChartBand& band = drawing.chart.x.bands[i];
-    const double x = drawing.at.x(band.begin);
+    const ChartTick& band = drawing.chart.x.bands[i];
+    const double x = drawing.at.x(band.at);
     if (i > 0)
       svg += fmt::format("<path class=\"border\" d=\"M{:.1f} {:.1f}v{:.1f}\"/>", x, area.top,
                          area.height);
@@ -86,8 +86,8 @@ std::string bands_svg(const Drawing& drawing) {
     named = x;
     svg += drawing.at.has_steep_names
                ? fmt::format("<g transform=\"translate({:.1f} {:.1f}) rotate(-30)\">{}</g>", x + 5,
-                             area.top - 6, svg_text(0, 0, "start", band.name, "name"))
-               : svg_text(x, area.top - 7, "start", band.name, "name");
+                             area.top - 6, svg_text(0, 0, "start", band.text, "name"))
+               : svg_text(x, area.top - 7, "start", band.text, "name");
   }
   return svg;
 }

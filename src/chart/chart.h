@@ -99,12 +99,6 @@ struct ChartTick {
   std::string text;
 };
 
-/// A part of an axis, from `begin` to the next band. A line separates it from the previous band.
-struct ChartBand {
-  double begin = 0;
-  std::string name;
-};
-
 struct ChartAxis {
   std::string label;
   bool is_log = false;
@@ -112,7 +106,7 @@ struct ChartAxis {
   std::optional<std::pair<double, double>> range = {};  ///< from, to; from may be the larger
   std::vector<ChartTick> ticks = {};                    ///< empty: automatic; overlapping ones go
   bool has_text_inside = false;                         ///< tick texts above their positions, left
-  std::vector<ChartBand> bands = {};
+  std::vector<ChartTick> bands = {};  ///< parts of the axis, from `at` on, with lines between them
 };
 
 /// A gray image under the series; dark pages invert it. Its first pixel is at the zero of both

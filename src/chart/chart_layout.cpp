@@ -87,17 +87,16 @@ double lay_legend(const Chart& chart, ChartLayout& layout) {
 bool is_steep(const Chart& chart, const ChartLayout& layout) {
   const auto& bands = chart.x.bands;
   for (size_t i = 0; i + 1 < bands.size(); ++i)
-    if (layout.x(bands[i + 1].begin) - layout.x(bands[i].begin) <
-        text_width(bands[i].name, kLetters) + 8)
+    if (layout.x(bands[i + 1].at) - layout.x(bands[i].at) < text_width(bands[i].text, kLetters) + 8)
       return true;
   return !bands.empty() &&
-         layout.x(bands.back().begin) + text_width(bands.back().name, kLetters) > layout.width;
+         layout.x(bands.back().at) + text_width(bands.back().text, kLetters) > layout.width;
 }
 
 double height_of_names(const Chart& chart, bool is_steep) {
   double most = 0;
-  for (const ChartBand& band : chart.x.bands)
-    most = std::max(most, text_width(band.name, kLetters));
+  for (const ChartTick& band : chart.x.bands)
+    most = std::max(most, text_width(band.text, kLetters));
   return most == 0 ? 0 : is_steep ? std::ceil(most / 2) + kLine : kLine;
 }
 
@@ -215,8 +214,8 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
   const double side = 24;
   area.left = has_bare_side ? side / 2 : std::max(48.0, std::ceil(widest(layout.y_ticks)) + 16);
   layout.names_width = chart.right;
-  for (const ChartBand& band : chart.y.bands)
-    layout.names_width = std::max(layout.names_width, text_width(band.name, kLetters) + 8);
+  for (const ChartTick& band : chart.y.bands)
+    layout.names_width = std::max(layout.names_width, text_width(band.text, kLetters) + 8);
   layout.names_width = std::min(layout.names_width, chart.width / 4);
   area.width = chart.width - area.left - side - layout.names_width;
   if (chart.image) {

@@ -19,7 +19,7 @@ struct ScoredColumn {
 struct ScanPart {
   std::vector<PlaceLabel> labels;  ///< of the current row
   bool keeps_ignored = false;      ///< they are unknown, and compete for ranks
-  std::vector<ScoredColumn> heap;
+  std::vector<ScoredColumn> ranked;
   PairJudgment pairs;  ///< without the curve
   size_t known_ranks = std::numeric_limits<size_t>::max();
   std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
@@ -32,26 +32,19 @@ bool is_ahead(const ScoredColumn& a, const ScoredColumn& b) {
   return a.key < b.key || (a.key == b.key && a.column < b.column);
 }
 
-// Finds the correct ones among the kMaxRank best references. The front of the heap is the worst
-// of them.
+// Finds the correct ones among the kMaxRank best references.
 void rank_correct_ones(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> keys) {
-  const auto& labels = part.labels;
-  auto& heap = part.heap;
-  heap.clear();
+  std::vector<ScoredColumn>& ranked = part.ranked;
+  ranked.clear();
   for (size_t c = 0; c < keys.size(); ++c) {
-    query.correct_count += labels[c] == PlaceLabel::same ? 1 : 0;
-    if (keys[c] == kNoScore || part.skips(c)) continue;
-    if (heap.size() == kMaxRank) {
-      if (keys[c] >= heap.front().key) continue;  // of equal scores, the earlier column stays
-      std::pop_heap(heap.begin(), heap.end(), is_ahead);
-      heap.pop_back();
-    }
-    heap.push_back({keys[c], c});
-    std::push_heap(heap.begin(), heap.end(), is_ahead);
+    query.correct_count += part.labels[c] == PlaceLabel::same ? 1 : 0;
+    if (keys[c] != kNoScore && !part.skips(c)) ranked.push_back({keys[c], c});
   }
-  std::sort_heap(heap.begin(), heap.end(), is_ahead);
-  for (size_t rank = 1; rank <= heap.size(); ++rank)
-    if (labels[heap[rank - 1].column] == PlaceLabel::same)
+  const size_t count = std::min(ranked.size(), kMaxRank);
+  std::partial_sort(ranked.begin(), ranked.begin() + static_cast<ptrdiff_t>(count), ranked.end(),
+                    is_ahead);
+  for (size_t rank = 1; rank <= count; ++rank)
+    if (part.labels[ranked[rank - 1].column] == PlaceLabel::same)
       query.correct_ranks.push_back(static_cast<uint8_t>(rank));
 }
 

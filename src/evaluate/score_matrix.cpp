@@ -239,9 +239,12 @@ GroundTruthScope scope_of(const Result& result) {
   return scope;
 }
 
+size_t window_count(size_t frames, size_t window_length) {
+  return frames < window_length ? 0 : frames - window_length + 1;
+}
+
 size_t row_count(const ScoreLayout& layout) {
-  const size_t frames = layout.scope.query.frames;
-  return frames < layout.window_length ? 0 : frames - layout.window_length + 1;
+  return window_count(layout.scope.query.frames, layout.window_length);
 }
 
 size_t column_count(const ScoreLayout& layout) {
@@ -263,10 +266,9 @@ ScoreLayout layout_of(const Result& result) {
   layout.window_length = result.window_length();
   layout.scope = scope_of(result);
   for (size_t t = 0; t < result.sequences.size(); ++t) {
-    const size_t frames = result.sequences[t].sequence.frames;
-    if (!result.sequences[t].searched || frames < layout.window_length) continue;
-    layout.columns.push_back(
-        {static_cast<uint32_t>(t), column_count(layout), frames - layout.window_length + 1});
+    const size_t windows = window_count(result.sequences[t].sequence.frames, layout.window_length);
+    if (result.sequences[t].searched && windows > 0)
+      layout.columns.push_back({static_cast<uint32_t>(t), column_count(layout), windows});
   }
   return layout;
 }

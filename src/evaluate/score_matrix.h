@@ -108,6 +108,8 @@ ScoreLayout layout_of(const Result& result);
 /// The sequences of a result. The places of FAB-MAP count as frames.
 GroundTruthScope scope_of(const Result& result);
 
+/// The number of windows of this length.
+size_t window_count(size_t frames, size_t window_length);
 size_t row_count(const ScoreLayout& layout);
 size_t column_count(const ScoreLayout& layout);
 

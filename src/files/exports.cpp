@@ -17,13 +17,6 @@ std::string prefix(const std::string& name, const std::string& query) {
   return csv_field(name) + "," + csv_field(query) + ",";
 }
 
-const Pose* position_of(const TrainPositions& positions, const FrameMatch& match) {
-  if (match.sequence >= positions.size()) return nullptr;
-  const auto& frames = positions[match.sequence];
-  if (match.reference >= frames.size() || !frames[match.reference]) return nullptr;
-  return &*frames[match.reference];
-}
-
 std::string time_of(const FrameClock& clock, size_t frame) {
   if (frame < clock.sources.size()) frame = clock.sources[frame];
   if (frame < clock.times_ns.size()) return time_text(clock.times_ns[frame]);
@@ -95,9 +88,9 @@ std::string recognized_trajectory(const Evaluation& evaluation, const TrainPosit
   const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
   std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
   for (const auto& [frame, match] : recognized_frames(evaluation)) {
-    const Pose* pose = position_of(positions, match);
-    if (pose == nullptr) continue;
-    const auto& [x, y, z] = pose->position;
+    const Poses& train = positions[match.sequence];
+    if (match.reference >= train.size() || !train[match.reference]) continue;
+    const auto& [x, y, z] = train[match.reference]->position;
     const std::string height = z == 0 ? "0" : fmt::format("{:.6f}", z);
     text += fmt::format("{} {:.6f} {:.6f} {} 0 0 0 1\n", time_of(clock, frame), x, y, height);
   }

@@ -156,8 +156,8 @@ ReportedMetrics metrics_of(const Judgment& judgment) {
   achievement.stretch_frames = judgment.stretch_frames;
   achievement.stretches = static_cast<size_t>(
       std::ranges::count_if(recalls, [](const auto& recall) { return recall.has_value(); }));
-  for (size_t t = 0; t < kRecallTargets.size(); ++t)
-    achievement.shares[t] = recall_achievement(recalls, kRecallTargets[t]);
+  for (const double target : kRecallTargets)
+    achievement.reached[fmt::format("{:g}", target)] = recall_achievement(recalls, target);
   return found;
 }
 

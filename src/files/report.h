@@ -67,8 +67,8 @@ using RankValues = std::map<size_t, std::optional<double>>;
 
 struct ReportedAchievement {
   size_t stretch_frames = 0;
-  size_t stretches = 0;  ///< with a query that has a match
-  std::array<std::optional<double>, kRecallTargets.size()> shares = {};
+  size_t stretches = 0;                                  ///< with a query that has a match
+  std::map<std::string, std::optional<double>> reached;  ///< shares by target
 };
 
 struct ReportedMetrics {

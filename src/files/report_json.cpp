@@ -199,15 +199,7 @@ void visit_fields(ByAcceptance<T>& all, Visitor&& visit) {
   visit("all_pairs", IfSet{all.all_pairs});
 }
 
-template <class Visitor>
-void visit_fields(ReportedAchievement& achievement, Visitor&& visit) {
-  visit("stretch_frames", achievement.stretch_frames);
-  visit("stretches", achievement.stretches);
-  visit("reached", NestedObject{[&](auto& inner) {
-          for (size_t t = 0; t < kRecallTargets.size(); ++t)
-            inner(fmt::format("{:g}", kRecallTargets[t]), achievement.shares[t]);
-        }});
-}
+VPR_FIELDS(ReportedAchievement, stretch_frames, stretches, reached)
 
 template <class Visitor>
 void visit_fields(ReportedMetrics& metrics, Visitor&& visit) {

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/npy.h"
+#include "evaluate/score_matrix.h"
 
 namespace vpr {
 namespace {
@@ -42,6 +43,9 @@ struct ArrayFormat {
 using Integers = ArrayFormat<int32_t>;
 using Doubles = ArrayFormat<double>;
 
+using Values = std::optional<std::vector<double>>;
+using Rows = std::optional<std::vector<int32_t>>;
+
 size_t match_columns(const Result& result) { return result.places ? 4 : 3; }
 
 // The names of columns.
@@ -52,9 +56,24 @@ std::vector<std::string_view> columns_of(const ArrayFormat<T>& array, const Resu
   return {"query", "sequence", "train"};
 }
 
-void add_row(std::vector<int32_t>& rows, const Match& match, size_t columns) {
-  const std::array<uint32_t, 4> row = {match.query, match.sequence, match.train, match.view};
-  for (size_t c = 0; c < columns; ++c) rows.push_back(static_cast<int32_t>(row[c]));
+// A row per match, or optional match; -1 except for the query window without one.
+Rows match_rows(const Result& result, const auto& matches) {
+  const size_t columns = match_columns(result);
+  std::vector<int32_t> rows;
+  rows.reserve(columns * matches.size());
+  for (uint32_t i = 0; i < matches.size(); ++i) {
+    const Match match =
+        std::optional<Match>(matches[i]).value_or(Match{i, kNoIndex, kNoIndex, kNoIndex, 0});
+    const std::array<uint32_t, 4> row = {match.query, match.sequence, match.train, match.view};
+    for (size_t c = 0; c < columns; ++c) rows.push_back(static_cast<int32_t>(row[c]));
+  }
+  return rows;
+}
+
+Values match_scores(const auto& matches) {
+  std::vector<double> scores;
+  for (const std::optional<Match> match : matches) scores.push_back(match ? match->score : kNone);
+  return scores;
 }
 
 // The match of a row without its score; nullopt for a row of -1.
@@ -69,7 +88,8 @@ void require_rows(size_t found, size_t expected, const Refuse& refuse) {
 }
 
 void check_match(const Match& match, const Result& result, const Refuse& refuse) {
-  const double sum = match.score + static_cast<double>(sum_offset(result));
+  const double sum =
+      match.score + static_cast<double>(result.score().offset(result.window_length()));
   const bool is_score = result.places
                             ? std::isfinite(match.score)
                             : sum >= 0 && sum <= kMostSum && std::floor(match.score) == match.score;
@@ -80,9 +100,6 @@ void check_match(const Match& match, const Result& result, const Refuse& refuse)
       (result.places && match.view >= result.places->views))
     refuse("has an index or a score that is out of range");
 }
-
-using Values = std::optional<std::vector<double>>;
-using Rows = std::optional<std::vector<int32_t>>;
 
 Values with_nan(const std::vector<std::optional<double>>& values) {
   if (values.empty()) return std::nullopt;
@@ -98,13 +115,6 @@ std::vector<std::optional<double>> without_nan(std::span<const double> values) {
   return found;
 }
 
-Rows recognition_rows(const Result& result) {
-  std::vector<int32_t> rows;
-  rows.reserve(match_columns(result) * result.recognitions.size());
-  for (const Match& match : result.recognitions) add_row(rows, match, match_columns(result));
-  return rows;
-}
-
 void read_recognitions(Result& result, std::span<const int32_t> values, const Refuse& refuse) {
   const size_t columns = match_columns(result);
   for (size_t i = 0; i < values.size(); i += columns) {
@@ -112,12 +122,6 @@ void read_recognitions(Result& result, std::span<const int32_t> values, const Re
     if (!match) refuse("has a recognition without a match");
     result.recognitions.push_back(*match);
   }
-}
-
-Values recognition_scores(const Result& result) {
-  std::vector<double> scores;
-  for (const Match& match : result.recognitions) scores.push_back(match.score);
-  return scores;
 }
 
 void read_recognition_scores(Result& result, std::span<const double> values, const Refuse& refuse) {
@@ -133,25 +137,11 @@ void read_recognition_scores(Result& result, std::span<const double> values, con
   }
 }
 
-Rows best_rows(const Result& result) {
-  std::vector<int32_t> rows;
-  for (uint32_t window = 0; window < result.best.size(); ++window)
-    add_row(rows, result.best[window].value_or(Match{window, kNoIndex, kNoIndex, kNoIndex, 0}),
-            match_columns(result));
-  return rows;
-}
-
 void read_best(Result& result, std::span<const int32_t> values, const Refuse& refuse) {
   const size_t columns = match_columns(result);
   require_rows(values.size() / columns, result.query_windows, refuse);
   for (size_t i = 0; i < values.size(); i += columns)
     result.best.push_back(match_of(values.subspan(i, columns)));
-}
-
-Values best_scores(const Result& result) {
-  std::vector<double> scores;
-  for (const auto& match : result.best) scores.push_back(match ? match->score : kNone);
-  return scores;
 }
 
 void read_best_scores(Result& result, std::span<const double> values, const Refuse& refuse) {
@@ -293,10 +283,19 @@ void read_selected(Result& result, std::span<const int32_t> values, const Refuse
 
 /// In the order of files. A reader may use what precedes its array.
 const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
-    Integers{"recognitions", {}, recognition_rows, read_recognitions},
-    Doubles{"recognition_scores", {""}, recognition_scores, read_recognition_scores},
-    Integers{"best", {}, best_rows, read_best},
-    Doubles{"best_scores", {""}, best_scores, read_best_scores},
+    Integers{"recognitions",
+             {},
+             [](const Result& r) { return match_rows(r, r.recognitions); },
+             read_recognitions},
+    Doubles{"recognition_scores",
+            {""},
+            [](const Result& r) { return match_scores(r.recognitions); },
+            read_recognition_scores},
+    Integers{"best", {}, [](const Result& r) { return match_rows(r, r.best); }, read_best},
+    Doubles{"best_scores",
+            {""},
+            [](const Result& r) { return match_scores(r.best); },
+            read_best_scores},
     Doubles{"best_rates",
             {""},
             [](const Result& r) { return with_nan(r.best_rates); },
@@ -393,15 +392,6 @@ void read_arrays(const fs::path& path, const FileEntries& entries, const JsonSou
     if (columns > 1 && read.shape()[1] != columns) refuse("has other columns");
     array.read(result, values, refuse);
   });
-}
-
-size_t window_count(size_t frames, size_t window_length) {
-  return frames < window_length ? 0 : frames - window_length + 1;
-}
-
-int64_t sum_offset(const Result& result) {
-  const auto offset = result.score().offset;
-  return offset == nullptr ? 0 : offset(result.window_length());
 }
 
 }  // namespace vpr

@@ -57,10 +57,4 @@ void write_arrays(const std::filesystem::path& path, const Result& result, FileE
 void read_arrays(const std::filesystem::path& path, const FileEntries& entries,
                  const JsonSource& source, Result& result);
 
-/// The number of windows of this length.
-size_t window_count(size_t frames, size_t window_length);
-
-/// The difference between a window's sum, as in rows of matchers, and its score in files.
-int64_t sum_offset(const Result& result);
-
 }  // namespace vpr

@@ -35,32 +35,19 @@ struct ResultContent {
   bool has_places() const { return std::holds_alternative<FabmapQuerySettings>(result.settings); }
 };
 
-struct ClusterExtent {
-  size_t window = 0;
-  size_t anchor = 0;
-  size_t first = 0;
-  size_t last = 0;
-  size_t first_frame = 0;
-  size_t last_frame = 0;
-};
-
-VPR_FIELDS(ClusterExtent, window, anchor, first, last, first_frame, last_frame)
-
-ClusterExtent extent_of(size_t window, size_t first, size_t last, size_t length) {
-  return {window, anchor_of(window, length), first, last, first, anchor_of(last, length)};
-}
-
 Json clusters_json(const Clusters& clusters, size_t length) {
+  const auto extent = [&](size_t window, size_t first, size_t last) -> Json {
+    return {{"window", window},     {"anchor", anchor_of(window, length)},
+            {"first", first},       {"last", last},
+            {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
+  };
   Json json = Json::array();
   for (const Cluster& one : clusters.all)
-    json.push_back(
-        {{"sequence", one.sequence},
-         {"query",
-          value_to_json(extent_of(one.query_window, one.query_first, one.query_last, length))},
-         {"train",
-          value_to_json(extent_of(one.train_window, one.train_first, one.train_last, length))},
-         {"recognitions", one.recognitions},
-         {"best_score", static_cast<int64_t>(one.best_score)}});
+    json.push_back({{"sequence", one.sequence},
+                    {"query", extent(one.query_window, one.query_first, one.query_last)},
+                    {"train", extent(one.train_window, one.train_first, one.train_last)},
+                    {"recognitions", one.recognitions},
+                    {"best_score", static_cast<int64_t>(one.best_score)}});
   return json;
 }
 
@@ -97,7 +84,8 @@ void visit_compared(ComparedSequence& compared, ResultContent& content, Visitor&
   if (!compared.searched || content.has_places()) return;
   visit("t_r", compared.threshold);
   visit("t_r_scale", compared.scale);
-  visit("limit", sum_field(compared.distance_limit, sum_offset(content.result)));
+  visit("limit", sum_field(compared.distance_limit,
+                           content.result.score().offset(content.result.window_length())));
   visit("max_distance", IfSet{compared.max_distance});
   visit("margin", IfSet{compared.margin});
 }

@@ -14,9 +14,7 @@
 namespace vpr {
 namespace {
 
-Json head_json(DatabaseFamily family) {
-  return {{"schema", "vpr.database-info/3"}, {"method", enum_name(family)}};
-}
+constexpr const char* kSchema = "vpr.database-info/3";
 
 // Empty for LDB, the default.
 std::string descriptor_text(const DescriptorStore& descriptors) {
@@ -68,8 +66,9 @@ std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
 }  // namespace
 
 Json database_json(const SequenceDatabase& database, const RunInfo& run) {
-  Json json = head_json(DatabaseFamily::sequences);
-  json["descriptor"] = database.descriptors.kind->name;
+  Json json = {{"schema", kSchema},
+               {"method", enum_name(DatabaseFamily::sequences)},
+               {"descriptor", database.descriptors.kind->name}};
   if (database.descriptors.kind->is_imported) json["length"] = database.descriptors.length;
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
@@ -94,16 +93,16 @@ Json database_json(const SequenceDatabase& database, const RunInfo& run) {
 }
 
 Json database_json(const FabmapDatabase& database, const RunInfo& run) {
-  Json json = head_json(DatabaseFamily::fabmap);
-  json["settings"] = value_to_json(database.settings);
-  json["words"] = database.tree.words();
-  json["pretraining_frames"] = database.pretrain.views();
-  json["views"] = database.views.views();
   const std::vector<size_t> featureless = featureless_frames(database);
-  json["featureless_views"] = std::accumulate(featureless.begin(), featureless.end(), size_t{0});
-  json["places"] = database.place_names();
-  json["provenance"] = provenance_json(run);
-  return json;
+  return {{"schema", kSchema},
+          {"method", enum_name(DatabaseFamily::fabmap)},
+          {"settings", value_to_json(database.settings)},
+          {"words", database.tree.words()},
+          {"pretraining_frames", database.pretrain.views()},
+          {"views", database.views.views()},
+          {"featureless_views", std::accumulate(featureless.begin(), featureless.end(), size_t{0})},
+          {"places", database.place_names()},
+          {"provenance", provenance_json(run)}};
 }
 
 std::string database_text(const SequenceDatabase& database, const std::string& name) {

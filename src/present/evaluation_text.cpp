@@ -19,18 +19,15 @@ std::string line(const std::string& label, const std::string& value) {
   return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent);
 }
 
-const MetricValue& value_of(const CurveNumbers& numbers, std::string_view key) {
-  return numbers.values[static_cast<size_t>(&find_metric(key) - curve_metrics().data())];
-}
-
-std::string metric_text(const CurveNumbers& numbers, std::string_view key) {
-  const Metric& metric = find_metric(key);
-  return fmt::format("{} {}", metric.symbol, metric_cell(metric, value_of(numbers, key).value));
-}
-
+// "AP 0.9910, R@100P 0.7387".
 std::string curve_text(const CurveNumbers& numbers) {
-  return metric_text(numbers, "average_precision") + ", " +
-         metric_text(numbers, "recall_at_100_precision");
+  std::vector<std::string> words;
+  for (size_t m = 0; m < curve_metrics().size(); ++m)
+    if (const Metric& metric = curve_metrics()[m];
+        metric.key == "average_precision" || metric.key == "recall_at_100_precision")
+      words.push_back(
+          fmt::format("{} {}", metric.symbol, metric_cell(metric, numbers.values[m].value)));
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 std::string best_match_text(const Report& report) {
@@ -63,46 +60,34 @@ std::string recall_text(const Report& report) {
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
-/// A recognized range, and its errors.
-struct JudgedRange {
-  RecognizedRange& range;
-  size_t frames = 0;         ///< whose closest recognition is in the range
-  size_t incorrect = 0;      ///< of these
-  bool is_incorrect = true;  ///< no recognition of the range is correct
-
-  std::string verdict() const {
-    if (is_incorrect) return frames > 0 ? ": incorrect" : ": incorrect, not the best";
-    return incorrect == 0
-               ? ""
-               : fmt::format(": {} of {} incorrect", incorrect, counted(frames, "frame"));
-  }
-};
-
-bool is_in(const RecognizedRange& range, size_t query, uint32_t sequence, size_t train) {
-  return range.sequence == sequence && range.query_first <= query && query <= range.query_last &&
-         range.train_first <= train && train <= range.train_last;
+bool is_in(const RecognizedRange& range, const MatchedFrame& at) {
+  return range.sequence == at.match.sequence && range.query_first <= at.query &&
+         at.query <= range.query_last && range.train_first <= at.match.reference &&
+         at.match.reference <= range.train_last;
 }
 
 std::vector<RecognizedRange> judged_ranges(const Result& result, const GroundTruth& truth) {
   std::vector<RecognizedRange> ranges = recognized_ranges(result);
   if (!truth.is_known) return ranges;
-  std::vector<JudgedRange> judged;
-  for (RecognizedRange& range : ranges) judged.push_back({range});
   const std::vector<const Match*> closest = recognitions_by_frame(result);
-  for (const Match& match : result.recognitions) {
-    const size_t query = anchor_of(match.query, result.window_length());
-    const size_t train = anchor_of(match.train, result.window_length());
-    const bool is_different =
-        label_of(truth, match, result.window_length()) == PlaceLabel::different;
-    for (JudgedRange& one : judged) {
-      if (!is_in(one.range, query, match.sequence, train)) continue;
-      if (!is_different) one.is_incorrect = false;
-      if (closest[query] != &match) continue;
-      ++one.frames;
-      if (is_different) ++one.incorrect;
+  for (RecognizedRange& range : ranges) {
+    size_t frames = 0;  // whose closest recognition is in the range
+    size_t incorrect = 0;
+    bool all_incorrect = true;  // its recognitions
+    for (const Match& match : result.recognitions) {
+      const MatchedFrame at = anchors_of(match, result.window_length());
+      if (!is_in(range, at)) continue;
+      const bool is_different = label_of(truth, at) == PlaceLabel::different;
+      all_incorrect = all_incorrect && is_different;
+      if (closest[at.query] != &match) continue;
+      ++frames;
+      incorrect += is_different;
     }
+    if (all_incorrect)
+      range.verdict = frames > 0 ? ": incorrect" : ": incorrect, not the best";
+    else if (incorrect > 0)
+      range.verdict = fmt::format(": {} of {} incorrect", incorrect, counted(frames, "frame"));
   }
-  for (const JudgedRange& one : judged) one.range.verdict = one.verdict();
   return ranges;
 }
 

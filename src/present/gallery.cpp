@@ -21,27 +21,15 @@ constexpr size_t kLeastApart = 5;
 // The middle one of the correct references from frame `earliest` on.
 std::optional<FrameMatch> middle_match(const GroundTruth& truth, const ScoreLayout& layout,
                                        size_t frame, size_t earliest) {
-  struct Run {
-    uint32_t sequence;
-    size_t first;
-    size_t count;
-  };
-  std::vector<Run> runs;
-  size_t all = 0;
+  std::vector<FrameMatch> correct;
   for (const GroundTruth::Pair& pair : truth.pairs[frame]) {
     const size_t end = std::min<size_t>(size_t{pair.last()} + 1,
                                         layout.scope.sequences[pair.sequence].sequence.frames);
-    const size_t first = std::max<size_t>(pair.first, earliest);
-    if (pair.label != PlaceLabel::same || first >= end) continue;
-    runs.push_back({pair.sequence, first, end - first});
-    all += end - first;
+    if (pair.label != PlaceLabel::same) continue;
+    for (size_t train = std::max<size_t>(pair.first, earliest); train < end; ++train)
+      correct.push_back({pair.sequence, train});
   }
-  size_t before = all / 2;
-  for (const Run& run : runs) {
-    if (before < run.count) return FrameMatch{run.sequence, run.first + before};
-    before -= run.count;
-  }
-  return std::nullopt;
+  return correct.empty() ? std::nullopt : std::optional(correct[correct.size() / 2]);
 }
 
 std::vector<std::byte> small_jpeg(const cv::Mat& image, int side) {

@@ -215,9 +215,8 @@ Table achievement_table(const Report& report) {
   table.title = fmt::format(
       "Recall achievement rate (share of {} of about {} whose recall@1 reaches the target)",
       counted(found.stretches, "stretch", "stretches"), counted(found.stretch_frames, "frame"));
-  for (size_t t = 0; t < kRecallTargets.size(); ++t)
-    add_column(table, fmt::format("{}{:g}", metric.symbol, kRecallTargets[t]),
-               metric_cell(metric, found.shares[t]));
+  for (const auto& [target, share] : found.reached)
+    add_column(table, fmt::format("{}{}", metric.symbol, target), metric_cell(metric, share));
   return table;
 }
 

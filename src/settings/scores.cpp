@@ -85,7 +85,8 @@ constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
                                     .measure = "probability",
                                     .window_symbol = "c_w",
                                     .threshold_symbol = "t_p",
-                                    .missing = -1};
+                                    .missing = -1,
+                                    .offset = no_offset};
 
 constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kScoreKinds = {
     kRaw, zscore_row(false), zscore_row(true), kProbability};

@@ -99,8 +99,8 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   CHECK(find(chart, Meaning::incorrect)->points[0] == std::pair(5.5, 35.5));  // frame 5 of friday
   CHECK(find(chart, Meaning::truth)->points.size() == 20);
   CHECK(find(chart, Meaning::truth)->points[3] == std::pair(2.0, 2.0));
-  CHECK(chart.y.bands[1].name == "friday");
-  CHECK(chart.y.bands[1].begin == 30);
+  CHECK(chart.y.bands[1].text == "friday");
+  CHECK(chart.y.bands[1].at == 30);
   CHECK(chart.x.range == std::pair(0.0, 10.0));
   // Frame 3 is correct, frame 5 incorrect, and 7 to 9 are correct again.
   std::vector<std::pair<double, double>> runs;
@@ -127,7 +127,7 @@ TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   Chart chart = matrix_chart(judgment, truth, PixelGrid(judgment.layout, 100), {}, "training frame",
                              {"distance"}, {});
   CHECK(chart.x.ticks.front().text == "2");  // the first window's anchor
-  CHECK(chart.x.bands[1].name == "friday");
+  CHECK(chart.x.bands[1].text == "friday");
   CHECK(chart.y.range == std::pair(8.0, 0.0));
   CHECK(chart.image->columns == 46);
   CHECK(chart.image->width == 46 * 14);  // pixels are enlarged by integers,
