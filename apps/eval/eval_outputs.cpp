@@ -62,19 +62,28 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
   return positions;
 }
 
-FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& options,
+// Times of --query-times or, without them, frames of the recording by frames_per_second.
+FrameTimes times_of(const Evaluation& evaluation, const GroundTruthOptions& options,
                     std::optional<double> frames_per_second, const Monitor& monitor) {
-  FrameClock clock{{}, frames_per_second};
-  const Selection& selection = evaluation.query().selection;
-  if (!selection.speed.empty()) return clock;  // its frames have no times
-  clock.sources = selection.sources;
-  if (options.query_times.empty()) return clock;
-  clock.times_ns = read_frame_times(options.query_times, monitor);
-  if (clock.times_ns.size() < evaluation.query().recorded_frames())
-    throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query_times.string(),
-                counted(clock.times_ns.size(), "time"),
-                counted(evaluation.query().recorded_frames(), "frame"));
-  return clock;
+  const Sequence& query = evaluation.query();
+  const bool is_recorded = query.selection.speed.empty();  // other frames have no times
+  std::vector<int64_t> times_ns;
+  if (is_recorded && !options.query_times.empty()) {
+    times_ns = read_frame_times(options.query_times, monitor);
+    if (times_ns.size() < query.recorded_frames())
+      throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query_times.string(),
+                  counted(times_ns.size(), "time"), counted(query.recorded_frames(), "frame"));
+  }
+  FrameTimes times{{}, !times_ns.empty() || frames_per_second};
+  for (size_t frame = 0; frame < query.frames; ++frame) {
+    const size_t source =
+        is_recorded && !query.selection.is_all() ? query.selection.sources[frame] : frame;
+    times.texts.push_back(
+        times_ns.empty()
+            ? fmt::format("{:.6f}", static_cast<double>(source) / frames_per_second.value_or(1))
+            : time_text(times_ns[source]));
+  }
+  return times;
 }
 
 void require_frames(const SequenceSource& sequence, size_t expected, const std::string& what) {
@@ -204,9 +213,9 @@ void write_trajectory(const Session& session, const EvalInputs& inputs, const Ev
     throw Error(ErrorKind::usage,
                 "--save-trajectory: no searched training sequence has \"poses\" (FAB-MAP: "
                 "\"place_poses\") in the data set, or poses of --ground-truth-train");
-  const FrameClock clock = clock_of(evaluation, options, frames_per_second, session.monitor);
+  const FrameTimes times = times_of(evaluation, options, frames_per_second, session.monitor);
   session.outputs.file(inputs.saved_trajectory)
-      .write(recognized_trajectory(evaluation, positions, clock));
+      .write(recognized_trajectory(evaluation, positions, times));
 }
 
 size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,

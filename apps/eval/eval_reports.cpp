@@ -264,7 +264,6 @@ std::vector<Report> with_common_queries(std::vector<Report> reports) {
   return reports;
 }
 
-/// A table per query.
 std::string overview_texts(std::span<const Report> grid) {
   std::vector<std::vector<Report>> queries;  // in the order of the reports
   for (const Report& report : grid) {

@@ -76,7 +76,6 @@ EvaluationSettings evaluation_settings(const EvalInputs& inputs,
   return by;
 }
 
-// Scores without a result.
 ScoreMatrix open_scores(const EvalInputs& inputs) {
   const ScoreInputs& scores = inputs.scores;
   if (!scores.query_npy.empty())

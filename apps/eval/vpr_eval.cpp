@@ -178,7 +178,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   write_map(session, inputs, evaluated);
   write_questions(session, inputs, evaluated);
   CsvTables csv;
-  csv.add(evaluation, inputs.row_name);
+  if (inputs.has_csv()) csv.add(evaluation, inputs.row_name);
   csv.write(session, inputs);
   write_trajectory(session, inputs, evaluated, dataset_fps(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
@@ -205,34 +205,47 @@ bool shows_one(const EvalInputs& inputs) {
          !inputs.place_questions.empty() || !inputs.frame_questions.empty();
 }
 
+/// Evaluates and prints `rows`: one result per row, or one result under a protocol per row.
+void run_table(Session& session, const EvalInputs& inputs, const std::vector<EvalInputs>& rows,
+               const RunInfo& info) {
+  const bool has_protocols = !inputs.protocols.empty();
+  check_inputs(inputs);
+  session.claim_output();
+  for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})
+    if (!file.empty()) session.outputs.claim_file(file);
+  const Stopwatch watch;
+  std::vector<Report> reports;
+  CsvTables csv;
+  for (const EvalInputs& row : rows) {
+    Evaluated evaluated = evaluate(session, row);
+    if (inputs.has_csv()) csv.add(evaluated.evaluation, row.row_name);
+    reports.push_back(std::move(evaluated.report));
+  }
+  const Json json =
+      reports_json(has_protocols ? "protocols" : "reports", reports, info, watch.elapsed_s());
+  session.write_output(json);
+  csv.write(session, inputs);
+  std::string tables = has_protocols ? render_table(protocols_table(reports), inputs.format)
+                                     : reports_text(reports, inputs.format);
+  if (has_protocols && inputs.format == TableFormat::text)
+    for (const Report& report : reports) tables += report.protocol.ground_truth + "\n";
+  const Table overview = overview_table(reports, has_protocols ? "protocol" : "name");
+  session.print_result(output_text(session, inputs.format, short_text(overview), tables), json);
+}
+
 void run_several(Session& session, const EvalInputs& inputs) {
   if (!inputs.matrix.empty() || inputs.has_expectation() || shows_one(inputs))
     throw Error(ErrorKind::usage,
                 "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places, "
                 "--ask-frames and --ask-places take one result. For a page of several, use "
                 "vpr-eval report FOLDER --html FILE");
-  check_inputs(inputs);
-  session.claim_output();
-  for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})
-    if (!file.empty()) session.outputs.claim_file(file);
-  const Stopwatch watch;
   RunInfo info = session.run;
-  std::vector<Report> reports;
-  CsvTables csv;
+  std::vector<EvalInputs> rows;
   for (size_t i = 0; i < inputs.results.size(); ++i) {
-    const EvalInputs one = inputs_of(inputs, i);
-    Evaluated evaluated = evaluate(session, one);
-    csv.add(evaluated.evaluation, one.row_name);
-    reports.push_back(std::move(evaluated.report));
+    rows.push_back(inputs_of(inputs, i));
     info.paths[fmt::format("result_{}", i + 1)] = inputs.results[i];
   }
-  const Json json = reports_json("reports", reports, info, watch.elapsed_s());
-  session.write_output(json);
-  csv.write(session, inputs);
-  const std::string text =
-      output_text(session, inputs.format, short_text(overview_table(reports, "name")),
-                  reports_text(reports, inputs.format));
-  session.print_result(text, json);
+  run_table(session, inputs, rows, info);
 }
 
 void run_protocols(Session& session, const EvalInputs& inputs) {
@@ -246,25 +259,14 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
     throw Error(ErrorKind::usage,
                 "plots, pairs and CSV files show one protocol. Select it with --ground-truth, as "
                 "in --ground-truth nordland-exact");
-  check_inputs(inputs);
-  session.claim_output();
-  const Stopwatch watch;
-  std::vector<Report> reports;
+  std::vector<EvalInputs> rows;
   for (const GroundTruthPreset* preset : find_presets(inputs.protocols)) {
-    EvalInputs one = inputs_of(inputs, 0);
-    one.truth.path = one.row_name = preset->name;
-    reports.push_back(evaluate(session, one).report);
+    EvalInputs& row = rows.emplace_back(inputs_of(inputs, 0));
+    row.truth.path = row.row_name = preset->name;
   }
   RunInfo info = session.run;
   info.paths = {{"result", inputs.results[0]}};
-  const Json json = reports_json("protocols", reports, info, watch.elapsed_s());
-  session.write_output(json);
-  std::string tables = render_table(protocols_table(reports), inputs.format);
-  if (inputs.format == TableFormat::text)
-    for (const Report& report : reports) tables += report.protocol.ground_truth + "\n";
-  const std::string text =
-      output_text(session, inputs.format, short_text(overview_table(reports, "protocol")), tables);
-  session.print_result(text, json);
+  run_table(session, inputs, rows, info);
 }
 
 void run(Session& session, const EvalInputs& inputs) {

@@ -184,7 +184,6 @@ struct AxisScale {
   double operator()(double value) const;
 };
 
-/// The rectangle of the plot.
 struct ChartArea {
   double left = 0;
   double top = 0;
@@ -195,7 +194,6 @@ struct ChartArea {
   double bottom() const { return top + height; }
 };
 
-/// The start of an entry of the legend.
 struct LegendEntry {
   size_t series = 0;
   double x = 0;

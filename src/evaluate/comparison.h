@@ -47,7 +47,6 @@ struct Comparison {
   std::vector<PairedCounts> paired;   ///< per method; zeros for an unpaired one
 };
 
-/// Which frames are compared, and by how many resamples.
 struct ComparisonSettings {
   size_t block = 1;
   size_t resamples = 1000;

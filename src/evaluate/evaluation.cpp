@@ -132,7 +132,6 @@ void present_by(Judgment& judgment, const EvaluationSettings& by) {
   judgment.stretch_frames = by.stretch_frames;
 }
 
-// The query of the scores, with this number of frames.
 Sequence query_of(const ScoreSettings& settings, size_t frames) {
   Sequence query = settings.query;
   query.frames = frames;

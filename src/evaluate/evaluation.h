@@ -14,7 +14,6 @@
 
 namespace vpr {
 
-/// The ground truth of an evaluation, and its settings.
 struct EvaluationSettings {
   std::optional<GroundTruthArgument> ground_truth;  ///< nullopt: no pair is judged
   std::string poses;  ///< of the query's frames, for meters; empty: frames only

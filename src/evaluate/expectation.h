@@ -8,7 +8,6 @@
 
 namespace vpr {
 
-/// One expected value of a report.
 struct CheckedValue {
   std::string key;       ///< as in counts.pairs.correct
   std::string expected;  ///< "49 +- 2", "at least 60"

@@ -15,7 +15,6 @@ struct ScoredColumn {
   size_t column = 0;
 };
 
-/// The part of one worker.
 struct ScanPart {
   std::vector<PlaceLabel> labels;  ///< of the current row
   bool keeps_ignored = false;      ///< they are unknown, and compete for ranks
@@ -136,7 +135,6 @@ class KeyIndex {
   size_t shift_ = 0;
 };
 
-/// A score of incorrect pairs and their number.
 struct KeyCount {
   uint64_t key = 0;
   uint64_t count = 0;

@@ -157,7 +157,6 @@ struct Localization {
 Localization localize(std::span<const Verdict> verdicts, std::span<const double> traveled_m,
                       std::span<const std::optional<uint32_t>> decided = {});
 
-/// A member or a function of S.
 template <class S>
 using ValueOf =
     std::variant<std::optional<double> (S::*)() const, uint64_t S::*, std::optional<uint64_t> S::*,
@@ -230,7 +229,6 @@ MetricAt metric_at(std::string_view key, size_t k = 0);
 /// single_best_curve.
 std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes,
                                  std::span<const uint32_t> weights = {});
-/// Recall@K.
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
 
 }  // namespace vpr

@@ -105,7 +105,6 @@ struct BestMatchCounts {
 
 BestMatchCounts best_match_counts(const Outcomes& outcomes);
 
-/// Pairs by label.
 struct LabelCounts {
   uint64_t correct = 0;
   uint64_t incorrect = 0;

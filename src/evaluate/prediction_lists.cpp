@@ -40,7 +40,6 @@ struct ScoredLists {
   std::vector<std::vector<ScoredReference>> queries;
 };
 
-/// The fields of one line.
 using Fields = std::pair<std::vector<std::string>, FileLocation>;
 
 // By commas, semicolons or tabs if the first line has one, otherwise by blanks.

@@ -127,7 +127,6 @@ struct FrameMatch {
 
   bool operator==(const FrameMatch&) const = default;
 };
-/// A query frame with its match.
 struct MatchedFrame {
   size_t query = 0;
   FrameMatch match;

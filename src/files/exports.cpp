@@ -8,20 +8,12 @@
 #include "base/text.h"
 #include "evaluate/evaluation.h"
 #include "files/report.h"
-#include "truth/times.h"
 
 namespace vpr {
 namespace {
 
 std::string prefix(const std::string& name, const std::string& query) {
   return csv_field(name) + "," + csv_field(query) + ",";
-}
-
-std::string time_of(const FrameClock& clock, size_t frame) {
-  if (frame < clock.sources.size()) frame = clock.sources[frame];
-  if (frame < clock.times_ns.size()) return time_text(clock.times_ns[frame]);
-  const double rate = clock.frames_per_second.value_or(1);
-  return fmt::format("{:.6f}", static_cast<double>(frame) / rate);
 }
 
 }  // namespace
@@ -84,15 +76,14 @@ std::string recognitions_csv(const EvaluatedResult& judged, const std::string& n
 }
 
 std::string recognized_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
-                                  const FrameClock& clock) {
-  const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
-  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
+                                  const FrameTimes& times) {
+  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", times.are_seconds ? " (s)" : "");
   for (const auto& [frame, match] : recognized_frames(evaluation)) {
     const Poses& train = positions[match.sequence];
     if (match.reference >= train.size() || !train[match.reference]) continue;
     const auto& [x, y, z] = train[match.reference]->position;
     const std::string height = z == 0 ? "0" : fmt::format("{:.6f}", z);
-    text += fmt::format("{} {:.6f} {:.6f} {} 0 0 0 1\n", time_of(clock, frame), x, y, height);
+    text += fmt::format("{} {:.6f} {:.6f} {} 0 0 0 1\n", times.texts[frame], x, y, height);
   }
   return text;
 }

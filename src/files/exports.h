@@ -1,8 +1,6 @@
 // Evaluations in formats of other tools: CSV, TUM trajectories and JUnit XML.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,18 +32,16 @@ std::string recognitions_csv(const EvaluatedResult& judged, const std::string& n
 /// sequence. The list of a sequence without positions is empty.
 using TrainPositions = std::vector<Poses>;
 
-/// Times of query frames: times_ns or, if it is empty, frame numbers divided by frames_per_second
-/// (above 0; default 1).
-struct FrameClock {
-  std::vector<int64_t> times_ns;
-  std::optional<double> frames_per_second;
-  std::vector<uint32_t> sources = {};  ///< frames of the recording, for a selection
+/// Times of query frames.
+struct FrameTimes {
+  std::vector<std::string> texts;
+  bool are_seconds = true;  ///< false: numbers of frames
 };
 
 /// TUM format, "time x y z 0 0 0 1": a line per recognized query frame whose match has a position,
 /// in meters. The first line is a comment.
 std::string recognized_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
-                                  const FrameClock& clock);
+                                  const FrameTimes& times);
 
 /// One test suite with a test case per value, and a failure for each value that is not met.
 /// `suite`: the tested result; `file`: the expectations. The output is well-formed XML 1.0 for any

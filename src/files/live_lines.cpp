@@ -46,27 +46,21 @@ LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_
       skip_unreadable_(settings->skip_unreadable),
       query_(database, query_name, settings, resources, monitor) {}
 
-std::optional<DescriptorSet> LiveLines::describe(const LiveFrame& frame,
-                                                 const Monitor& monitor) const {
+Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
+  DescriptorSet described;
   try {
     if (frame.is_unreadable)
       throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
                   frame.name);
-    DescriptorSet described = describe_frames(frame.sequence(), database_, false, monitor);
+    described = describe_frames(frame.sequence(), database_, false, monitor);
     check_descriptors(database_.descriptors, described.descriptors);
-    return described;
   } catch (const Error& error) {
     if (!skip_unreadable_ || error.kind() != ErrorKind::input) throw;
     warn(monitor, error.what());
-    return std::nullopt;
+    return take_missing(frame.name);
   }
-}
-
-Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
-  const auto described = describe(frame, monitor);
-  if (!described) return take_missing(frame.name);
-  ArrivedFrame arrived{described->rows()[0]};
-  if (!described->words.empty()) arrived.words = described->words.front();
+  ArrivedFrame arrived{described.rows()[0]};
+  if (!described.words.empty()) arrived.words = described.words.front();
   return line_of(arrived, frame.name);
 }
 

@@ -37,7 +37,6 @@ class LiveLines {
   std::optional<Json> finish();
 
  private:
-  std::optional<DescriptorSet> describe(const LiveFrame& frame, const Monitor& monitor) const;
   Json line_of(const ArrivedFrame& frame, const std::string& name);
 
   const SequenceDatabase& database_;

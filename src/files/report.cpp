@@ -30,7 +30,8 @@ std::vector<ReportedCluster> places_of(const EvaluatedResult& judged) {
                       {anchor(cluster.query_first), anchor(cluster.query_last)},
                       anchor(cluster.train_window),
                       {anchor(cluster.train_first), anchor(cluster.train_last)},
-                      judged.clusters[c]});
+                      judged.clusters[c].label,
+                      judged.clusters[c].recognitions});
   }
   return places;
 }

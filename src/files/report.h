@@ -29,7 +29,8 @@ struct ReportedCluster {
   std::array<size_t, 2> query_range = {};  ///< first, last
   size_t train = 0;
   std::array<size_t, 2> train_range = {};
-  JudgedCluster judged;
+  PlaceLabel label = PlaceLabel::different;
+  LabelCounts recognitions;
 };
 
 struct CurveNumbers {
@@ -62,7 +63,6 @@ struct ByAcceptance {
   std::optional<T> all_pairs;  ///< with a matrix only
 };
 
-/// A metric by K.
 using RankValues = std::map<size_t, std::optional<double>>;
 
 struct ReportedAchievement {
@@ -88,7 +88,6 @@ struct Protocol {
   std::string definition(const std::string& key) const;
 };
 
-/// Fingerprints of the inputs of a report.
 struct ReportSources {
   Provenance made_by;
   std::optional<std::string> result;  ///< or scores
@@ -98,7 +97,6 @@ struct ReportSources {
   const std::string& evaluated() const { return result ? *result : *scores; }
 };
 
-/// The content of a report file.
 struct Report {
   JudgedBy judged = JudgedBy::ground_truth;
   std::string method;
@@ -121,7 +119,6 @@ struct Report {
 
   /// Null for scores.
   const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }
-  Json settings_json() const;
   /// Whether recognitions are along paths of the filter.
   bool has_paths() const;
   /// Whether the ground truth is labels of single pairs.

@@ -162,16 +162,7 @@ void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
         }});
 }
 
-template <class Visitor>
-void visit_fields(ReportedCluster& place, Visitor&& visit) {
-  visit("sequence", place.sequence);
-  visit("query", place.query);
-  visit("query_range", place.query_range);
-  visit("train", place.train);
-  visit("train_range", place.train_range);
-  visit("label", place.judged.label);
-  visit("recognitions", place.judged.recognitions);
-}
+VPR_FIELDS(ReportedCluster, sequence, query, query_range, train, train_range, label, recognitions)
 
 template <class Visitor>
 void visit_fields(CurveNumbers& numbers, Visitor&& visit) {
@@ -252,29 +243,26 @@ void visit_fields(ScoreSettings& settings, Visitor&& visit) {
   visit("threshold", settings.threshold);
 }
 
-namespace {
-
-void read_settings(const Fields& fields, const std::string& key, Report& report) {
-  const Fields settings = fields.object(key);
-  if (settings.has("scores"))
-    fields.read(key, report.settings.emplace<ScoreSettings>());
-  else
-    report.settings = read_query_settings(fields);
-}
-
-}  // namespace
-
 template <class Visitor>
 void visit_fields(Report& report, Visitor&& visit) {
   visit("schema", Derived{schema_name("report")});
   visit("method", report.method);
   visit("query", report.query);
   visit_fields(report.selection, visit);
-  visit("settings",
-        CustomField{[&](Json& json, const std::string& key) { json[key] = report.settings_json(); },
-                    [&](const Fields& fields, const std::string& key) {
-                      read_settings(fields, key, report);
-                    }});
+  visit("settings", CustomField{[&](Json& json, const std::string& key) {
+                                  const QuerySettings* of_query = report.query_settings();
+                                  json[key] =
+                                      of_query != nullptr
+                                          ? settings_in_force(*of_query)
+                                          : value_to_json(std::get<ScoreSettings>(report.settings),
+                                                          kDataForm);
+                                },
+                                [&](const Fields& fields, const std::string& key) {
+                                  if (fields.object(key).has("scores"))
+                                    fields.read(key, report.settings.emplace<ScoreSettings>());
+                                  else
+                                    report.settings = read_query_settings(fields);
+                                }});
   if (report.query_settings() != nullptr)
     visit("counts", NestedObject{[&](auto&& inner) {
             visit_metrics(report.counts, &Metric::of_counts, report.judged, inner);
@@ -298,12 +286,6 @@ void visit_fields(Report& report, Visitor&& visit) {
         }});
   visit("name", IfSet{report.name});
   visit("judged", Unless{report.judged, JudgedBy::ground_truth});
-}
-
-Json Report::settings_json() const {
-  const QuerySettings* of_query = query_settings();
-  return of_query != nullptr ? settings_in_force(*of_query)
-                             : value_to_json(std::get<ScoreSettings>(settings), kDataForm);
 }
 
 Json report_json(const Report& report) { return value_to_json(report, kDataForm); }

@@ -48,7 +48,6 @@ using Rows = std::optional<std::vector<int32_t>>;
 
 size_t match_columns(const Result& result) { return result.places ? 4 : 3; }
 
-// The names of columns.
 template <class T>
 std::vector<std::string_view> columns_of(const ArrayFormat<T>& array, const Result& result) {
   if (!array.columns.empty()) return array.columns;
@@ -307,7 +306,6 @@ const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
     Integers{"source_frames", {""}, selected_frames<true>, read_selected<true>},
     Integers{"train_source_frames", {""}, selected_frames<false>, read_selected<false>}};
 
-/// Calls `body` with each array.
 void for_each_array(const auto& body) {
   for (const auto& array : kArrays) std::visit(body, array);
 }

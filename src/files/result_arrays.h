@@ -14,7 +14,6 @@
 
 namespace vpr {
 
-/// A file that belongs to a result.
 struct FileEntry {
   size_t rows = 0;
   std::string checksum;
@@ -36,7 +35,6 @@ std::vector<std::filesystem::path> array_paths(const std::filesystem::path& resu
 /// The checksum of a file, which may be larger than memory.
 std::string file_checksum(const std::filesystem::path& path, const Monitor& monitor = {});
 
-/// An array of a result.
 struct ResultArray {
   std::string name;       ///< without its extension
   std::string_view type;  ///< as npy_type

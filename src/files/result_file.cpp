@@ -27,7 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
 
-/// The content of RESULT.json.
 struct ResultContent {
   Result& result;
   ResultContext& context;

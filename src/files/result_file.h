@@ -90,7 +90,6 @@ struct RecordedRun {
   std::string path(const std::string& role) const;
 };
 
-/// The content of a result file.
 struct StoredResult {
   Result result;
   ResultContext context;

@@ -51,7 +51,6 @@ void read_machine(const Fields& fields, RunInfo& run);
 /// Seconds by step, rounded to milliseconds.
 Json timing_json(const std::map<std::string, double>& seconds);
 
-/// Adds "machine" and "timing".
 void add_run(Json& json, const RunInfo& run, const std::map<std::string, double>& seconds);
 
 }  // namespace vpr

@@ -71,13 +71,13 @@ Series truth_series(const Judgment& judgment, const GroundTruth& truth,
   for (size_t frame = 0; frame < frames; frame += step) {
     for (const FrameBand& band : bands) {
       check_stop(monitor);
-      const size_t end = band.first_frame + band.count;
+      const size_t end = band.first + band.count;
       for (const LabelStretch& run : label_runs(truth, frame, band.sequence, end)) {
-        if (run.label != PlaceLabel::same || run.last < band.first_frame) continue;
-        const size_t low = band.at + std::max(run.first, band.first_frame) - band.first_frame;
+        if (run.label != PlaceLabel::same || run.last < band.first) continue;
+        const size_t low = band.at + std::max(run.first, band.first) - band.first;
         series.points.emplace_back(frame, low);
         series.points.emplace_back(std::min(frames, frame + step),
-                                   band.at + run.last + 1 - band.first_frame);
+                                   band.at + run.last + 1 - band.first);
       }
     }
   }

@@ -62,7 +62,6 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor);
 
-/// The unit of a report's matches.
 ScoreUnit score_unit(const Report& report);
 
 /// Writes precision-recall, risk-coverage, recall@K (if ranks are known), timeline, margins (if
@@ -70,7 +69,6 @@ ScoreUnit score_unit(const Report& report);
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
                      const std::filesystem::path& folder, const Monitor& monitor);
 
-/// The recognitions of one result.
 struct MapPanel {
   std::string title;
   std::vector<Meaning> meanings;  ///< one per query frame: meanings_of

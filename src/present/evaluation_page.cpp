@@ -71,16 +71,6 @@ std::string tables_html(const Report& report) {
   return html + table_html(summary);
 }
 
-Json bands_json(const std::vector<FrameBand>& bands) {
-  Json json = Json::array();
-  for (const FrameBand& band : bands)
-    json.push_back({{"sequence", band.sequence},
-                    {"at", band.at},
-                    {"first", band.first_frame},
-                    {"count", band.count}});
-  return json;
-}
-
 void add_queries(Json& data, const Judgment& judgment) {
   data["matches"] = Json::array();
   data["scores"] = Json::array();
@@ -134,8 +124,8 @@ Json page_data(const Report& report, const Judgment& judgment) {
     data["sequences"].push_back(train.sequence.name);
   add_queries(data, judgment);
   add_sources(data, judgment.layout.scope);
-  data["columns"] = bands_json(column_bands(judgment.layout));
-  data["rows"] = bands_json(row_bands(judgment.layout));
+  data["columns"] = value_to_json(column_bands(judgment.layout));
+  data["rows"] = value_to_json(row_bands(judgment.layout));
   data["positives"] = judgment.single_best.positives;
   data["steps"] = Json::array();
   for (const ThresholdStep& step : threshold_steps(report, judgment, kMostPoints))

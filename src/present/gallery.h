@@ -23,7 +23,6 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<GalleryKind> = {"mistake",
                                                                             "recognition", "weak"};
 
-/// A query whose best match is shown.
 struct GalleryItem {
   GalleryKind kind = GalleryKind::mistake;
   size_t query = 0;                 ///< index into Outcomes::queries; it has a best match

@@ -136,7 +136,7 @@ size_t length_of(const std::vector<FrameBand>& bands) {
 size_t position_of(const std::vector<FrameBand>& bands, const FrameMatch& match) {
   const auto band = std::ranges::lower_bound(bands, match.sequence, {}, &FrameBand::sequence);
   assert(band != bands.end() && band->sequence == match.sequence);
-  return band->at + match.reference - band->first_frame;
+  return band->at + match.reference - band->first;
 }
 
 std::vector<ChartTick> ticks_of(const std::vector<FrameBand>& bands, size_t most) {
@@ -145,12 +145,12 @@ std::vector<ChartTick> ticks_of(const std::vector<FrameBand>& bands, size_t most
   double end = -1e9;  // of the previous label
   const double room = static_cast<double>(step) * 0.45;
   for (const FrameBand& band : bands) {
-    const size_t behind = band.first_frame + band.count;
-    for (size_t frame = band.first_frame; frame < behind; frame = (frame / step + 1) * step) {
-      const size_t at = band.at + frame - band.first_frame;
+    const size_t behind = band.first + band.count;
+    for (size_t frame = band.first; frame < behind; frame = (frame / step + 1) * step) {
+      const size_t at = band.at + frame - band.first;
       const double position = static_cast<double>(at) + 0.5;
       if (position < end) {
-        if (frame > band.first_frame) continue;
+        if (frame > band.first) continue;
         ticks.pop_back();
       }
       ticks.push_back({position, std::to_string(frame)});

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/output.h"
 #include "chart/chart.h"
@@ -13,15 +14,16 @@
 
 namespace vpr {
 
-/// A part of an axis: frames first_frame .. first_frame + count - 1 of a sequence, the first at
-/// position `at`.
+/// A part of an axis: frames first .. first + count - 1 of a sequence, the first at position `at`.
 struct FrameBand {
   std::string name;
   uint32_t sequence = 0;
   size_t at = 0;
-  size_t first_frame = 0;
+  size_t first = 0;
   size_t count = 0;
 };
+
+VPR_FIELDS(FrameBand, sequence, at, first, count)
 
 /// All frames of the searched training sequences, in their order.
 std::vector<FrameBand> frame_bands(const ScoreLayout& layout);
@@ -32,7 +34,6 @@ std::vector<FrameBand> column_bands(const ScoreLayout& layout);
 /// The rows of the matrix, as one band without a name.
 std::vector<FrameBand> row_bands(const ScoreLayout& layout);
 
-/// The number of frames in all bands.
 size_t length_of(const std::vector<FrameBand>& bands);
 
 /// The position of a frame, which must be in one of the bands; these are ordered by sequence.

@@ -147,7 +147,6 @@ std::string recognized_words(const Evaluation& evaluation) {
   return text + pairs;
 }
 
-/// The metrics of a curve.
 struct NamedNumbers {
   std::string name;    ///< in the first column
   std::string prefix;  ///< of columns in CSV
@@ -269,9 +268,10 @@ std::string recognitions_text(const Report& report) {
                    "place",    "pairs correct", "pairs incorrect"};
   for (const ReportedCluster& place : places) {
     if (table.rows.size() == kMostPlaces) break;
-    const LabelCounts& recognitions = place.judged.recognitions;
+    const LabelCounts& recognitions = place.recognitions;
     add_row(table, place.sequence, range_text(place.query_range), range_text(place.train_range),
-            verdict_text(place.judged), recognitions.correct, recognitions.incorrect);
+            verdict_text({place.label, recognitions}), recognitions.correct,
+            recognitions.incorrect);
   }
   return render_table(table, TableFormat::text) +
          (places.size() > kMostPlaces

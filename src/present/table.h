@@ -30,7 +30,6 @@ struct Table {
   std::string label = {};  ///< in LaTeX, after "tab:"; empty: the title
 };
 
-/// Adds a row of strings and numbers.
 void add_row(Table& table, const auto&... cells) {
   table.rows.push_back({fmt::format("{}", cells)...});
 }

@@ -64,7 +64,7 @@ TEST_CASE("frames of several sequences follow each other, with round ticks") {
   CHECK(ticks[3].at == 30.5);
   const std::vector<FrameBand> columns = column_bands(walk("cc").layout);
   CHECK(columns[1].at == 28);
-  CHECK(columns[1].first_frame == 2);
+  CHECK(columns[1].first == 2);
   CHECK(position_of(columns, {1, 2}) == 28);
   CHECK(round_step(0, 5) == 1);
   CHECK(round_step(50, 5) == 10);
