@@ -138,19 +138,6 @@ void check_scores(const ScoreInputs& inputs) {
   refuse(!inputs.query_frames, "--speed", "needs the number of recorded frames: --query-frames N");
 }
 
-}  // namespace
-
-bool ScoreInputs::is_list() const { return !path.empty() && !path.ends_with(".npy"); }
-
-void add_truth_flags(const Command& command, TruthSource& truth) {
-  command.add_option("--ground-truth", truth.path, ground_truth_help());
-  add_ground_truth_flags(command, truth.flags);
-  command.add_option("--dataset", truth.dataset, "data set description that names the ground truth",
-                     kGroundTruthGroup, "FILE");
-}
-
-namespace {
-
 void add_question_flags(const Command& command, EvalInputs& inputs) {
   command.add_option(
       "--ask-frames", inputs.frame_questions,
@@ -164,6 +151,15 @@ void add_question_flags(const Command& command, EvalInputs& inputs) {
 }
 
 }  // namespace
+
+bool ScoreInputs::is_list() const { return !path.empty() && !path.ends_with(".npy"); }
+
+void add_truth_flags(const Command& command, TruthSource& truth) {
+  command.add_option("--ground-truth", truth.path, ground_truth_help());
+  add_ground_truth_flags(command, truth.flags);
+  command.add_option("--dataset", truth.dataset, "data set description that names the ground truth",
+                     kGroundTruthGroup, "FILE");
+}
 
 void add_result_flags(Program& program, const Command& command, EvalInputs& inputs) {
   command.add_option("RESULT", inputs.results,

@@ -85,6 +85,30 @@ void compute_distances(DescriptorMetric metric, const ArrayRows& query, const Ar
 
 bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
 
+// Whether two arrays can be compared, by a metric if one is set.
+void require_alike(const SequenceSource& query, const ArrayRows& queries,
+                   const SequenceSource& reference, const ArrayRows& references, bool has_metric) {
+  if (has_bits(queries) != has_bits(references))
+    throw Error(ErrorKind::data, "{}: the values have type {}, but in {} they have type {}",
+                queries.where(0), queries.type(), references.where(0), references.type());
+  if (has_metric && has_bits(queries))
+    throw Error(ErrorKind::usage,
+                "{}: has type {}, whose bits are compared by Hamming distances, so --metric has no "
+                "effect. Omit it or, if the values are numbers, save them as float32",
+                queries.where(0), queries.type());
+  if (queries.length() != references.length()) {
+    const bool is_transposed = queries.count() == references.length() ||
+                               queries.length() == references.count() ||
+                               queries.count() == references.count();
+    throw Error(ErrorKind::data,
+                "{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and descriptors "
+                "must have the same length{}",
+                query.argument.path.string(), queries.count(), queries.length(),
+                reference.argument.path.string(), references.count(), references.length(),
+                is_transposed ? "; is an array transposed?" : "");
+  }
+}
+
 }  // namespace
 
 ScoreOrder order_of(const ScoreFormat& format) {
@@ -152,34 +176,6 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
     }
   });
 }
-
-namespace {
-
-// Whether two arrays can be compared, by a metric if one is set.
-void require_alike(const SequenceSource& query, const ArrayRows& queries,
-                   const SequenceSource& reference, const ArrayRows& references, bool has_metric) {
-  if (has_bits(queries) != has_bits(references))
-    throw Error(ErrorKind::data, "{}: the values have type {}, but in {} they have type {}",
-                queries.where(0), queries.type(), references.where(0), references.type());
-  if (has_metric && has_bits(queries))
-    throw Error(ErrorKind::usage,
-                "{}: has type {}, whose bits are compared by Hamming distances, so --metric has no "
-                "effect. Omit it or, if the values are numbers, save them as float32",
-                queries.where(0), queries.type());
-  if (queries.length() != references.length()) {
-    const bool is_transposed = queries.count() == references.length() ||
-                               queries.length() == references.count() ||
-                               queries.count() == references.count();
-    throw Error(ErrorKind::data,
-                "{}: the array is {} x {}, but {} is {} x {}. Rows are frames, and descriptors "
-                "must have the same length{}",
-                query.argument.path.string(), queries.count(), queries.length(),
-                reference.argument.path.string(), references.count(), references.length(),
-                is_transposed ? "; is an array transposed?" : "");
-  }
-}
-
-}  // namespace
 
 ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
                               std::optional<DescriptorMetric> metric_of_vectors) {

@@ -58,19 +58,6 @@ std::string verdict_of(const ComparedValue& value) {
   return is_higher != value.metric.metric->is_low_good ? "better" : "worse";
 }
 
-const std::vector<MetricAt>& paper_columns() {
-  static const std::vector<MetricAt> columns = {metric_at("recall_at", 1),
-                                                metric_at("recall_at", 5),
-                                                metric_at("recall_at", 10),
-                                                metric_at("average_precision"),
-                                                metric_at("recall_at_100_precision"),
-                                                metric_at("max_f1"),
-                                                metric_at(kPathKeys[0]),
-                                                metric_at(kPathKeys[1]),
-                                                metric_at(kPathKeys[2])};
-  return columns;
-}
-
 Value value_of(const ComparisonReport& comparison, size_t report, const MetricAt& metric) {
   if (metric.metric->of_path) return value_of(comparison.reports[report], metric);
   for (const ComparedValue& value : comparison.found.values)
@@ -264,7 +251,16 @@ Json comparison_json(const ComparisonReport& comparison) {
 }
 
 Table paper_table(const ComparisonReport& comparison) {
-  Table table = method_table(comparison, "over {}; longest gap in frames", paper_columns());
+  const MetricAt columns[] = {metric_at("recall_at", 1),
+                              metric_at("recall_at", 5),
+                              metric_at("recall_at", 10),
+                              metric_at("average_precision"),
+                              metric_at("recall_at_100_precision"),
+                              metric_at("max_f1"),
+                              metric_at(kPathKeys[0]),
+                              metric_at(kPathKeys[1]),
+                              metric_at(kPathKeys[2])};
+  Table table = method_table(comparison, "over {}; longest gap in frames", columns);
   std::vector<std::string> notes;
   for (size_t r = 0; r < table.rows.size(); ++r) notes.push_back(note_of(comparison, r));
   if (std::ranges::all_of(notes, &std::string::empty)) return table;

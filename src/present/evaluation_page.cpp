@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <set>
 #include <span>
 
 #include <fmt/format.h>
@@ -91,14 +91,11 @@ void add_queries(Json& data, const Judgment& judgment) {
 
 /// The margin of the decision; null for decisions without margin, and if it differs by sequence.
 Json required_margin(const Outcomes& outcomes) {
-  std::optional<double> required;
-  if (outcomes.confidence == Confidence::score) return {};
-  for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.required_margin) continue;
-    if (required && *required != *query.required_margin) return {};
-    required = query.required_margin;
-  }
-  return or_null(required);
+  std::set<double> required;
+  for (const QueryOutcome& query : outcomes.queries)
+    if (query.required_margin) required.insert(*query.required_margin);
+  if (outcomes.confidence == Confidence::score || required.size() != 1) return {};
+  return *required.begin();
 }
 
 /// For each selected frame, its frame of the recording.

@@ -64,6 +64,93 @@ std::string strip(const std::string& title, const std::vector<size_t>& frames,
   return html + "</div></figure>";
 }
 
+// The frames at a path of the run, if they are still the same.
+template <class IsSame>
+std::optional<SequenceSource> recorded_source(const std::string& path, const IsSame& is_same) {
+  if (path.empty()) return std::nullopt;
+  try {
+    SequenceSource source = open_sequence(parse_sequence_argument(path));
+    if (source.kind != SequenceKind::descriptors && is_same(source)) return source;
+  } catch (const Error&) {  // they have moved
+  }
+  return std::nullopt;
+}
+
+bool has_names(const SequenceSource& source, const Sequence& expected) {
+  std::vector<std::string> names = file_names(source);
+  if (source.kind == SequenceKind::video) return true;
+  if (names.size() != expected.recorded_frames()) return false;
+  if (!expected.selection.is_all()) names = selected(std::move(names), expected.selection);
+  return names == expected.frame_names;
+}
+
+// The training sequences of the run's database; none if it has moved or changed.
+std::vector<TrainSequence> recorded_training(const RecordedRun& run) {
+  if (run.train) return *run.train;
+  if (run.path("database").empty()) return {};
+  try {
+    SequenceDatabase database = read_sequence_database(run.path("database"));
+    if (database.fingerprint == run.database_fingerprint) return std::move(database.sequences);
+  } catch (const Error&) {  // it has moved
+  }
+  return {};
+}
+
+struct GalleryImages {
+  std::map<size_t, Thumbnail> query;
+  std::vector<std::map<size_t, Thumbnail>> references;  ///< by sequence
+};
+
+GalleryImages read_images(const std::vector<GalleryItem>& items, const Judgment& judgment,
+                          const FrameSources& sources, size_t strip_length,
+                          const Monitor& monitor) {
+  const GroundTruthScope& scope = judgment.layout.scope;
+  std::set<size_t> query;
+  std::vector<std::set<size_t>> references(scope.sequences.size());
+  const auto add = [&](std::set<size_t>& frames, size_t anchor) {
+    const auto strip = strip_frames(anchor, judgment.layout.window_length, strip_length);
+    frames.insert(strip.begin(), strip.end());
+  };
+  for (const GalleryItem& item : items) {
+    const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
+    add(query, outcome.frame);
+    add(references[outcome.best->sequence], outcome.best->reference);
+    if (item.truth) add(references[item.truth->sequence], item.truth->reference);
+  }
+  GalleryImages images{{}, std::vector<std::map<size_t, Thumbnail>>(references.size())};
+  if (sources.query)
+    images.query =
+        make_thumbnails(*sources.query, scope.query.selection, query, kThumbnailSide, monitor);
+  for (size_t s = 0; s < sources.references.size(); ++s)
+    if (sources.references[s])
+      images.references[s] =
+          make_thumbnails(*sources.references[s], scope.sequences[s].sequence.selection,
+                          references[s], kThumbnailSide, monitor);
+  return images;
+}
+
+/// Each kind with its number of items, and of all queries from which they were chosen. The first
+/// kind of an item is selected.
+std::string kinds_html(const std::vector<GalleryItem>& items, const Judgment& judgment) {
+  constexpr std::array<std::string_view, 3> kWords = {"worst mistakes", "strongest", "weakest"};
+  const bool is_judged = judgment.by != JudgedBy::nothing;
+  std::string html;
+  for (size_t k = 0; k < kWords.size(); ++k) {
+    const auto kind = static_cast<GalleryKind>(k);
+    const auto count = std::ranges::count(items, kind, &GalleryItem::kind);
+    if (count == 0) continue;
+    const Verdict verdict = !is_judged                     ? Verdict::ignored
+                            : kind == GalleryKind::mistake ? Verdict::incorrect
+                                                           : Verdict::correct;
+    html += fmt::format(
+        "<label><input type=\"radio\" name=\"kind\" value=\"{}\"{}> {}{} ({} of {})</label>\n",
+        enum_name(kind), kind == items.front().kind ? " checked" : "", kWords[k],
+        is_judged && k > 0 ? " correct" : "", count,
+        std::ranges::count(judgment.outcomes.queries, verdict, &QueryOutcome::verdict));
+  }
+  return html;
+}
+
 }  // namespace
 
 std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
@@ -150,42 +237,6 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
   return found;
 }
 
-namespace {
-
-// The frames at a path of the run, if they are still the same.
-template <class IsSame>
-std::optional<SequenceSource> recorded_source(const std::string& path, const IsSame& is_same) {
-  if (path.empty()) return std::nullopt;
-  try {
-    SequenceSource source = open_sequence(parse_sequence_argument(path));
-    if (source.kind != SequenceKind::descriptors && is_same(source)) return source;
-  } catch (const Error&) {  // they have moved
-  }
-  return std::nullopt;
-}
-
-bool has_names(const SequenceSource& source, const Sequence& expected) {
-  std::vector<std::string> names = file_names(source);
-  if (source.kind == SequenceKind::video) return true;
-  if (names.size() != expected.recorded_frames()) return false;
-  if (!expected.selection.is_all()) names = selected(std::move(names), expected.selection);
-  return names == expected.frame_names;
-}
-
-// The training sequences of the run's database; none if it has moved or changed.
-std::vector<TrainSequence> recorded_training(const RecordedRun& run) {
-  if (run.train) return *run.train;
-  if (run.path("database").empty()) return {};
-  try {
-    SequenceDatabase database = read_sequence_database(run.path("database"));
-    if (database.fingerprint == run.database_fingerprint) return std::move(database.sequences);
-  } catch (const Error&) {  // it has moved
-  }
-  return {};
-}
-
-}  // namespace
-
 FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& run,
                              bool has_places) {
   FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
@@ -201,65 +252,6 @@ FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& r
     });
   return sources;
 }
-
-namespace {
-
-struct GalleryImages {
-  std::map<size_t, Thumbnail> query;
-  std::vector<std::map<size_t, Thumbnail>> references;  ///< by sequence
-};
-
-GalleryImages read_images(const std::vector<GalleryItem>& items, const Judgment& judgment,
-                          const FrameSources& sources, size_t strip_length,
-                          const Monitor& monitor) {
-  const GroundTruthScope& scope = judgment.layout.scope;
-  std::set<size_t> query;
-  std::vector<std::set<size_t>> references(scope.sequences.size());
-  const auto add = [&](std::set<size_t>& frames, size_t anchor) {
-    const auto strip = strip_frames(anchor, judgment.layout.window_length, strip_length);
-    frames.insert(strip.begin(), strip.end());
-  };
-  for (const GalleryItem& item : items) {
-    const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
-    add(query, outcome.frame);
-    add(references[outcome.best->sequence], outcome.best->reference);
-    if (item.truth) add(references[item.truth->sequence], item.truth->reference);
-  }
-  GalleryImages images{{}, std::vector<std::map<size_t, Thumbnail>>(references.size())};
-  if (sources.query)
-    images.query =
-        make_thumbnails(*sources.query, scope.query.selection, query, kThumbnailSide, monitor);
-  for (size_t s = 0; s < sources.references.size(); ++s)
-    if (sources.references[s])
-      images.references[s] =
-          make_thumbnails(*sources.references[s], scope.sequences[s].sequence.selection,
-                          references[s], kThumbnailSide, monitor);
-  return images;
-}
-
-/// Each kind with its number of items, and of all queries from which they were chosen. The first
-/// kind of an item is selected.
-std::string kinds_html(const std::vector<GalleryItem>& items, const Judgment& judgment) {
-  constexpr std::array<std::string_view, 3> kWords = {"worst mistakes", "strongest", "weakest"};
-  const bool is_judged = judgment.by != JudgedBy::nothing;
-  std::string html;
-  for (size_t k = 0; k < kWords.size(); ++k) {
-    const auto kind = static_cast<GalleryKind>(k);
-    const auto count = std::ranges::count(items, kind, &GalleryItem::kind);
-    if (count == 0) continue;
-    const Verdict verdict = !is_judged                     ? Verdict::ignored
-                            : kind == GalleryKind::mistake ? Verdict::incorrect
-                                                           : Verdict::correct;
-    html += fmt::format(
-        "<label><input type=\"radio\" name=\"kind\" value=\"{}\"{}> {}{} ({} of {})</label>\n",
-        enum_name(kind), kind == items.front().kind ? " checked" : "", kWords[k],
-        is_judged && k > 0 ? " correct" : "", count,
-        std::ranges::count(judgment.outcomes.queries, verdict, &QueryOutcome::verdict));
-  }
-  return html;
-}
-
-}  // namespace
 
 Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const ScoreUnit& unit,
                      const FrameSources& sources, const Monitor& monitor, const GallerySize& size) {

@@ -250,10 +250,16 @@ Table keyframe_table(const CountsByKeyframe& counts) {
   return table;
 }
 
-std::vector<std::string> names_of(std::span<const Report> reports) {
+// The tables of all reports in one, with their names in the column `key`.
+Table stacked(std::span<const Report> reports, const std::string& key,
+              Table (*table_of)(const Report&)) {
+  std::vector<Table> tables;
   std::vector<std::string> names;
-  for (const Report& report : reports) names.push_back(report.row_name);
-  return names;
+  for (const Report& report : reports) {
+    tables.push_back(table_of(report));
+    names.push_back(report.row_name);
+  }
+  return stack_tables(tables, key, names);
 }
 
 // The first kMostPlaces places; empty without places.
@@ -423,11 +429,7 @@ std::vector<Table> metrics_tables(const Report& report) {
 }
 
 std::string reports_text(std::span<const Report> reports, TableFormat format) {
-  std::vector<Table> rows;
-  if (format == TableFormat::csv) {
-    for (const Report& report : reports) rows.push_back(csv_row(report));
-    return render_table(stack_tables(rows, "name", names_of(reports)), format);
-  }
+  if (format == TableFormat::csv) return render_table(stacked(reports, "name", csv_row), format);
   if (format == TableFormat::latex) return render_table(overview_table(reports, "method"), format);
   const bool is_one = reports.size() == 1;
   std::vector<std::vector<Table>> kinds;  // the same table of all reports
@@ -455,9 +457,7 @@ std::string reports_text(std::span<const Report> reports, TableFormat format) {
 }
 
 Table protocols_table(std::span<const Report> reports) {
-  std::vector<Table> rows;
-  for (const Report& report : reports) rows.push_back(report_table(report));
-  Table table = stack_tables(rows, "protocol", names_of(reports));
+  Table table = stacked(reports, "protocol", report_table);
   table.title = evaluation_title(reports.front());
   return table;
 }
