@@ -138,18 +138,6 @@ void check_scores(const ScoreInputs& inputs) {
   refuse(!inputs.query_frames, "--speed", "needs the number of recorded frames: --query-frames N");
 }
 
-void add_question_flags(const Command& command, EvalInputs& inputs) {
-  command.add_option(
-      "--ask-frames", inputs.frame_questions,
-      "HTML page that shows the images of frames and their best matches, asks whether they are the "
-      "same place, and saves labels for --ground-truth, by which any result can be judged",
-      kPictureGroup, "FILE");
-  command.add_option("--ask-places", inputs.place_questions,
-                     "HTML page that shows images of each recognized place, asks whether it is the "
-                     "same place, and saves the answers for --places",
-                     kPictureGroup, "FILE");
-}
-
 }  // namespace
 
 bool ScoreInputs::is_list() const { return !path.empty() && !path.ends_with(".npy"); }
@@ -182,7 +170,15 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
               "or margin, the difference from the best match outside the exclusion zone (default: "
               "as the result was decided); the other one is reported next to it",
               kMetricGroup);
-  add_question_flags(command, inputs);
+  command.add_option(
+      "--ask-frames", inputs.frame_questions,
+      "HTML page that shows the images of frames and their best matches, asks whether they are the "
+      "same place, and saves labels for --ground-truth, by which any result can be judged",
+      kPictureGroup, "FILE");
+  command.add_option("--ask-places", inputs.place_questions,
+                     "HTML page that shows images of each recognized place, asks whether it is the "
+                     "same place, and saves the answers for --places",
+                     kPictureGroup, "FILE");
   command.add_option("--map", inputs.map,
                      "folder for a map with plan, training paths and recognitions along the "
                      "query's path, as SVG and PNG; needs --dataset with poses",

@@ -65,8 +65,8 @@ RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run
 
 /// The files of --outcomes-csv and --recognitions-csv.
 struct CsvTables {
-  std::string outcomes = outcomes_csv_header();
-  std::string recognitions = recognitions_csv_header();
+  std::string outcomes = kOutcomesHeader;
+  std::string recognitions = kRecognitionsHeader;
 
   void add(const Evaluation& evaluation, const std::string& name) {
     outcomes += outcomes_csv(evaluation.judgment, name, evaluation.query().name);

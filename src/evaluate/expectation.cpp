@@ -56,44 +56,37 @@ struct Check {
     CheckedValue& checked =
         values.emplace_back(CheckedValue{key, expected.dump(), found.dump(), found == expected});
     if (expected.is_null()) return;
-    std::optional<double> value;
-    std::optional<double> min;
-    std::optional<double> max;
-    double tolerance = 0;
-    if (expected.is_number()) {
-      value = expected.get<double>();
-    } else {
-      size_t known = 0;
-      const auto read = [&](const char* name, auto& field) {
-        if (!expected.contains(name)) return;
-        ++known;
-        if (!expected[name].is_number()) fail(key, fmt::format("needs a number \"{}\"", name));
-        field = expected[name].get<double>();
-      };
-      read("value", value);
-      read("tolerance", tolerance);
-      read("min", min);
-      read("max", max);
-      if (tolerance < 0) fail(key, "needs a \"tolerance\" of 0 or more");
-      if (known < expected.size() || value.has_value() == (min || max) ||
-          (!value && expected.contains("tolerance")))
-        fail(key, "needs \"value\", optionally with \"tolerance\", or \"min\", \"max\" or both");
-      if (min && max && *min > *max) fail(key, "has a \"min\" above its \"max\"");
-      if (value)
-        checked.expected = expected["value"].dump() +
-                           (tolerance == 0 ? "" : " +- " + expected["tolerance"].dump());
-      else if (!max)
-        checked.expected = "at least " + expected["min"].dump();
-      else if (!min)
-        checked.expected = "at most " + expected["max"].dump();
-      else
-        checked.expected = expected["min"].dump() + " to " + expected["max"].dump();
-    }
+    Json bounds = expected;
+    if (expected.is_number()) bounds = {{"value", expected}};
+    size_t known = 0;
+    const auto read = [&](const char* name) -> std::optional<double> {
+      if (!bounds.contains(name)) return std::nullopt;
+      ++known;
+      if (!bounds[name].is_number()) fail(key, fmt::format("needs a number \"{}\"", name));
+      return bounds[name].get<double>();
+    };
+    const auto value = read("value");
+    const auto tolerance = read("tolerance");
+    const auto min = read("min");
+    const auto max = read("max");
+    if (tolerance.value_or(0) < 0) fail(key, "needs a \"tolerance\" of 0 or more");
+    if (known < bounds.size() || value.has_value() == (min || max) || (!value && tolerance))
+      fail(key, "needs \"value\", optionally with \"tolerance\", or \"min\", \"max\" or both");
+    if (min && max && *min > *max) fail(key, "has a \"min\" above its \"max\"");
+    if (value)
+      checked.expected = bounds["value"].dump() +
+                         (tolerance.value_or(0) == 0 ? "" : " +- " + bounds["tolerance"].dump());
+    else if (!max)
+      checked.expected = "at least " + bounds["min"].dump();
+    else if (!min)
+      checked.expected = "at most " + bounds["max"].dump();
+    else
+      checked.expected = bounds["min"].dump() + " to " + bounds["max"].dump();
     if (found.is_null()) return;
     if (!found.is_number()) fail(key, "is not a number in the report");
     const auto number = found.get<double>();
     // The difference of decimal fractions is rounded: 0.4 is within 0.1 of 0.3.
-    checked.is_met = value ? std::abs(number - *value) <= tolerance * (1 + 1e-9)
+    checked.is_met = value ? std::abs(number - *value) <= tolerance.value_or(0) * (1 + 1e-9)
                            : (!min || number >= *min) && (!max || number <= *max);
     if (value && number != *value) checked.found += fmt::format(" ({:+g})", number - *value);
   }

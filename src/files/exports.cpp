@@ -18,17 +18,6 @@ std::string prefix(const std::string& name, const std::string& query) {
 
 }  // namespace
 
-std::string outcomes_csv_header() {
-  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,recognition,"
-         "rank,margin\n";
-}
-
-std::string recognitions_csv_header() {
-  return "name,query,sequence,first_frame,frame,last_frame,train_first_frame,train_frame,"
-         "train_last_frame,recognitions,recognitions_correct,recognitions_incorrect,score,"
-         "outcome\n";
-}
-
 std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                          const std::string& query_name) {
   const std::string start = prefix(name, query_name);

@@ -14,9 +14,12 @@ struct Evaluation;
 struct EvaluatedResult;
 struct Judgment;
 
-/// With a line feed.
-std::string outcomes_csv_header();
-std::string recognitions_csv_header();
+inline constexpr const char* kOutcomesHeader =
+    "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,recognition,rank,"
+    "margin\n";
+inline constexpr const char* kRecognitionsHeader =
+    "name,query,sequence,first_frame,frame,last_frame,train_first_frame,train_frame,"
+    "train_last_frame,recognitions,recognitions_correct,recognitions_incorrect,score,outcome\n";
 
 /// A row per query frame: the window that ends there, best match and outcome, with `name` and
 /// `query` in the first columns. Unknown fields are empty.

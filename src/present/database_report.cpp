@@ -31,9 +31,8 @@ std::string frames_text(const Sequence& sequence) {
 }
 
 std::string frame_span(const Sequence& sequence, size_t window, size_t length) {
-  const std::string& first = sequence.frame_names[window];
-  const std::string& last = sequence.frame_names[window + length - 1];
-  return fmt::format("{}: {} to {}", sequence.name, first, last);
+  return fmt::format("{}: {} to {}", sequence.name, sequence.frame_names[window],
+                     sequence.frame_names[window + length - 1]);
 }
 
 /// One sequence at one window length.

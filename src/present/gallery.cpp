@@ -162,10 +162,9 @@ std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTr
     std::vector<size_t> order;
     for (size_t q = 0; q < queries.size(); ++q)
       if (queries[q].verdict == verdict && queries[q].best) order.push_back(q);
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-      const uint64_t first = confidence_key(queries[a], judgment.outcomes.confidence);
-      const uint64_t second = confidence_key(queries[b], judgment.outcomes.confidence);
-      return is_best_first ? first < second : first > second;
+    std::ranges::stable_sort(order, {}, [&](size_t q) {
+      const uint64_t key = confidence_key(queries[q], judgment.outcomes.confidence);
+      return is_best_first ? key : ~key;
     });
     const size_t begin = items.size();
     for (const size_t q : order) {
