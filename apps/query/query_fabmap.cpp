@@ -84,8 +84,7 @@ std::map<size_t, SequenceArgument> images_by_group(const QueryOptions& options,
 void draw_explanation(const Explanation& explanation, const SequenceArgument& query,
                       size_t recorded, const FabmapDatabase& database,
                       const std::map<size_t, SequenceArgument>& images, const Session& session) {
-  const FrameFeatures frame =
-      locate_words(open_sequence(query), recorded, database, session.monitor);
+  const MarkedImage frame = locate_words(open_sequence(query), recorded, database, session.monitor);
   std::vector<ImagePair> pairs;
   for (const PlaceExplanation& place : explanation.places) {
     ImagePair& pair = pairs.emplace_back();
@@ -99,9 +98,9 @@ void draw_explanation(const Explanation& explanation, const SequenceArgument& qu
       continue;
     }
     try {
-      const FrameFeatures view =
-          locate_words(open_sequence(source->second), origin.frame, database, session.monitor);
-      pair.view = mark_words(view, place, pair.view.title);
+      pair.view = mark_words(
+          locate_words(open_sequence(source->second), origin.frame, database, session.monitor),
+          place, pair.view.title);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
       pair.view.title += " (can't be decoded)";

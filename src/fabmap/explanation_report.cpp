@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "base/error.h"
 #include "chart/chart.h"
 #include "present/table.h"
+#include "sequence/frames.h"
 
 namespace vpr {
 namespace {
@@ -117,14 +119,35 @@ std::string explanation_text(const Explanation& explanation) {
   return text;
 }
 
-MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
+MarkedImage locate_words(const SequenceSource& sequence, size_t frame,
+                         const FabmapDatabase& database, const Monitor& monitor) {
+  MarkedImage image;
+  if (!sequence.files.empty()) {
+    if (frame < sequence.files.size())
+      image.gray = decode_image(sequence.files[frame], PixelFormat::gray);
+  } else {
+    for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
+                   [&](size_t index, const cv::Mat& decoded) {
+                     if (index == frame) image.gray = decoded.clone();
+                   });
+  }
+  if (image.gray.empty())
+    throw Error(ErrorKind::input, "{}: has no readable frame {}", sequence.argument.path.string(),
+                frame);
+  const LocalFeatures found = find_features(image.gray, database.settings.features);
+  const std::vector<uint32_t> words =
+      nearest_words(make_vocabulary(database.vocabulary), found.descriptors);
+  for (size_t i = 0; i < words.size(); ++i) image.points.push_back({found.points[i], words[i]});
+  return image;
+}
+
+MarkedImage mark_words(const MarkedImage& located, const PlaceExplanation& place,
                        const std::string& title) {
-  MarkedImage image{features.gray, {}, title};
+  MarkedImage image{located.gray, {}, title};
   const auto add = [&](const std::vector<WordEvidence>& words, bool speaks_for) {
     for (const WordEvidence& word : words)
-      for (size_t i = 0; i < features.words.size(); ++i)
-        if (features.words[i] == word.word)
-          image.points.push_back({features.points[i], word.word, speaks_for});
+      for (const MarkedPoint& point : located.points)
+        if (point.word == word.word) image.points.push_back({point.at, point.word, speaks_for});
   };
   add(place.against, false);
   add(place.for_it, true);

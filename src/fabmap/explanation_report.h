@@ -31,8 +31,13 @@ struct ImagePair {
   MarkedImage view;
 };
 
-/// Marks the words of a frame that speak for and against the place.
-MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
+/// Decodes one frame of a sequence and finds its words. Throws Error(input) if the sequence has no
+/// such frame, or it cannot be decoded.
+MarkedImage locate_words(const SequenceSource& sequence, size_t frame,
+                         const FabmapDatabase& database, const Monitor& monitor);
+
+/// Only the words that speak for and against the place.
+MarkedImage mark_words(const MarkedImage& located, const PlaceExplanation& place,
                        const std::string& title);
 
 /// One row per pair, BGR, 8 bits. Words have the color of Meaning::correct if they speak for the

@@ -12,7 +12,6 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
-#include "sequence/frames.h"
 #include "words/model.h"
 
 namespace vpr {
@@ -267,27 +266,6 @@ Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, 
         place.against.push_back(*word);
   }
   return explanation;
-}
-
-FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
-                           const FabmapDatabase& database, const Monitor& monitor) {
-  FrameFeatures features;
-  if (!sequence.files.empty()) {
-    if (frame < sequence.files.size())
-      features.gray = decode_image(sequence.files[frame], PixelFormat::gray);
-  } else {
-    for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
-                   [&](size_t index, const cv::Mat& image) {
-                     if (index == frame) features.gray = image.clone();
-                   });
-  }
-  if (features.gray.empty())
-    throw Error(ErrorKind::input, "{}: has no readable frame {}", sequence.argument.path.string(),
-                frame);
-  const LocalFeatures found = find_features(features.gray, database.settings.features);
-  features.points = found.points;
-  features.words = nearest_words(make_vocabulary(database.vocabulary), found.descriptors);
-  return features;
 }
 
 }  // namespace vpr

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
 #include "decide/result.h"
 #include "run/query.h"
@@ -70,17 +68,5 @@ struct FabmapMatcher {
 /// place first; empty for an unreadable frame, which has no places.
 Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
                           std::span<const double> posterior, const FabmapQuerySettings& settings);
-
-/// The features of one frame and their words.
-struct FrameFeatures {
-  cv::Mat gray;
-  std::vector<cv::Point2f> points;
-  std::vector<uint32_t> words;  ///< per point
-};
-
-/// Decodes one frame of a sequence and finds its features. Throws Error(input) if the sequence has
-/// no such frame, or it cannot be decoded.
-FrameFeatures locate_words(const SequenceSource& sequence, size_t frame,
-                           const FabmapDatabase& database, const Monitor& monitor);
 
 }  // namespace vpr
