@@ -22,17 +22,12 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
   if (!flags.format.empty()) argument.format = flags.format;
   GroundTruthOptions& options = argument.options;
   GroundTruthOptions given = flags.options;
-  const auto override_number = [](auto& field, const auto& flag) {
-    if (flag) field = flag;
-  };
-  override_number(options.radius_m, given.radius_m);
-  override_number(options.angle_deg, given.angle_deg);
-  override_number(options.ignore_radius_m, given.ignore_radius_m);
-  override_number(options.train_step, given.train_step);
-  override_number(options.max_difference_s, given.max_difference_s);
-  override_number(options.offset_s, given.offset_s);
-  override_number(options.train_offset_s, given.train_offset_s);
-  if (given.matrix_rows != MatrixRows::automatic) options.matrix_rows = given.matrix_rows;
+  visit_fields(options, [&](std::string_view name, auto& field) {
+    visit_fields(given, [&](std::string_view other, const auto& flag) {
+      if constexpr (std::is_assignable_v<decltype(field), decltype(flag)>)
+        if (name == other && flag != std::decay_t<decltype(flag)>{}) field = flag;
+    });
+  });
   visit_paths(options, [&](std::string_view name, std::filesystem::path& file) {
     visit_paths(given, [&](std::string_view other, const std::filesystem::path& path) {
       if (name == other && !path.empty()) file = path;

@@ -46,20 +46,6 @@ struct InputFile {
   size_t size = 0;
 };
 
-std::string read_bytes(const std::filesystem::path& path, size_t most) {
-  const InputFile file(path);
-  std::string bytes(std::min(file.size, most), '\0');
-  size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got = ::read(file.descriptor, bytes.data() + done, bytes.size() - done);
-    if (got == 0) break;
-    if (got > 0) done += static_cast<size_t>(got);
-    if (got < 0 && errno != EINTR) fail(path, errno);
-  }
-  bytes.resize(done);
-  return bytes;
-}
-
 /// Mapped files by their first address.
 struct Mappings {
   struct File {
@@ -123,11 +109,21 @@ MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
 }
 
 std::string read_whole_file(const std::filesystem::path& path) {
-  return read_bytes(path, std::numeric_limits<size_t>::max());
+  return read_file_start(path, std::numeric_limits<size_t>::max());
 }
 
 std::string read_file_start(const std::filesystem::path& path, size_t most) {
-  return read_bytes(path, most);
+  const InputFile file(path);
+  std::string bytes(std::min(file.size, most), '\0');
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(file.descriptor, bytes.data() + done, bytes.size() - done);
+    if (got == 0) break;
+    if (got > 0) done += static_cast<size_t>(got);
+    if (got < 0 && errno != EINTR) fail(path, errno);
+  }
+  bytes.resize(done);
+  return bytes;
 }
 
 }  // namespace vpr

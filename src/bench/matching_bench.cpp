@@ -202,35 +202,29 @@ std::vector<std::string> timed_methods(const MatchingBenchSettings& settings) {
 
 /// Training and query frames of one database size.
 struct BenchFrames {
-  std::vector<LdbCode> train_codes;  ///< empty for vectors
-  std::vector<LdbCode> query_codes;
-  GeneratedVectors train_vectors;
-  GeneratedVectors query_vectors;
-
-  MatchingCase example(const MatchSettings& match) const {
-    return train_codes.empty() ? make_case(train_vectors.rows(), query_vectors.rows(), match)
-                               : make_case(train_codes, query_codes, match);
-  }
+  GeneratedVectors train;
+  GeneratedVectors query;
 };
+
+GeneratedVectors rows_of(std::span<const LdbCode> codes) {
+  GeneratedVectors rows{kLdbShape, {}};
+  for (const LdbCode& code : codes) rows.bytes.insert(rows.bytes.end(), code.begin(), code.end());
+  return rows;
+}
 
 BenchFrames make_frames(const MatchingBenchSettings& settings,
                         const std::optional<RecordedCodes>& recorded, size_t frames, size_t query,
                         uint64_t seed) {
   const size_t length = settings.descriptor_length;
   if (length != 0)
-    return {{},
-            {},
-            generate_vectors(frames, length, settings.precision, seed, seed + 1),
+    return {generate_vectors(frames, length, settings.precision, seed, seed + 1),
             generate_vectors(query, length, settings.precision, seed, seed + 2, frames / 3)};
-  if (recorded) {
-    const auto first = [](const std::vector<LdbCode>& codes, size_t count) {
-      return std::vector<LdbCode>(codes.begin(), codes.begin() + static_cast<ptrdiff_t>(count));
-    };
-    return {first(recorded->train, frames), first(recorded->query, query), {}, {}};
-  }
+  if (recorded)
+    return {rows_of(std::span(recorded->train).first(frames)),
+            rows_of(std::span(recorded->query).first(query))};
   const std::vector<LdbCode> train = generate_sequence(frames, seed);
-  return {
-      train, repeat_sequence(train, frames / 3, query, settings.changed_bits, seed + 1), {}, {}};
+  return {rows_of(train),
+          rows_of(repeat_sequence(train, frames / 3, query, settings.changed_bits, seed + 1))};
 }
 
 // The reason why a case cannot be measured; empty if it can.
@@ -407,7 +401,8 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
         }
         if (!data) data = make_frames(settings, recorded, frames, query, seed);
         const MatchingCase example =
-            data->example({length, settings.ring_bytes, kernels, settings.lsh, seed});
+            make_case(data->train.rows(), data->query.rows(),
+                      {length, settings.ring_bytes, kernels, settings.lsh, seed});
         check_methods(example, methods, monitor);
         for (const std::string& method : methods) {
           counter.add();

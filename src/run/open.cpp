@@ -170,14 +170,15 @@ void warn_of_shapes(const SequenceDatabase& database, const Sequence& query,
   for (const TrainSequence& train : database.sequences) {
     const auto& size = train.sequence.size;
     if (!query.size || !size || !is_searched(settings, train.sequence.name)) continue;
-    const double across = static_cast<double>(query.size->width) * size->height;
-    const double down = static_cast<double>(size->width) * query.size->height;
+    const auto [width, height] = *query.size;
+    const auto [train_width, train_height] = *size;
+    const double across = static_cast<double>(width) * train_height;
+    const double down = static_cast<double>(train_width) * height;
     if (std::max(across, down) <= kAlike * std::min(across, down)) continue;
     return warn(monitor,
                 "the query's images are {} x {}, those of {} are {} x {}: views of different shape "
                 "are hard to match. Is one of them rotated or cropped?",
-                query.size->width, query.size->height, train.sequence.name, size->width,
-                size->height);
+                width, height, train.sequence.name, train_width, train_height);
   }
 }
 

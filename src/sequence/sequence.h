@@ -3,6 +3,7 @@
 // reversal and cuts.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -145,13 +146,6 @@ Selection resampled(std::span<const int64_t> times_ns, double fps);
 /// The median rate of frames with these times, in frames per second; nullopt for fewer than two.
 std::optional<double> median_fps(std::span<const int64_t> times_ns);
 
-struct ImageSize {
-  uint32_t width = 0;
-  uint32_t height = 0;
-
-  bool operator==(const ImageSize&) const = default;
-};
-
 /// A sequence as the user named it. Passed whole, never member by member.
 struct Sequence {
   std::string name;
@@ -160,9 +154,10 @@ struct Sequence {
   std::vector<std::string> frame_names = {};
   /// increasing; frames that keep their index but have no image
   std::vector<size_t> unreadable = {};
-  std::optional<double> fps = {};      ///< frames per second, if known
-  Selection selection = {};            ///< the selected frames of the recording
-  std::optional<ImageSize> size = {};  ///< of the first readable frame, if known
+  std::optional<double> fps = {};  ///< frames per second, if known
+  Selection selection = {};        ///< the selected frames of the recording
+  /// Width and height of the first readable frame, if known.
+  std::optional<std::array<uint32_t, 2>> size = {};
 
   size_t recorded_frames() const { return selection.is_all() ? frames : selection.recorded_frames; }
 };

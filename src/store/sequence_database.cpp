@@ -24,14 +24,7 @@ void visit_fields(TrainSequence& train, Visitor&& visit) {
     visit("unreadable", sequence.unreadable);
     visit("typical_distance", IfSet{train.typical_distance});
     visit("exclusion_radius", IfSet{train.exclusion_radius});
-    const auto write_size = [&](Json& json, const std::string& key) {
-      if (sequence.size) json[key] = {sequence.size->width, sequence.size->height};
-    };
-    visit("size", CustomField{write_size, [&](const Fields& fields, const std::string& key) {
-                                std::optional<std::array<uint32_t, 2>> size;
-                                fields.read_if_set(key, size);
-                                if (size) sequence.size = {(*size)[0], (*size)[1]};
-                              }});
+    visit("size", IfSet{sequence.size});
   });
 }
 
@@ -97,7 +90,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     const size_t radius = train.exclusion_radius.value_or(0);
     if (radius == 0 || radius > sequence.frames)
       archive.fail("\"exclusion_radius\" is out of range");
-    if (sequence.size && std::max(sequence.size->width, sequence.size->height) > kMaxImageSide)
+    if (sequence.size && std::ranges::max(*sequence.size) > kMaxImageSide)
       archive.fail("\"size\" is out of range");
     const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
     sequence.frame_names.assign(first, end);
