@@ -153,17 +153,6 @@ std::string check_text(const std::string& title, const std::vector<CheckRow>& ro
   return render_table(table, format) + (format == TableFormat::text ? examples : "");
 }
 
-/// `target`: the other format.
-Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruthSummary& summary,
-                     std::string_view target) {
-  return {{"schema", "vpr.conversion/3"},
-          {"from", ground_truth.format},
-          {"to", target},
-          {"query_frames", summary.query_frames},
-          {"same", summary.same},
-          {"ignored", summary.ignored}};
-}
-
 InspectedGroundTruth inspect(const Session& session, const TruthInputs& inputs) {
   return inspect_ground_truth(ground_truth_argument(inputs.ground_truth, inputs.flags),
                               find_scope(inputs.scope, session.monitor), session.monitor);
@@ -207,7 +196,12 @@ void run_convert(Session& session, const TruthInputs& inputs) {
                                    inputs.ground_truth, found.format, options.output, target.name,
                                    counted(summary.query_frames, "query frame"),
                                    counted(summary.same, "pair"), summary.ignored),
-                       conversion_json(found, summary, target.name));
+                       {{"schema", "vpr.conversion/3"},
+                        {"from", found.format},
+                        {"to", target.name},
+                        {"query_frames", summary.query_frames},
+                        {"same", summary.same},
+                        {"ignored", summary.ignored}});
 }
 
 }  // namespace
