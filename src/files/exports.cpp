@@ -1,7 +1,6 @@
 #include "files/exports.h"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 
@@ -10,17 +9,10 @@
 #include "files/report.h"
 
 namespace vpr {
-namespace {
-
-std::string prefix(const std::string& name, const std::string& query) {
-  return csv_field(name) + "," + csv_field(query) + ",";
-}
-
-}  // namespace
 
 std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                          const std::string& query_name) {
-  const std::string start = prefix(name, query_name);
+  const std::string start = csv_field(name) + "," + csv_field(query_name) + ",";
   const Outcomes& outcomes = judgment.outcomes;
   std::string text;
   for (const QueryOutcome& query : outcomes.queries) {
@@ -45,7 +37,7 @@ std::string outcomes_csv(const Judgment& judgment, const std::string& name,
 
 std::string recognitions_csv(const EvaluatedResult& judged, const std::string& name) {
   const Result& result = *judged.result;
-  const std::string start = prefix(name, result.query.name);
+  const std::string start = csv_field(name) + "," + csv_field(result.query.name) + ",";
   const size_t length = result.window_length();
   const Clusters clusters = clusters_of(result);
   std::string text;

@@ -62,20 +62,11 @@ std::string cell_text(const Report& report, const GridMetric& metric) {
 }
 
 /// Different values in order of first occurrence.
-template <class Projection>
-std::vector<std::string> distinct(std::span<const Report> reports, const Projection& text) {
+std::vector<std::string> distinct(std::span<const Report> reports, std::string Report::*member) {
   std::vector<std::string> found;
   for (const Report& report : reports)
-    if (std::ranges::find(found, text(report)) == found.end()) found.push_back(text(report));
+    if (std::ranges::find(found, report.*member) == found.end()) found.push_back(report.*member);
   return found;
-}
-
-std::vector<std::string> methods_of(std::span<const Report> reports) {
-  return distinct(reports, [](const Report& report) { return report.row_name; });
-}
-
-std::vector<std::string> queries_of(std::span<const Report> reports) {
-  return distinct(reports, [](const Report& report) { return report.query; });
 }
 
 /// Null if the method has no report on the query.
@@ -104,12 +95,12 @@ Table grid_table(std::span<const Report> reports, const GridMetric& metric) {
   table.title = fmt::format(
       "{} (over all frames with a match{})", metric.title,
       metric.is_of_path() && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
-  const std::vector<std::string> queries = queries_of(reports);
+  const std::vector<std::string> queries = distinct(reports, &Report::query);
   table.columns = {"method"};
   table.columns.insert(table.columns.end(), queries.begin(), queries.end());
   if (queries.size() > 1) table.columns.emplace_back("mean");
   std::vector<std::vector<Value>> columns(table.columns.size() - 1);  // values that may be best
-  for (const std::string& method : methods_of(reports)) {
+  for (const std::string& method : distinct(reports, &Report::row_name)) {
     std::vector<Value> values;
     auto& cells = table.rows.emplace_back(std::vector{method});
     bool may_be_best = true;
@@ -136,7 +127,7 @@ Table grid_table(std::span<const Report> reports, const GridMetric& metric) {
 /// One row per method on this query, and one column per metric.
 Table query_table(std::span<const Report> reports, const std::string& query) {
   Table table{"Over all frames with a match", {"method"}, {}};
-  for (const std::string& method : methods_of(reports))
+  for (const std::string& method : distinct(reports, &Report::row_name))
     if (report_of(reports, method, query) != nullptr) table.rows.push_back({method});
   for (const GridMetric& metric : grid_metrics()) {
     std::vector<Value> values;
@@ -164,8 +155,8 @@ std::string query_section(std::span<const Report> reports, const std::string& qu
 }
 
 std::string sentence_of(std::span<const Report> reports) {
-  const size_t methods = methods_of(reports).size();
-  const size_t queries = queries_of(reports).size();
+  const size_t methods = distinct(reports, &Report::row_name).size();
+  const size_t queries = distinct(reports, &Report::query).size();
   const Table table = grid_table(reports, grid_metrics().front());
   std::vector<std::string> best;
   for (const auto& [row, column] : table.best)
@@ -211,9 +202,10 @@ Table grid_rows(std::span<const Report> reports) {
 }
 
 std::string grid_page(const std::string& title, std::span<const Report> reports) {
+  const std::vector<std::string> queries = distinct(reports, &Report::query);
   std::string sections;
-  for (const std::string& query : queries_of(reports)) sections += query_section(reports, query);
-  if (queries_of(reports).size() > 1) {
+  for (const std::string& query : queries) sections += query_section(reports, query);
+  if (queries.size() > 1) {
     const std::vector<Table> tables = grid_tables(reports);
     std::string others;
     for (size_t t = 1; t < tables.size(); ++t) others += table_html(tables[t]);
