@@ -56,7 +56,7 @@ struct ScoreMatrix {
   /// Writes the scores of queries [first, first + count) to all references, row by row; NaN for a
   /// missing score. Thread-safe.
   std::function<void(size_t first, size_t count, std::span<double> scores)> compute;
-  /// Of the file or of the sources of computed scores, as in provenance.
+  /// The checksum of the file or of the sources of computed scores, as in provenance.
   std::function<std::string(const Monitor& monitor)> fingerprint;
 
   ScoreMatrix() = default;
