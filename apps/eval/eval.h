@@ -114,7 +114,7 @@ struct Evaluated {
   Evaluation evaluation;
   EvaluationSettings by;
   Report report;
-  RecordedRun run = {};  ///< of a result
+  std::shared_ptr<const StoredResult> stored = {};  ///< null: scores
 };
 
 /// Evaluates the result, or scores without a result. Throws as open_inputs does, and Error(usage)

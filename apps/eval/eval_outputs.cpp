@@ -136,7 +136,7 @@ FrameSources find_frames(const EvalInputs& inputs, const Evaluated& evaluated) {
   if (!inputs.train.empty()) train.clear();
   for (const std::string& text : inputs.train) train.push_back({"", parse_sequence_argument(text)});
   sources.references = open_references(train, scope);
-  FrameSources recorded = recorded_frames(scope, evaluated.run, evaluated.report.has_places());
+  FrameSources recorded = recorded_frames(scope, evaluated.stored.get());
   if (!sources.query) sources.query = std::move(recorded.query);
   for (size_t s = 0; s < sources.references.size(); ++s)
     if (!sources.references[s]) sources.references[s] = std::move(recorded.references[s]);

@@ -196,7 +196,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
       evaluation_settings(inputs, stored ? std::optional(stored->result.query.name) : inputs.query,
                           has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
   if (stored) {
-    evaluated.run = stored->run;
+    evaluated.stored = stored;
     evaluation = evaluate_stored(stored, std::move(matrix), evaluated.by, session.monitor);
   } else {
     warn_of_order(session, inputs);

@@ -121,13 +121,13 @@ std::string expectation_note(const EvalInputs& inputs, size_t values, size_t unm
 
 // vpr-tune with the query, the database and the ground truth of the run; empty if one is unknown.
 std::string tuning_command(const Session& session, const EvalInputs& inputs,
-                           const RecordedRun& run) {
-  const auto database = run.paths.find("database");
-  const auto query = run.paths.find("query");
-  if (database == run.paths.end() || query == run.paths.end() || !inputs.truth.dataset.empty())
-    return "";
-  std::vector<std::string> words = {"vpr-tune", shell_word(database->second),
-                                    "--query " + shell_word(query->second)};
+                           const StoredResult* stored) {
+  if (stored == nullptr) return "";
+  const std::string database = stored->context.run.path("database");
+  const std::string query = stored->context.run.path("query");
+  if (database.empty() || query.empty() || !inputs.truth.dataset.empty()) return "";
+  std::vector<std::string> words = {"vpr-tune", shell_word(database),
+                                    "--query " + shell_word(query)};
   std::vector<std::string> flags = {"--ground-truth", "--tolerance"};
   for (const std::string& flag : session.command.given_flags(kGroundTruthGroup))
     flags.push_back(flag);
@@ -186,7 +186,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
               evaluation.result ? evaluation.result->result.get() : nullptr);
   const std::vector<std::string> unmet = unmet_expectations(values);
   const std::string brief = evaluation_text(evaluation, evaluated.report, summary,
-                                            tuning_command(session, inputs, evaluated.run),
+                                            tuning_command(session, inputs, evaluated.stored.get()),
                                             session.options.verbose ? SIZE_MAX : kMostRanges) +
                             expectation_note(inputs, values.size(), unmet.size());
   const std::string tables = evaluation.truth.is_known

@@ -30,7 +30,7 @@ std::vector<NamedArgument> named_arguments(const TrainOptions& options,
                                            const std::vector<std::string>& taken = {});
 
 /// The views of --train, --train-folders and --place, named as in named_arguments.
-std::vector<GroupArgument> group_arguments(const TrainOptions& options,
+std::vector<NamedArgument> group_arguments(const TrainOptions& options,
                                            const std::vector<std::string>& taken = {});
 
 /// Claims the database of --output. Throws Error(usage) without --output.

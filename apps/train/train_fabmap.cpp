@@ -28,7 +28,7 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
   refuse(!(options.vocabulary + options.tree + options.pretrain_bow + options.train_bow).empty(),
          "a file of OpenFABMAP", "needs --from-openfabmap");
   std::vector<SequenceArgument> pretrain;
-  std::vector<GroupArgument> groups;
+  std::vector<NamedArgument> groups;
   for (const std::string& text : options.pretrain)
     pretrain.push_back(parse_sequence_argument(text));
   TrainOptions train = options.train;
@@ -41,7 +41,7 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
   }
   // A database without views is for vpr-query loops.
   if (has_sequences(train) || !train.places.empty())
-    for (const GroupArgument& group : group_arguments(train)) groups.push_back(group);
+    for (const NamedArgument& group : group_arguments(train)) groups.push_back(group);
   if (pretrain.empty())
     throw Error(ErrorKind::usage,
                 "frames of other places for the vocabulary are missing, as in --pretrain FOLDER");
@@ -65,9 +65,9 @@ FabmapDatabase import_files(const FabmapOptions& options) {
 
 }  // namespace
 
-std::vector<GroupArgument> group_arguments(const TrainOptions& options,
+std::vector<NamedArgument> group_arguments(const TrainOptions& options,
                                            const std::vector<std::string>& taken) {
-  std::vector<GroupArgument> groups;
+  std::vector<NamedArgument> groups;
   for (const std::string& text : options.places) {
     const size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
@@ -76,8 +76,7 @@ std::vector<GroupArgument> group_arguments(const TrainOptions& options,
         {text.substr(0, equals), parse_sequence_argument(text.substr(equals + 1)), true});
   }
   if (groups.empty() || has_sequences(options))
-    for (const NamedArgument& named : named_arguments(options, taken))
-      groups.push_back({named.name, named.sequence, false});
+    for (const NamedArgument& named : named_arguments(options, taken)) groups.push_back(named);
   return groups;
 }
 

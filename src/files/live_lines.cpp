@@ -47,31 +47,23 @@ LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_
       query_(database, query_name, settings, resources, monitor) {}
 
 Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
-  DescriptorSet described;
+  std::optional<DescriptorSet> described;
   try {
     if (frame.is_unreadable)
       throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
                   frame.name);
-    described = describe_frames(frame.sequence(), database_, false, monitor);
-    check_descriptors(database_.descriptors, described.descriptors);
+    if (!frame.is_missing())
+      described = describe_frames(frame.sequence(), database_, false, monitor);
   } catch (const Error& error) {
     if (!skip_unreadable_ || error.kind() != ErrorKind::input) throw;
     warn(monitor, error.what());
-    return take_missing(frame.name);
   }
-  ArrivedFrame arrived{described.rows()[0]};
-  if (!described.words.empty()) arrived.words = described.words.front();
-  return line_of(arrived, frame.name);
-}
-
-Json LiveLines::take_missing(const std::string& name) {
+  if (described) check_descriptors(database_.descriptors, described->descriptors);
   const std::vector<uint8_t> zeros(database_.descriptors.shape().row_bytes());
-  return line_of({DescriptorRow(zeros), false}, name);
-}
-
-Json LiveLines::line_of(const ArrivedFrame& frame, const std::string& name) {
-  const std::optional<Result> result = query_.take(frame);
-  last_ = {frames_++, name, frame.is_readable};
+  ArrivedFrame arrived{described ? described->rows()[0] : zeros, described.has_value()};
+  if (described && !described->words.empty()) arrived.words = described->words.front();
+  const std::optional<Result> result = query_.take(arrived);
+  last_ = {frames_++, frame.name, arrived.is_readable};
   return live_line(last_, result ? &*result : nullptr, 0);
 }
 

@@ -31,14 +31,10 @@ class LiveLines {
   /// Describes and matches the next frame. One that cannot be decoded throws Error(input); with
   /// skip_unreadable, it is a warning, and the frame is missing.
   Json take(const LiveFrame& frame, const Monitor& monitor);
-  /// The next frame, which is missing.
-  Json take_missing(const std::string& name);
   /// The decisions at the end of the query; nullopt if there are none.
   std::optional<Json> finish();
 
  private:
-  Json line_of(const ArrivedFrame& frame, const std::string& name);
-
   const SequenceDatabase& database_;
   bool skip_unreadable_;
   LiveQuery query_;

@@ -208,14 +208,14 @@ void check_companions(const fs::path& result, const ResultContext& context,
 }
 
 // Adds readers of the names of frames, for sides that have none.
-void add_recorded_names(EvaluationSettings& by, const RecordedRun& run, size_t sequences) {
-  if (const std::string query = run.path("query"); !by.query_names && !query.empty())
+void add_recorded_names(EvaluationSettings& by, const ResultContext& context, size_t sequences) {
+  if (const std::string query = context.run.path("query"); !by.query_names && !query.empty())
     by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
-  const std::string database = run.path("database");
-  if (!by.train_names.empty() || (database.empty() && !run.train)) return;
+  const std::string database = context.run.path("database");
+  if (!by.train_names.empty() || (database.empty() && !context.train)) return;
   const auto trained =  // read at most once
-      std::make_shared<std::vector<TrainSequence>>(run.train ? *run.train
-                                                             : std::vector<TrainSequence>());
+      std::make_shared<std::vector<TrainSequence>>(context.train ? *context.train
+                                                                 : std::vector<TrainSequence>());
   for (size_t s = 0; s < sequences; ++s)
     by.train_names.emplace_back([database, trained, s] {
       if (trained->empty()) *trained = read_sequence_database(database).sequences;
@@ -223,9 +223,11 @@ void add_recorded_names(EvaluationSettings& by, const RecordedRun& run, size_t s
     });
 }
 
-Json sealed(Json json) {
-  json["checksum"] = result_checksum(json);
-  return json;
+// The checksum that the file of a result in memory would have.
+std::string fingerprint_of(const StoredResult& stored) {
+  ResultContext context = stored.context;
+  write_arrays("", stored.result, context.files, nullptr);
+  return result_checksum(result_json(stored.result, context));
 }
 
 }  // namespace
@@ -254,20 +256,10 @@ Json write_result(const fs::path& path, const Result& result, ResultContext cont
         known != context.checksums.end() ? known->second : file_checksum(file->temporary());
   }
   write_arrays(path, result, context.files, &outputs);
-  const Json json = sealed(result_json(result, context));
+  Json json = result_json(result, context);
+  json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;
-}
-
-Json sealed_result_json(const Result& result, const ResultContext& context) {
-  ResultContext with_arrays = context;
-  write_arrays("", result, with_arrays.files, nullptr);
-  return sealed(result_json(result, with_arrays));
-}
-
-std::string RecordedRun::path(const std::string& role) const {
-  const auto found = paths.find(role);
-  return found == paths.end() ? std::string() : found->second;
 }
 
 Json read_result_json(const fs::path& path) {
@@ -299,7 +291,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   const Fields fields(json, path.string());
   const JsonSource& source = fields.source();
   StoredResult stored;
-  auto& [result, context, fingerprint, run] = stored;
+  auto& [result, context, fingerprint] = stored;
   fingerprint = fields.text("checksum");
   ResultContent content{result, context};
   value_from_json(json, content, source, "result");
@@ -307,7 +299,6 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   read_arrays(path, context.files, source, result);
   if (!content.has_places()) find_clusters(fields, result, monitor);
   check_companions(path, context, source, monitor);
-  run = {context.run.paths, context.run.frame_names, context.database_fingerprint, {}};
   return stored;
 }
 
@@ -315,9 +306,10 @@ Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
                            std::optional<ScoreMatrix> matrix, EvaluationSettings by,
                            const Monitor& monitor) {
   const std::shared_ptr<const Result> result(stored, &stored->result);
-  if (!result->places) add_recorded_names(by, stored->run, result->sequences.size());
+  if (!result->places) add_recorded_names(by, stored->context, result->sequences.size());
   Evaluation evaluation = evaluate_result(result, std::move(matrix), by, monitor);
-  evaluation.fingerprint = stored->fingerprint;
+  evaluation.fingerprint =
+      stored->fingerprint.empty() ? fingerprint_of(*stored) : stored->fingerprint;
   return evaluation;
 }
 

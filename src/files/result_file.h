@@ -38,7 +38,7 @@ struct Verification {
 
 VPR_FIELDS(Verification, cells, differences)
 
-/// The parts of the JSON that are not in Result.
+/// The parts of the JSON that are not in Result. Files may have moved or changed since the run.
 struct ResultContext {
   RunInfo run;
   std::string database_fingerprint;
@@ -53,6 +53,9 @@ struct ResultContext {
   std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known
   /// Checksums of other files of the run in the folder of the result, by name.
   nlohmann::ordered_map<std::string, std::string> companions = {};
+  /// The training sequences of a database in memory; null: those of the database at its path. Not
+  /// in the file.
+  std::shared_ptr<const std::vector<TrainSequence>> train = {};
 };
 
 /// Claims the result and its companions.
@@ -75,33 +78,19 @@ Json result_json(const Result& result, const ResultContext& context);
 Json write_result(const std::filesystem::path& path, const Result& result, ResultContext context,
                   Outputs& outputs);
 
-/// The JSON that write_result writes if there are no other outputs.
-Json sealed_result_json(const Result& result, const ResultContext& context);
-
-/// Inputs of a run. Files may have moved or changed since.
-struct RecordedRun {
-  std::map<std::string, std::string> paths;        ///< by role, such as "query" and "database"
-  std::map<std::string, std::string> frame_names;  ///< names_checksum of their frames
-  std::string database_fingerprint;
-  /// The training sequences of a database in memory; null: those of the database at its path.
-  std::shared_ptr<const std::vector<TrainSequence>> train = {};
-
-  /// A value by its role; empty: unknown.
-  std::string path(const std::string& role) const;
-};
-
+/// The content of a result file.
 struct StoredResult {
   Result result;
   ResultContext context;
-  std::string fingerprint;  ///< of everything except "machine" and "timing"
-  RecordedRun run = {};
+  /// Checksum except "machine" and "timing"; empty: the result is not from a file.
+  std::string fingerprint;
 };
 
 /// Throws Error(input) if a file is missing, and Error(data) if a file is damaged, has another
 /// version or belongs to another run, or if an index is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
-/// Evaluates a result of a file. Names of frames that `by` lacks are those of the query and the
+/// Evaluates a result. Names of frames that `by` lacks are those of the query and the
 /// database of the run, unless the result has places. Throws as evaluate_result does.
 Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
                            std::optional<ScoreMatrix> matrix, EvaluationSettings by,

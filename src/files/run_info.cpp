@@ -35,6 +35,11 @@ void visit_fields(Machine& machine, Visitor&& visit) {
 
 }  // namespace
 
+std::string RunInfo::path(const std::string& role) const {
+  const auto found = paths.find(role);
+  return found == paths.end() ? std::string() : found->second;
+}
+
 void set_query_path(RunInfo& run, const SequenceArgument& query) {
   if (query.array) return;
   run.paths["query"] = argument_text(query);

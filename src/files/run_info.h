@@ -21,6 +21,9 @@ struct RunInfo {
   size_t threads = 0;
   size_t memory_limit = 0;  ///< bytes; 0: none
   uint64_t seed = 0;
+
+  /// Empty: unknown.
+  std::string path(const std::string& role) const;
 };
 
 class Fields;

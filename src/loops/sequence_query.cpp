@@ -141,7 +141,8 @@ QueryData open_scores(const QueryInputs& inputs, ResultContext& context, const M
   if (!scores.array) context.run.paths["scores"] = scores.path;
   context.scores = {scores.order(), units.best, units.unit, units.is_exact};
   context.database_fingerprint = context.query_fingerprint = distances->fingerprint(monitor);
-  const auto& [name, query] = inputs.query;
+  const std::string& name = inputs.query.name;
+  const SequenceArgument& query = inputs.query.sequence;
   data.name = name.empty() ? std::filesystem::path(scores.path).stem().string() : name;
   data.query =
       selected(std::move(data.query), at_speed(query.speed, distances->queries(), query.seed));

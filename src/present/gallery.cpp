@@ -85,12 +85,13 @@ bool has_names(const SequenceSource& source, const Sequence& expected) {
 }
 
 // The training sequences of the run's database; none if it has moved or changed.
-std::vector<TrainSequence> recorded_training(const RecordedRun& run) {
-  if (run.train) return *run.train;
-  if (run.path("database").empty()) return {};
+std::vector<TrainSequence> recorded_training(const ResultContext& context) {
+  if (context.train) return *context.train;
+  const std::string path = context.run.path("database");
+  if (path.empty()) return {};
   try {
-    SequenceDatabase database = read_sequence_database(run.path("database"));
-    if (database.fingerprint == run.database_fingerprint) return std::move(database.sequences);
+    SequenceDatabase database = read_sequence_database(path);
+    if (database.fingerprint == context.database_fingerprint) return std::move(database.sequences);
   } catch (const Error&) {  // it has moved
   }
   return {};
@@ -236,15 +237,16 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
   return found;
 }
 
-FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& run,
-                             bool has_places) {
+FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* stored) {
   FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
-  sources.query = recorded_source(run.path("query"), [&](const SequenceSource& source) {
-    const auto names = run.frame_names.find("query");
-    return names_checksum(source) == (names == run.frame_names.end() ? "" : names->second);
+  if (stored == nullptr) return sources;
+  const ResultContext& context = stored->context;
+  sources.query = recorded_source(context.run.path("query"), [&](const SequenceSource& source) {
+    const auto names = context.run.frame_names.find("query");
+    return names_checksum(source) == (names == context.run.frame_names.end() ? "" : names->second);
   });
-  if (has_places) return sources;
-  const std::vector<TrainSequence> trained = recorded_training(run);
+  if (stored->result.places) return sources;
+  const std::vector<TrainSequence> trained = recorded_training(context);
   for (size_t s = 0; s < std::min(scope.sequences.size(), trained.size()); ++s)
     sources.references[s] = recorded_source(trained[s].path, [&](const SequenceSource& source) {
       return has_names(source, trained[s].sequence);

@@ -59,10 +59,9 @@ struct FrameSources {
   std::vector<std::optional<SequenceSource>> references;
 };
 
-/// The sequences of a run, as far as their frames are still the same. `has_places`: of FAB-MAP,
-/// whose training frames are not searched for.
-FrameSources recorded_frames(const GroundTruthScope& scope, const RecordedRun& run,
-                             bool has_places);
+/// The sequences of a result, as far as their frames are still the same; none if it is null, and no
+/// training sequences of FAB-MAP, whose references are places.
+FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* stored);
 
 struct Gallery {
   std::string kinds;  ///< HTML elements to select cards

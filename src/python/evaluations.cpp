@@ -1,6 +1,4 @@
 // Evaluations of results and of score matrices, with their reports.
-#include <pybind11/stl/filesystem.h>
-
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "files/report.h"
@@ -16,7 +14,7 @@ namespace {
 struct EvaluationReport {
   Evaluation evaluation;
   Report report;
-  RecordedRun recorded;
+  std::shared_ptr<const StoredResult> stored;  ///< null: scores
   RunInfo run;
   double seconds = 0;
 
@@ -25,9 +23,8 @@ struct EvaluationReport {
 
   std::string page(bool is_preview) const {
     std::string page;
-    Call("vpr.evaluate").run([&](const Monitor& monitor) {
-      const auto frames =
-          recorded_frames(evaluation.judgment.layout.scope, recorded, report.has_places());
+    Call{"vpr.evaluate"}.run([&](const Monitor& monitor) {
+      const auto frames = recorded_frames(evaluation.judgment.layout.scope, stored.get());
       page = is_preview ? evaluation_preview(evaluation, report, summary(), frames, monitor)
                         : evaluation_page(evaluation, report, run, summary(), frames, monitor);
     });
@@ -46,68 +43,56 @@ struct EvaluationReport {
 };
 using ReportPointer = std::shared_ptr<EvaluationReport>;
 
-using Evaluate = std::function<Evaluation(const EvaluationSettings& by, const std::string& name,
-                                          const Monitor& monitor)>;
-
-// Runs an evaluation with the remaining keywords. `truth`: empty for none.
-ReportPointer evaluated(Call& call, const std::string& truth, const Evaluate& evaluate) {
+// Judges a result or, if it is null, scores. `truth`: nullopt for none.
+ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& result,
+                       const Source& scores, const std::optional<std::filesystem::path>& truth) {
   EvaluationSettings by;
+  ScoreInput input;
+  ScoreSettings settings;
   std::string name;
-  NestedObject own{[&](auto&& visit) { visit("name", name); }};
-  call.take(by, own);
   GroundTruthArgument argument;
-  if (!truth.empty()) argument = parse_ground_truth_argument(truth, 0);
-  read_ground_truth_settings(call.keywords, "", call.function, argument);
-  if (!truth.empty()) by.ground_truth = argument;
+  if (truth) argument = parse_ground_truth_argument(truth->string(), 0);
+  NestedObject own{[&](auto&& visit) {
+    visit("name", name);
+    visit("format", argument.format);
+    visit("tolerance", argument.tolerance_frames);
+    visit_fields(argument.options, visit);
+    visit_paths(argument.options, [&](const char* key, std::filesystem::path& file) {
+      visit(key, ReadField{[&](const Fields& fields, const std::string& option) {
+              if (fields.has(option)) file = fields.text(option);
+            }});
+    });
+    if (result) return;
+    visit_fields(input, visit);
+    visit("rows_are_windows_of", settings.window_length);
+    visit("threshold", settings.threshold);
+  }};
+  if (!result) set_source(input, scores);
+  if (!result) call.process.order = FrameOrder::rows;
+  call.read(by, own);
+  if (truth) by.ground_truth = argument;
+  const auto evaluate_input = [&](const Monitor& monitor) {
+    require_order(input);
+    settings.format = input.format();
+    settings.query.name = kUnnamedQuery;
+    settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
+    Evaluation evaluation = evaluate_scores(ScoreMatrix(input.open()), settings, by, monitor);
+    warn_of_scores(evaluation.judgment, input, input.path, monitor);
+    return evaluation;
+  };
   const auto made = std::make_shared<EvaluationReport>();
   call.run([&](const Monitor& monitor) {
     const Stopwatch watch;
-    made->evaluation = evaluate(by, name, monitor);
+    made->evaluation =
+        result ? evaluate_stored(result, std::nullopt, by, monitor) : evaluate_input(monitor);
     if (!name.empty()) made->evaluation.name = name;
+    made->stored = result;
     made->run = call.run_info("vpr-eval");
-    if (!truth.empty()) made->run.paths["ground_truth"] = truth;
+    if (truth) made->run.paths["ground_truth"] = truth->string();
     made->report = report_of(made->evaluation, made->run, monitor);
     made->seconds = watch.elapsed_s();
   });
   return made;
-}
-
-ReportPointer evaluate(const std::shared_ptr<StoredResult>& result, const std::string& truth,
-                       const std::string& text, const py::object& progress) {
-  Call call("vpr.evaluate", text, progress);
-  const auto made = evaluated(
-      call, truth, [&](const EvaluationSettings& by, const std::string&, const Monitor& monitor) {
-        Evaluation evaluation = evaluate_stored(result, std::nullopt, by, monitor);
-        if (result->fingerprint.empty())
-          evaluation.fingerprint = sealed_result_json(result->result, result->context)["checksum"];
-        return evaluation;
-      });
-  made->recorded = result->run;
-  return made;
-}
-
-ReportPointer evaluate_matrix(const py::object& scores, const std::string& truth,
-                              const std::string& text, const py::object& progress) {
-  Call call("vpr.evaluate_scores", text, progress, {.order = FrameOrder::rows});
-  ScoreInput input;
-  ScoreSettings settings;
-  NestedObject layout{[&](auto&& visit) {
-    visit("rows_are_windows_of", settings.window_length);
-    visit("threshold", settings.threshold);
-  }};
-  call.take(input, layout);
-  set_source(input, scores);
-  require_order(input);
-  settings.format = input.format();
-  settings.query.name = kUnnamedQuery;
-  return evaluated(
-      call, truth,
-      [&](const EvaluationSettings& by, const std::string& name, const Monitor& monitor) {
-        settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
-        Evaluation evaluation = evaluate_scores(ScoreMatrix(input.open()), settings, by, monitor);
-        warn_of_scores(evaluation.judgment, input, input.path, monitor);
-        return evaluation;
-      });
 }
 
 }  // namespace
@@ -119,7 +104,6 @@ void add_evaluations(py::module_& module) {
       .def("page", &EvaluationReport::page)
       .def("curve", &EvaluationReport::curve);
   module.def("evaluate", evaluate);
-  module.def("evaluate_scores", evaluate_matrix);
   module.def("save_text",
              [](const std::filesystem::path& path, const std::string& text, bool force) {
                save(force, [&](Outputs& outputs) { outputs.file(path).write(text); });

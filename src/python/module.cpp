@@ -1,15 +1,17 @@
-// Arrays, databases, and the module itself.
+// Calls, arrays, databases, and the module itself.
 #include "python/module.h"
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
-
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
+#include <future>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "describe/imported.h"
+#include "run/train_sequences.h"
 #include "store/archive.h"
 #include "truth/times.h"
 #include "words/word_training.h"
@@ -18,14 +20,79 @@ namespace py = pybind11;
 
 namespace vpr {
 
-bool is_path(const py::object& source) {
-  return py::isinstance<py::str>(source) || py::hasattr(source, "__fspath__");
+void Call::run(const std::function<void(const Monitor&)>& work) const {
+  /// News of the work for the calling thread.
+  struct Reports {
+    std::function<void()> progress;  ///< of the latest step; null: no news
+    std::vector<std::string> warnings;
+  };
+  constexpr std::chrono::milliseconds kPeriod(50);
+  static std::mutex turn;
+  std::mutex mutex;  // of the reports
+  Reports reports;
+  std::atomic<bool> stop{false};
+  Monitor monitor;
+  monitor.stop = &stop;
+  if (!progress.is_none())
+    monitor.progress = [&](const std::string& step, size_t done, size_t total) {
+      const std::scoped_lock lock(mutex);
+      reports.progress = [this, step, done, total] { progress(step, done, total); };
+    };
+  monitor.warn = [&](const std::string& sentence) {
+    const std::scoped_lock lock(mutex);
+    reports.warnings.push_back(sentence);
+  };
+  std::future<void> result = std::async(std::launch::async, [&] {
+    const std::scoped_lock lock(turn);
+    const ProcessScope scope(process);
+    work(monitor);
+  });
+  std::exception_ptr raised;
+  for (bool is_finished = false; !is_finished;) {
+    Reports latest;
+    {
+      const py::gil_scoped_release release;
+      is_finished = result.wait_for(kPeriod) == std::future_status::ready;
+      const std::scoped_lock lock(mutex);
+      std::swap(latest, reports);
+    }
+    if (raised) continue;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      for (const std::string& sentence : latest.warnings)
+        if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 2) != 0)
+          throw py::error_already_set();
+      if (latest.progress) latest.progress();
+    } catch (const py::error_already_set&) {
+      raised = std::current_exception();
+      stop = true;
+    }
+  }
+  if (raised) std::rethrow_exception(raised);
+  result.get();
+}
+
+RunInfo Call::run_info(const std::string& program) const {
+  return {.program = program,
+          .command_line = {function},
+          .paths = {},
+          .simd_target = std::string(select_kernels().target),
+          .threads = thread_count(),
+          .seed = process.seed};
+}
+
+void save(bool force, const std::function<void(Outputs& outputs)>& write) {
+  Call{"vpr.save"}.run([&](const Monitor&) {
+    Outputs outputs(force ? Existing::replace : Existing::refuse);
+    write(outputs);
+    outputs.commit();
+  });
 }
 
 std::shared_ptr<const NpyArray> view_of(py::array array, const std::string& name) {
-  const bool is_c = (array.flags() & py::array::c_style) != 0;
-  const bool is_fortran = !is_c && (array.flags() & py::array::f_style) != 0;
-  if (!is_c && !is_fortran) array = py::array::ensure(array, py::array::c_style);
+  const bool is_fortran = (array.flags() & (py::array::c_style | py::array::f_style)) ==
+                          py::array::f_style;  // a vector is in both orders
+  if (!is_fortran) array = py::array::ensure(array, py::array::c_style);
   NpyHeader header{py::str(array.dtype().attr("str")), {}, is_fortran};
   header.shape.assign(array.shape(), array.shape() + array.ndim());
   const std::span values(static_cast<const std::byte*>(array.data()),
@@ -38,22 +105,19 @@ std::shared_ptr<const NpyArray> view_of(py::array array, const std::string& name
   return {new NpyArray(name, header, values), release};
 }
 
-std::string path_of(const py::object& source) {
-  return py::str(py::module_::import("os").attr("fspath")(source));
-}
-
 std::vector<NamedArgument> arguments_of(const Sources& sources, const std::string& array_name) {
   std::vector<SequenceArgument> arguments;
   for (const auto& [given, source] : sources) {
-    if (source.is_none())
-      throw Error(ErrorKind::usage, "frames are missing: pass images or descriptors");
-    if (is_path(source)) {
-      arguments.push_back(parse_sequence_argument(path_of(source)));
+    if (const auto* path = std::get_if<std::filesystem::path>(&source)) {
+      arguments.push_back(parse_sequence_argument(path->string()));
       continue;
     }
+    const auto& array = std::get<py::object>(source);
+    if (array.is_none())
+      throw Error(ErrorKind::usage, "frames are missing: pass images or descriptors");
     const std::string number = sources.size() > 1 ? std::to_string(arguments.size()) : "";
     const std::string name = given.empty() ? array_name + number : given;
-    arguments.push_back({.path = name, .range = {}, .array = view_of(source, name)});
+    arguments.push_back({.path = name, .range = {}, .array = view_of(array, name)});
   }
   const std::vector<std::string> names = sequence_names(arguments);
   std::vector<NamedArgument> named;
@@ -62,21 +126,14 @@ std::vector<NamedArgument> arguments_of(const Sources& sources, const std::strin
   return named;
 }
 
-void set_source(ScoreInput& scores, const py::object& source) {
-  scores.path = is_path(source) ? path_of(source) : "scores";
-  if (!is_path(source)) scores.array = view_of(source, scores.path);
+void set_source(ScoreInput& scores, const Source& source) {
+  const auto* path = std::get_if<std::filesystem::path>(&source);
+  scores.path = path == nullptr ? "scores" : path->string();
+  if (path == nullptr) scores.array = view_of(std::get<py::object>(source), scores.path);
 }
 
 py::object fields_of(const Json& json) {
   return py::module_::import("vpr").attr("_read")(to_line(json));
-}
-
-void save(bool force, const std::function<void(Outputs& outputs)>& write) {
-  Call("vpr.save").run([&](const Monitor&) {
-    Outputs outputs(force ? Existing::replace : Existing::refuse);
-    write(outputs);
-    outputs.commit();
-  });
 }
 
 SequenceDatabase& Database::sequences() {
@@ -86,60 +143,30 @@ SequenceDatabase& Database::sequences() {
 
 namespace {
 
-FabmapDatabase train_places(Call& call, const std::vector<NamedArgument>& named,
-                            const std::vector<NamedArgument>& other) {
-  FabmapTrainSettings settings;
-  call.rest(settings);
+Database train(Call& call, const Sources& sources, const Sources& other) {
+  std::vector<NamedArgument> named = arguments_of(sources, "train");
   std::vector<SequenceArgument> pretrain;
-  for (const NamedArgument& one : other) pretrain.push_back(one.sequence);
-  std::vector<GroupArgument> groups;
-  for (const NamedArgument& one : named) groups.push_back({one.name, one.sequence});
-  FabmapDatabase database;
-  call.run([&](const Monitor& monitor) {
-    database = train_fabmap(pretrain, groups, settings, call.process.seed, monitor);
-    database.fingerprint = database_fingerprint(database);
-  });
-  return database;
-}
-
-SequenceDatabase train_frames(Call& call, std::vector<NamedArgument> named) {
+  for (const NamedArgument& one : arguments_of(other, "pretrain")) pretrain.push_back(one.sequence);
   SelectionSettings selection;
   ImportSettings import;
   SequenceTrainSettings settings;
-  call.take(selection, import);
-  call.rest(settings);
-  SequenceDatabase database;
+  FabmapTrainSettings words;
+  pretrain.empty() ? call.read(selection, import, settings) : call.read(words);
+  Database made;
   call.run([&](const Monitor& monitor) {
     for (NamedArgument& one : named)
       one.sequence = selected(one.sequence, selection, {}, call.process.seed, monitor);
     const SequenceSource first = open_sequence(named.at(0).sequence);
     if (first.kind == SequenceKind::descriptors)
       settings.descriptor_kind = imported_kind(ArrayRows(first).type().starts_with('|'), import);
-    database = train_sequences(named, settings, select_kernels(), monitor);
-    database.fingerprint = database_fingerprint(database);
+    if (pretrain.empty())
+      made.content = train_sequences(named, settings, select_kernels(), monitor);
+    else
+      made.content = train_fabmap(pretrain, named, words, call.process.seed, monitor);
+    std::visit([](auto& content) { content.fingerprint = database_fingerprint(content); },
+               made.content);
   });
-  return database;
-}
-
-Database train(const Sources& sources, const Sources& pretrain, const std::string& text,
-               const py::object& progress) {
-  Call call("vpr.train", text, progress);
-  const std::vector<NamedArgument> named = arguments_of(sources, "train");
-  if (pretrain.empty()) return {train_frames(call, named)};
-  return {train_places(call, named, arguments_of(pretrain, "pretrain"))};
-}
-
-Database load(const std::filesystem::path& path) {
-  Database database{{}, path.string()};
-  Call("vpr.load").run([&](const Monitor&) { database.content = read_database(path); });
-  return database;
-}
-
-void save_database(const Database& database, const std::filesystem::path& path, bool force) {
-  save(force, [&](Outputs& outputs) {
-    outputs.claim_folder(path, is_database_folder);
-    write_database(path, database.content, outputs);
-  });
+  return made;
 }
 
 // A view that keeps the database.
@@ -154,31 +181,71 @@ py::array descriptors_of(const DatabasePointer& database) {
   return array;
 }
 
-std::vector<std::string> sequences_of(const Database& database) {
-  return std::visit([](const auto& content) { return names_of(content); }, database.content);
-}
-
-}  // namespace
-
-PYBIND11_MODULE(_vpr, module) {
+void add_databases(py::module_& module) {
   using namespace py::literals;
-  py::options options;
-  options.disable_function_signatures();
-  translate_errors();
-  const char* simd = std::getenv("VPR_SIMD");
-  use_simd_target(simd == nullptr ? "" : simd);
-  module.attr("__version__") = program_version();
   py::class_<Database, DatabasePointer>(module, "Database",
                                         "Training sequences, from train or load.")
-      .def("save", save_database, "path"_a, "force"_a = false,
-           "Writes the folder that vpr-train writes. force: replaces a database.")
-      .def_property_readonly("sequences", sequences_of, "Names of the training sequences.")
+      .def(
+          "save",
+          [](const Database& database, const std::filesystem::path& path, bool force) {
+            save(force, [&](Outputs& outputs) {
+              outputs.claim_folder(path, is_database_folder);
+              write_database(path, database.content, outputs);
+            });
+          },
+          "path"_a, "force"_a = false,
+          "Writes the folder that vpr-train writes. force: replaces a database.")
+      .def_property_readonly(
+          "sequences",
+          [](const Database& database) {
+            return std::visit([](const auto& content) { return names_of(content); },
+                              database.content);
+          },
+          "Names of the training sequences.")
       .def_property_readonly(
           "descriptors", descriptors_of,
           "Stored descriptors, one row per frame of all sequences, as a read-only view: bits (8 "
           "per\nvalue) and images are uint8, vectors int16 or int8. Not for FAB-MAP.");
   module.def("train", train);
-  module.def("load_database", load);
+  module.def("load_database", [](const Call& call, const std::filesystem::path& path) {
+    Database database{{}, path.string()};
+    call.run([&](const Monitor&) { database.content = read_database(path); });
+    return database;
+  });
+}
+
+void raise(const Error& error) {
+  constexpr std::array kClasses = {"UsageError", "InputError", "OutputError", "DataError"};
+  const auto kind = static_cast<size_t>(error.kind());
+  const char* name = kind < kClasses.size() ? kClasses[kind] : "InternalError";
+  PyErr_SetString(py::module_::import("vpr").attr(name).ptr(), error.what());
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_vpr, module) {
+  py::options options;
+  options.disable_function_signatures();
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): the signature that pybind11 needs
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Error& error) {
+      raise(error);
+    } catch (const std::filesystem::filesystem_error& error) {
+      raise({ErrorKind::output, fmt::format("{}: cannot be read or written: {}",
+                                            error.path1().string(), error.code().message())});
+    }
+  });
+  const char* simd = std::getenv("VPR_SIMD");
+  use_simd_target(simd == nullptr ? "" : simd);
+  module.attr("__version__") = program_version();
+  py::class_<Call>(module, "Call")
+      .def(py::init(
+          [](const std::string& function, const std::string& keywords, const py::object& progress) {
+            return Call{function, parse_json(keywords).value(), progress};
+          }));
+  add_databases(module);
   add_queries(module);
   add_evaluations(module);
 }

@@ -3,20 +3,23 @@
 // NumPy arrays, databases.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/output.h"
 #include "evaluate/score_matrix.h"
 #include "files/run_info.h"
-#include "run/train_sequences.h"
 #include "sequence/frames.h"
 #include "words/database.h"
 
@@ -25,29 +28,19 @@ namespace vpr {
 /// A call from Python: settings from keyword arguments, and work without the interpreter's lock.
 struct Call {
   std::string function;  ///< names itself in errors
-  Json keywords;         ///< that were not read yet
-  pybind11::object progress;
-  ProcessSettings process;
+  Json keywords = Json::object();
+  pybind11::object progress = pybind11::none();
+  ProcessSettings process = {};
 
-  /// Reads the settings of the process. `text`: the keywords as JSON.
-  explicit Call(std::string name, const std::string& text = "{}",
-                pybind11::object observer = pybind11::none(), ProcessSettings initial = {});
-
-  /// Reads and removes the keywords of these settings. Throws Error(usage) for wrong values.
+  /// Reads all keywords as these settings and those of the process. Throws Error(usage) for wrong
+  /// values, and for other keywords, with the nearest name.
   template <class... S>
-  void take(S&... settings) {
-    NestedObject all{[&](auto&& visit) { (visit_fields(settings, visit), ...); }};
-    Json own = Json::object();
-    visit_fields(all, [&](const std::string& key, auto&) {
-      if (keywords.contains(key)) own[key] = keywords[key];
-      keywords.erase(key);
-    });
-    value_from_json(own, all, function, "the settings");
-  }
-  /// Reads the other keywords. Throws Error(usage) also for unknown ones, with the nearest name.
-  template <class S>
-  void rest(S& settings) const {
-    value_from_json(keywords, settings, function, "the settings");
+  void read(S&... settings) {
+    NestedObject all{[&](auto&& visit) {
+      visit_fields(process, visit);
+      (visit_fields(settings, visit), ...);
+    }};
+    value_from_json(keywords, all, function, "the settings");
   }
 
   /// Runs `work` in a thread without the interpreter's lock. Works of several threads run one after
@@ -60,27 +53,23 @@ struct Call {
   RunInfo run_info(const std::string& program) const;
 };
 
-/// Raises errors as the classes of the package.
-void translate_errors();
-
 /// Runs `write`, and commits its outputs.
 void save(bool force, const std::function<void(Outputs& outputs)>& write);
 
-/// Whether an object is text or has a path. Other objects are arrays, or become arrays.
-bool is_path(const pybind11::object& source);
-/// Its text.
-std::string path_of(const pybind11::object& source);
+/// A path as on the command line, an array (or what NumPy makes one of), or None.
+using Source = std::variant<std::filesystem::path, pybind11::object>;
+/// Their names may be empty.
+using Sources = std::vector<std::pair<std::string, Source>>;
 
 /// A view of an array, which it keeps. Only an array in neither C nor Fortran order is copied.
 std::shared_ptr<const NpyArray> view_of(pybind11::array array, const std::string& name);
 
-/// Paths, as on the command line, and arrays of one row per frame, with names. Without a name, it
-/// is the one of the path, or `array_name`, numbered if there are several sources.
-using Sources = std::vector<std::pair<std::string, pybind11::object>>;
+/// Sequences and their names. Without a name, it is the one of the path, or `array_name`, numbered
+/// if there are several sources. Throws Error(usage) for None.
 std::vector<NamedArgument> arguments_of(const Sources& sources, const std::string& array_name);
 
 /// Sets the path or the array, which is called "scores".
-void set_source(ScoreInput& scores, const pybind11::object& source);
+void set_source(ScoreInput& scores, const Source& source);
 
 /// An object of the class Fields.
 pybind11::object fields_of(const Json& json);

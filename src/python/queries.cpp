@@ -1,7 +1,5 @@
 // Queries, their results, live queries, and frame distances.
 #include <opencv2/core.hpp>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
@@ -18,7 +16,7 @@ namespace py = pybind11;
 namespace vpr {
 namespace {
 
-/// A query by a sequence method: all keywords of the call, and its frames.
+/// A query by a sequence method, from the keywords of a call.
 struct SequenceQuery {
   QueryInputs inputs;
   SelectionSettings selection;
@@ -27,27 +25,26 @@ struct SequenceQuery {
   ResolvedSettings settings;
 
   /// `command`: of vpr-query.
-  SequenceQuery(Call& call, Feature command)
-      : resources{select_kernels(), kDefaultMemoryLimit, 0, call.process.seed} {
-    const bool is_loop = command == Feature::loops;
-    const bool is_matrix = command == Feature::matrix;
+  SequenceQuery(Call& call, Feature command) : resources{select_kernels()} {
+    const bool has_database = command == Feature::query || command == Feature::live;
+    SequenceQuerySettings chosen;
     NestedObject own{[&](auto&& visit) {
       visit("max_memory", resources.memory_limit);
-      if (is_loop) visit("frame_times", inputs.frame_times);
-      if (is_matrix) visit("train_sequence", inputs.train_sequences);
-      if (is_matrix) visit("speed", selection.speed);
-      if (is_matrix) visit_fields(inputs.scores, visit);
+      if (has_database) visit("fuse", fuse);
       if (command == Feature::query) visit_fields(selection, visit);
-      if (!is_loop && !is_matrix) visit("fuse", fuse);
+      if (command == Feature::loops) visit("frame_times", inputs.frame_times);
+      if (command != Feature::matrix) return;
+      visit("train_sequence", inputs.train_sequences);
+      visit("speed", inputs.query.sequence.speed);
+      visit_fields(inputs.scores, visit);
     }};
-    call.take(own);
-    SequenceQuerySettings chosen;
-    call.rest(chosen);
-    chosen.loop = is_loop;
+    call.read(own, chosen);
+    resources.seed = inputs.query.sequence.seed = call.process.seed;
+    chosen.loop = command == Feature::loops;
     std::vector<std::string> keys;
     for (const auto& item : call.keywords.items()) keys.push_back(item.key());
     Features run = {command};
-    if (!is_loop && !is_matrix) run.push_back(Feature::database);
+    if (has_database) run.push_back(Feature::database);
     if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
     if (!fuse.empty()) run.push_back(Feature::fuse);
     add_given_features(run, chosen, keys);
@@ -60,94 +57,93 @@ struct SequenceQuery {
     if (!fuse.empty()) inputs.database = std::make_shared<SequenceDatabase>(*inputs.database);
     prepare_database(*inputs.database, settings, fuse, monitor);
   }
+
+  QueryRun run(ResultContext& context, const Monitor& monitor) const {
+    const QueryData data = open_query(inputs, settings, context, monitor);
+    return run_query(data, settings, resources, {}, context, monitor);
+  }
 };
 
 using ResultPointer = std::shared_ptr<StoredResult>;
-using Work = std::function<QueryRun(StoredResult& made, const Monitor& monitor)>;
 
-// The work of a query with FAB-MAP's places.
-Work place_work(const Call& call, const FabmapDatabase& database, NamedArgument query,
-                const SelectionSettings& selection, bool is_loop) {
-  FabmapQuerySettings settings;
-  call.rest(settings);
-  settings.loop = is_loop;
-  return [=, &call, &database](StoredResult& made, const Monitor& monitor) mutable {
-    query.sequence = selected(query.sequence, selection, {}, call.process.seed, monitor);
-    set_query_path(made.context.run, query.sequence);
-    const SequenceWords words =
-        describe_words(open_sequence(query.sequence), database, settings.skip_unreadable, monitor);
-    made.context.database_fingerprint = database.fingerprint;
-    made.context.query_fingerprint = words_fingerprint(words);
-    return query_fabmap(
-        database, words, query.name, settings, call.process.seed, [](auto, auto) {}, monitor);
-  };
-}
-
-// The work of a query by a sequence method.
-Work window_work(Call& call, Feature command, const DatabasePointer& database,
-                 const std::string& name, const py::object& source) {
-  SequenceQuery by(call, command);
-  if (command != Feature::matrix) {
-    by.inputs.query = arguments_of({{name, source}}, "query").front();
-  } else {
-    by.inputs.query.name = name;
-    by.inputs.query.sequence.speed = by.selection.speed;
-    by.inputs.query.sequence.seed = call.process.seed;
-    set_source(by.inputs.scores, source);
-  }
-  return [=, &call](StoredResult& made, const Monitor& monitor) mutable {
-    if (command == Feature::query) {
-      SequenceArgument& sequence = by.inputs.query.sequence;
-      sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
-      by.prepare(database, monitor);
-      if (!by.fuse.empty()) made.context.run.paths["fuse"] = by.fuse;
-      made.run.train =
-          std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
-    }
-    const QueryData data = open_query(by.inputs, by.settings, made.context, monitor);
-    return run_query(data, by.settings, by.resources, {}, made.context, monitor);
-  };
-}
-
-ResultPointer query(const std::string& function, const DatabasePointer& database,
-                    const std::string& name, const py::object& source, const std::string& text,
-                    const py::object& progress) {
-  Call call(function, text, progress);
-  const Feature command = function == "vpr.query"   ? Feature::query
-                          : function == "vpr.loops" ? Feature::loops
-                                                    : Feature::matrix;
-  Work work;
-  if (database && std::holds_alternative<FabmapDatabase>(database->content)) {
-    SelectionSettings selection;
-    if (command == Feature::query) call.take(selection);
-    work = place_work(call, std::get<FabmapDatabase>(database->content),
-                      arguments_of({{name, source}}, "query").front(), selection,
-                      command == Feature::loops);
-  } else if (database && command == Feature::loops) {
-    throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
-  } else {
-    work = window_work(call, command, database, name, source);
-  }
+// The result of a query, which adds its own inputs to the context.
+ResultPointer result_of(
+    const Call& call, const DatabasePointer& database,
+    const std::function<QueryRun(ResultContext& context, const Monitor& monitor)>& query) {
   const auto made = std::make_shared<StoredResult>();
-  ResultContext& context = made->context;
   call.run([&](const Monitor& monitor) {
     const Stopwatch watch;
+    ResultContext& context = made->context;
     context.run = call.run_info("vpr-query");
     if (database && !database->path.empty()) context.run.paths["database"] = database->path;
-    QueryRun run = work(*made, monitor);
+    QueryRun run = query(context, monitor);
+    made->result = std::move(run.result);
     context.seconds = std::move(run.seconds);
     context.seconds["total"] = watch.elapsed_s();
-    made->run.paths = context.run.paths;
-    made->run.frame_names = context.run.frame_names;
-    made->run.database_fingerprint = context.database_fingerprint;
-    made->result = std::move(run.result);
   });
   return made;
 }
 
-ResultPointer load(const std::filesystem::path& path) {
+ResultPointer query_places(Call& call, const DatabasePointer& database, NamedArgument query,
+                           bool is_loop) {
+  SelectionSettings selection;
+  FabmapQuerySettings settings;
+  is_loop ? call.read(settings) : call.read(settings, selection);
+  settings.loop = is_loop;
+  const auto& places = std::get<FabmapDatabase>(database->content);
+  return result_of(call, database, [&](ResultContext& context, const Monitor& monitor) {
+    query.sequence = selected(query.sequence, selection, {}, call.process.seed, monitor);
+    set_query_path(context.run, query.sequence);
+    const SequenceWords words =
+        describe_words(open_sequence(query.sequence), places, settings.skip_unreadable, monitor);
+    context.database_fingerprint = places.fingerprint;
+    context.query_fingerprint = words_fingerprint(words);
+    return query_fabmap(
+        places, words, query.name, settings, call.process.seed, [](auto, auto) {}, monitor);
+  });
+}
+
+bool is_fabmap(const Database& database) {
+  return std::holds_alternative<FabmapDatabase>(database.content);
+}
+
+ResultPointer query(Call& call, const DatabasePointer& database, const std::string& name,
+                    const Source& source) {
+  const NamedArgument query = arguments_of({{name, source}}, "query").front();
+  if (is_fabmap(*database)) return query_places(call, database, query, false);
+  SequenceQuery by(call, Feature::query);
+  by.inputs.query = query;
+  return result_of(call, database, [&](ResultContext& context, const Monitor& monitor) {
+    SequenceArgument& sequence = by.inputs.query.sequence;
+    sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
+    by.prepare(database, monitor);
+    if (!by.fuse.empty()) context.run.paths["fuse"] = by.fuse;
+    context.train =
+        std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
+    return by.run(context, monitor);
+  });
+}
+
+ResultPointer loops(Call& call, const DatabasePointer& database, const std::string& name,
+                    const Source& source) {
+  const NamedArgument query = arguments_of({{name, source}}, "query").front();
+  if (database && is_fabmap(*database)) return query_places(call, database, query, true);
+  if (database) throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
+  SequenceQuery by(call, Feature::loops);
+  by.inputs.query = query;
+  return result_of(call, nullptr, std::bind_front(&SequenceQuery::run, &by));
+}
+
+ResultPointer query_scores(Call& call, const std::string& name, const Source& scores) {
+  SequenceQuery by(call, Feature::matrix);
+  by.inputs.query.name = name;
+  set_source(by.inputs.scores, scores);
+  return result_of(call, nullptr, std::bind_front(&SequenceQuery::run, &by));
+}
+
+ResultPointer load(const Call& call, const std::filesystem::path& path) {
   const auto result = std::make_shared<StoredResult>();
-  Call("vpr.load").run([&](const Monitor& monitor) { *result = read_result(path, monitor); });
+  call.run([&](const Monitor& monitor) { *result = read_result(path, monitor); });
   return result;
 }
 
@@ -180,13 +176,13 @@ py::object array_named(const StoredResult& result, const std::string& name) {
 // A copy of the pixels.
 std::shared_ptr<const cv::Mat> picture_of(const py::object& frame) {
   const auto pixels = py::array_t<uint8_t, py::array::c_style>::ensure(frame);
-  if (!pixels || pixels.ndim() < 2 || pixels.ndim() > 3 ||
-      (pixels.ndim() == 3 && pixels.shape(2) != 3))
+  const bool is_color = pixels && pixels.ndim() == 3 && pixels.shape(2) == 3;
+  if (!is_color && !(pixels && pixels.ndim() == 2))
     throw Error(ErrorKind::data,
                 "an image has height x width gray levels, or height x width x 3 values (blue, "
                 "green, red), of type uint8");
   const cv::Mat view(static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(1)),
-                     pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3, const_cast<uint8_t*>(pixels.data()));
+                     is_color ? CV_8UC3 : CV_8UC1, const_cast<uint8_t*>(pixels.data()));
   return std::make_shared<const cv::Mat>(view.clone());
 }
 
@@ -195,36 +191,35 @@ struct Live {
   SequenceQuery by;
   std::optional<LiveLines> lines;
 
-  Live(const DatabasePointer& database, const std::string& text)
-      : call("vpr.Live", text), by(call, Feature::live) {
+  Live(Call given, const DatabasePointer& database)
+      : call(std::move(given)), by(call, Feature::live) {
     call.run([&](const Monitor& monitor) {
       by.prepare(database, monitor);
       lines.emplace(*by.inputs.database, "live", by.settings, by.resources, monitor);
     });
   }
 
-  py::object add(const py::object& frame, const std::string& name) {
+  py::object add(const Source& frame, const std::string& name) {
     LiveFrame image;
     image.name = name;
-    if (is_path(frame)) {
-      image.file = path_of(frame);
-      if (name.empty()) image.name = image.file.filename().string();
-    } else if (by.inputs.database->descriptors.kind->is_imported && !frame.is_none()) {
-      image.array = view_of(py::array(frame).attr("reshape")(1, -1), name);
-    } else if (!frame.is_none()) {
-      image.picture = picture_of(frame);
+    if (const auto* path = std::get_if<std::filesystem::path>(&frame)) {
+      image.file = *path;
+      if (name.empty()) image.name = path->filename().string();
+    } else if (const auto& values = std::get<py::object>(frame); !values.is_none()) {
+      if (by.inputs.database->descriptors.kind->is_imported)
+        image.array = view_of(py::array(values).attr("reshape")(1, -1), name);
+      else
+        image.picture = picture_of(values);
     }
     Json line;
-    call.run([&](const Monitor& monitor) {
-      line = frame.is_none() ? lines->take_missing(name) : lines->take(image, monitor);
-    });
+    call.run([&](const Monitor& monitor) { line = lines->take(image, monitor); });
     return fields_of(line);
   }
 
   py::object finish() {
-    std::optional<Json> line;
-    call.run([&](const Monitor&) { line = lines->finish(); });
-    return line ? fields_of(*line) : py::none();
+    Json line;  // null becomes None
+    call.run([&](const Monitor&) { line = lines->finish().value_or(Json()); });
+    return fields_of(line);
   }
 };
 
@@ -234,7 +229,6 @@ struct Distances {
   DescriptorSet query;
   FrameDistances distances;
   std::pair<size_t, size_t> shape;  ///< query frames, training frames
-  double unit = 1;                  ///< size of one step
 
   py::array row(py::ssize_t index) const {
     const auto frames = static_cast<py::ssize_t>(shape.first);
@@ -243,35 +237,23 @@ struct Distances {
     std::vector<uint16_t> values;
     {
       const py::gil_scoped_release release;
-      compute_row(distances, static_cast<size_t>(index < 0 ? index + frames : index), values);
+      compute_row(distances, static_cast<size_t>((index + frames) % frames), values);
     }
     return py::array_t<uint16_t>(static_cast<py::ssize_t>(shape.second), values.data());
   }
 };
 
-py::object matrix_of(const py::object& rows, const py::object& type, const py::object&) {
-  return py::module_::import("numpy").attr("array")(py::list(rows), type);
-}
-
-std::shared_ptr<Distances> distances(const DatabasePointer& database, const py::object& source,
-                                     const std::string& text, const py::object& progress) {
-  Call call("vpr.distances", text, progress);
-  SelectionSettings selection;
-  bool skip_unreadable = false;
-  NestedObject inputs{[&](auto&& visit) { visit("skip_unreadable", skip_unreadable); }};
-  call.take(selection);
-  call.rest(inputs);
-  const SequenceDatabase& sequences = database->sequences();
+std::shared_ptr<Distances> distances(Call& call, const DatabasePointer& database,
+                                     const Source& source) {
+  call.read();
   const SequenceArgument query = arguments_of({{"", source}}, "query").front().sequence;
+  const SequenceDatabase& sequences = database->sequences();
   const auto made = std::make_shared<Distances>();
   made->database = database;
   call.run([&](const Monitor& monitor) {
-    made->query =
-        describe_frames(open_sequence(selected(query, selection, {}, call.process.seed, monitor)),
-                        sequences, skip_unreadable, monitor);
+    made->query = describe_frames(open_sequence(query), sequences, false, monitor);
     made->distances = frame_distances(descriptor_spans(sequences), made->query.span());
     made->shape = {made->distances.query_frames, made->distances.train_frames};
-    made->unit = distance_of(made->query.rows().shape.element).unit.size;
   });
   return made;
 }
@@ -307,15 +289,20 @@ void add_queries(py::module_& module) {
       "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer.")
       .def("__len__", [](const Distances& self) { return self.shape.first; })
       .def("__getitem__", &Distances::row)
-      .def("__array__", matrix_of, "dtype"_a = py::none(), "copy"_a = py::none())
-      .def_readonly("unit", &Distances::unit,
-                    "Size of one step: 1 bit, or the fraction of a cosine or other distance.")
+      .def(
+          "__array__",
+          [](const py::object& rows, const py::object& type, const py::object&) -> py::object {
+            return py::module_::import("numpy").attr("array")(py::list(rows), type);
+          },
+          "dtype"_a = py::none(), "copy"_a = py::none())
       .def_readonly("shape", &Distances::shape, "Query frames and training frames.");
   py::class_<Live>(module, "Live")
-      .def(py::init<DatabasePointer, const std::string&>())
+      .def(py::init<Call, DatabasePointer>())
       .def("add", &Live::add)
       .def("finish", &Live::finish);
   module.def("query", query);
+  module.def("loops", loops);
+  module.def("query_scores", query_scores);
   module.def("load_result", load);
   module.def("distances", distances);
 }

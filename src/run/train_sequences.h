@@ -34,12 +34,6 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("statistics", settings.statistics);
 }
 
-/// A sequence to open, and its name in results.
-struct NamedArgument {
-  std::string name;
-  SequenceArgument sequence;
-};
-
 /// "NAME=FIRST:LAST", a range of the frames of `path`. Throws Error(usage), beginning with `flag`,
 /// for other text.
 NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,

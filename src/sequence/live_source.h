@@ -15,7 +15,8 @@
 
 namespace vpr {
 
-/// A frame that has arrived: an image file, an image of a video, or a descriptor.
+/// A frame that has arrived: an image file, an image of a video, or a descriptor; none of them if
+/// it is missing.
 struct LiveFrame {
   std::string name;  ///< as in Sequence::frame_names
   std::filesystem::path file;
@@ -23,6 +24,7 @@ struct LiveFrame {
   bool is_unreadable = false;                  ///< the image of a video cannot be decoded
   std::shared_ptr<const NpyArray> array = {};  ///< a descriptor in memory, 1 x d; null: an image
 
+  bool is_missing() const { return file.empty() && !picture && !array; }
   /// A sequence with this frame only, for describing it; this object must outlive it.
   SequenceSource sequence() const;
 };

@@ -33,6 +33,13 @@ struct SequenceArgument {
   std::shared_ptr<const NpyArray> array = {};
 };
 
+/// A sequence to open, and its name in results.
+struct NamedArgument {
+  std::string name;
+  SequenceArgument sequence = {};
+  bool is_place = false;  ///< whether its frames are views of one place, for FAB-MAP
+};
+
 /// A path that exists as written takes precedence over a range. Throws Error(usage) for an empty or
 /// reversed range, a step of 0, or a number that is too large.
 SequenceArgument parse_sequence_argument(const std::string& text);

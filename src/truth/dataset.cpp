@@ -47,30 +47,21 @@ void visit_sequence(NamedSequence& named, const fs::path& folder, Visitor&& visi
   visit("poses", path_field(named.poses, folder));
 }
 
-template <class Visitor>
-void visit_truth(GroundTruthArgument& argument, const fs::path& folder, Visitor&& visit) {
-  visit("format", argument.format);
-  visit_paths(argument.options,
-              [&](const char* name, fs::path& file) { visit(name, path_field(file, folder)); });
-  visit("tolerance", argument.tolerance_frames);
-  visit_fields(argument.options, visit);
-}
-
-void check_tolerance(const GroundTruthArgument& argument, const JsonSource& source) {
-  if (argument.tolerance_frames < 0) source.fail("\"tolerance\" must not be negative");
-}
-
 auto truth_field(std::optional<GroundTruthArgument>& truth, const fs::path& folder) {
   return ReadField{[&](const Fields& fields, const std::string& key) {
     if (!fields.has(key)) return;
     GroundTruthArgument& argument = truth.emplace();
     NestedObject object{[&](auto&& visit) {
       visit("path", path_field(argument.path, folder));
-      visit_truth(argument, folder, visit);
+      visit("format", argument.format);
+      visit_paths(argument.options,
+                  [&](const char* name, fs::path& file) { visit(name, path_field(file, folder)); });
+      visit("tolerance", argument.tolerance_frames);
+      visit_fields(argument.options, visit);
     }};
     const JsonSource source{fields.where() + ", " + key, fields.source().form};
     value_from_json(fields[key], object, source, key);
-    check_tolerance(argument, source);
+    if (argument.tolerance_frames < 0) source.fail("\"tolerance\" must not be negative");
     if (argument.format.empty() && argument.path.empty())
       source.fail("needs a \"format\" or a \"path\"");
   }};
@@ -120,14 +111,6 @@ void check_names(const auto& items, const std::string& where, auto name_of) {
 }
 
 }  // namespace
-
-void read_ground_truth_settings(const Json& json, const fs::path& folder, const std::string& where,
-                                GroundTruthArgument& argument) {
-  NestedObject object{[&](auto&& visit) { visit_truth(argument, folder, visit); }};
-  const JsonSource source{where, kSettingsForm};
-  value_from_json(json, object, source, "the ground truth");
-  check_tolerance(argument, source);
-}
 
 Dataset read_dataset(const fs::path& path) {
   const std::string where = path.string();

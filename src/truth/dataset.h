@@ -81,11 +81,6 @@ struct GroundTruthArgument {
   GroundTruthOptions options = {};
 };
 
-/// Reads "tolerance", "format" and the options of a ground truth from a JSON object; paths are
-/// relative to `folder`. Throws Error(usage), with `where`, for other keys and wrong values.
-void read_ground_truth_settings(const Json& json, const std::filesystem::path& folder,
-                                const std::string& where, GroundTruthArgument& argument);
-
 /// A query of a data set and its ground truths.
 struct DatasetQuery {
   NamedSequence sequence;

@@ -135,7 +135,7 @@ std::string words_fingerprint(const SequenceWords& words) {
 }
 
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
-                            const std::vector<GroupArgument>& train,
+                            const std::vector<NamedArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor) {
   check_feature_settings(settings.features);
@@ -152,10 +152,10 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
   return database;
 }
 
-void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
+void add_views(FabmapDatabase& database, const std::vector<NamedArgument>& groups,
                bool skip_unreadable, const Monitor& monitor) {
   for (size_t g = 0; g < groups.size(); ++g) {
-    const GroupArgument& group = groups[g];
+    const NamedArgument& group = groups[g];
     SequenceWords words = describe_words(open_sequence(group.sequence), database, skip_unreadable,
                                          part_of(monitor, group.name, g, groups.size()));
     words.sequence.name = group.name;

@@ -12,13 +12,6 @@
 
 namespace vpr {
 
-/// Frames to train: a sequence, and whether it is a single place.
-struct GroupArgument {
-  std::string name;
-  SequenceArgument sequence;
-  bool is_place = false;
-};
-
 /// A sequence with the words of every frame.
 struct SequenceWords {
   Sequence sequence;
@@ -39,12 +32,12 @@ std::string words_fingerprint(const SequenceWords& words);
 /// any feature, or more words than descriptors; also throws as for_each_frame does. Warns if at
 /// least a tenth of the frames have no features.
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
-                            const std::vector<GroupArgument>& train,
+                            const std::vector<NamedArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor);
 
 /// Adds frames as views of new groups, without describing the existing views again.
-void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
+void add_views(FabmapDatabase& database, const std::vector<NamedArgument>& groups,
                bool skip_unreadable, const Monitor& monitor);
 
 /// The words of a sequence in the database's vocabulary. Warns if at least a tenth of its frames

@@ -262,6 +262,10 @@ def test_ground_truths_may_be_arrays(walks):
     assert vpr.evaluate(result, positions, reference=positions.copy(), radius_m=1).counts == aligned
     unjudged = vpr.evaluate(result)
     assert unjudged.judged == "nothing"
+    with pytest.raises(vpr.DataError, match="^ground_truth.csv, line 2: query 200 is out of range"):
+        vpr.evaluate(result, [(200, 0)])
+    with pytest.raises(vpr.DataError, match="^ground_truth.npy"):
+        vpr.evaluate(result, np.eye(200) * 2)
 
 
 def test_distances_are_those_of_the_descriptors(walks):
@@ -270,7 +274,7 @@ def test_distances_are_those_of_the_descriptors(walks):
     found = vpr.distances(db, query)
     expected = np.unpackbits(query[:, None] ^ db.descriptors[None, :, :query.shape[1]],
                              axis=2).sum(axis=2)
-    assert found.shape == (200, 200) and found.unit == 1 and len(found) == 200
+    assert found.shape == (200, 200) and len(found) == 200
     assert np.array_equal(np.asarray(found), expected)
     assert np.array_equal(found[-1], expected[-1])
     with pytest.raises(IndexError):

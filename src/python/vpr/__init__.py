@@ -11,6 +11,7 @@ programs and a class by kind: UsageError, InputError, OutputError, DataError and
 subclasses of Error.
 """
 
+# mypy: no-warn-return-any
 from __future__ import annotations
 
 import html as _html
@@ -75,12 +76,12 @@ def _read(text: str) -> Any:
     return _json.loads(text, object_hook=Fields)
 
 
-def _text(settings: Mapping[str, object]) -> str:
+def _call(function: str, settings: Mapping[str, object], progress: Progress = None) -> Any:
     def plain(value: object) -> object:
         is_array = isinstance(value, (np.generic, np.ndarray))
         return value.tolist() if is_array else os.fspath(value)  # type: ignore
-    return _json.dumps({key: value for key, value in settings.items() if value is not None},
-                       default=plain)
+    given = {key: value for key, value in settings.items() if value is not None}
+    return _vpr.Call("vpr." + function, _json.dumps(given, default=plain), progress)
 
 
 def _sources(value: Any) -> list[tuple[str, Any]]:
@@ -90,28 +91,21 @@ def _sources(value: Any) -> list[tuple[str, Any]]:
     return [("", item) for item in (value if isinstance(value, (list, tuple)) else [value])]
 
 
-class Report:
+class Report(Fields):
     """An evaluation. Attributes are the keys of the report file (docs/reference/files.md) and of
     its "metrics": report.counts.pairs.correct, report.recall_at[1], report.localization.share.
-    counts.recognitions is another name of counts.pairs."""
+    counts.recognitions is another name of counts.pairs. curve has the columns threshold, correct
+    and incorrect: best matches accepted at each threshold, the strictest first; recall is
+    correct / report.single_best.positives."""
 
     def __init__(self, made: Any) -> None:
         self._made = made
         self.json = _read(made.text())
         self.summary: str = made.summary()
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        value = self.json.get("metrics", {}).get(name) or getattr(self.json, name)
-        return Fields({**value, "recognitions": value.pairs}) if name == "counts" else value
-
-    @property
-    def curve(self) -> NDArray[np.float64]:
-        """Columns threshold, correct and incorrect: best matches accepted at each threshold, the
-        strictest first. Recall is correct / report.single_best.positives."""
-        curve: NDArray[np.float64] = self._made.curve()
-        return curve
+        self.curve: NDArray[np.float64] = made.curve()
+        super().__init__({**self.json, **self.json.get("metrics", {})})
+        if "counts" in self:
+            self["counts"] = Fields({**self.counts, "recognitions": self.counts.pairs})
 
     def save(self, path: Path, force: bool = False) -> None:
         """Writes the report file of vpr-eval."""
@@ -139,20 +133,18 @@ class Live:
     """
 
     def __init__(self, db: Database, **settings: object) -> None:
-        self._live = _vpr.Live(db, _text(settings))
+        self._live = _vpr.Live(_call("Live", settings), db)
 
     def add(self, frame: Source, name: str = "") -> Fields:
         """Matches the next frame: an image file; an image (uint8), height x width gray levels or
         height x width x 3 in the order blue, green, red; for a database of descriptors, d values;
         or None if it is missing. Returns the line of vpr-query live; its decisions are in
         recognized."""
-        line: Fields = self._live.add(frame, name)
-        return line
+        return self._live.add(frame, name)
 
     def finish(self) -> Optional[Fields]:
         """The decisions of the filter that the end of the query settles; None without any."""
-        line: Optional[Fields] = self._live.finish()
-        return line
+        return self._live.finish()
 
 
 def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
@@ -170,14 +162,15 @@ def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
     >>> db.sequences, db.descriptors.dtype, db.descriptors.shape
     (['train'], dtype('int16'), (200, 64))
     """
-    return _vpr.train(_sources(images if descriptors is None else descriptors),
-                      [] if pretrain is None else _sources(pretrain), _text(settings), progress)
+    return _vpr.train(_call("train", settings, progress),
+                      _sources(images if descriptors is None else descriptors),
+                      [] if pretrain is None else _sources(pretrain))
 
 
 def load(path: Path) -> Any:
     """Opens a folder of vpr-train as a Database, or a result file (.json) as a Result."""
-    is_result = os.fspath(path).endswith(".json")
-    return _vpr.load_result(path) if is_result else _vpr.load_database(path)
+    load = _vpr.load_result if os.fspath(path).endswith(".json") else _vpr.load_database
+    return load(_call("load", {}), path)
 
 
 def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = None,
@@ -194,8 +187,8 @@ def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = 
     >>> result.best[7], len(result.recognitions)
     ((7, 0, 7), 196)
     """
-    return _vpr.query("vpr.query", db, name, images if descriptors is None else descriptors,
-                      _text(settings), progress)
+    return _vpr.query(_call("query", settings, progress), db, name,
+                      images if descriptors is None else descriptors)
 
 
 def loops(images: Optional[Path] = None, *, descriptors: Source = None,
@@ -212,8 +205,8 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
     >>> result.recognitions[-1]
     (395, 0, 195)
     """
-    return _vpr.query("vpr.loops", db, name, images if descriptors is None else descriptors,
-                      _text(settings), progress)
+    return _vpr.loops(_call("loops", settings, progress), db, name,
+                      images if descriptors is None else descriptors)
 
 
 def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
@@ -227,32 +220,34 @@ def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
     >>> result.best[7]
     (7, 0, 7)
     """
-    return _vpr.query("vpr.query_scores", None, name, scores, _text(settings), progress)
+    return _vpr.query_scores(_call("query_scores", settings, progress), name, scores)
 
 
-def _evaluate(judge: Callable[..., Any], judged: object, truth: Source, settings: dict[str, Any],
-              progress: Progress) -> Report:
-    """Arrays go through temporary files, so that the readers of ground truths check them."""
+def _evaluate(function: str, result: Optional[Result], scores: Source, truth: Source,
+              settings: dict[str, Any], progress: Progress) -> Report:
+    """Arrays become files, so that the readers of ground truths check them."""
+    files: dict[str, Any] = {"ground_truth": truth, "reference": settings.get("reference")}
+    has_positions = files["reference"] is not None
     with tempfile.TemporaryDirectory() as folder:
-        def saved(name: str, value: Any, is_positions: bool) -> str:
+        for name, value in files.items():
             if value is None or isinstance(value, (str, os.PathLike)):
-                return os.fspath(value or "")
+                continue
             array = np.asarray(value)
-            path = os.path.join(folder, name)
-            if is_positions:
+            columns = ["query", "reference"]
+            if has_positions:
                 array = np.column_stack([np.arange(len(array)), array])
-            elif array.shape[1:] != (2,) or array.dtype.kind not in "iu":
-                np.save(path + ".npy", array)
-                return path + ".npy"
-            columns = ["frame", "x", "y", "heading"] if is_positions else ["query", "reference"]
-            header = ",".join(columns[:array.shape[1]])
-            np.savetxt(path + ".csv", array, "%.17g", ",", header=header, comments="")
-            return path + ".csv"
-        has_positions = settings.get("reference") is not None
-        if has_positions:
-            settings["reference"] = saved("reference", settings["reference"], True)
-        path = saved("query", truth, has_positions)
-        return Report(judge(judged, path, _text(settings), progress))
+                columns = ["frame", "x", "y", "heading"][:array.shape[1]]
+            is_table = has_positions or (array.shape[1:] == (2,) and array.dtype.kind in "iu")
+            files[name] = f"{folder}/{name}" + (".csv" if is_table else ".npy")
+            if is_table:
+                np.savetxt(files[name], array, "%.17g", ",", header=",".join(columns), comments="")
+            else:
+                np.save(files[name], array)
+        call = _call(function, {**settings, "reference": files["reference"]}, progress)
+        try:
+            return Report(_vpr.evaluate(call, result, scores, files["ground_truth"]))
+        except Error as error:
+            raise type(error)(str(error).replace(folder + "/", "")) from None
 
 
 def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress = None,
@@ -272,7 +267,7 @@ def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress 
     >>> report.counts.recognitions.correct, report.recall_at[1]
     (196, 0.98)
     """
-    return _evaluate(_vpr.evaluate, result, ground_truth, settings, progress)
+    return _evaluate("evaluate", result, None, ground_truth, settings, progress)
 
 
 def evaluate_scores(scores: Source, ground_truth: Source, *, progress: Progress = None,
@@ -287,7 +282,7 @@ def evaluate_scores(scores: Source, ground_truth: Source, *, progress: Progress 
     1.0
     """
     settings.setdefault("similarity", not settings.get("distance"))
-    return _evaluate(_vpr.evaluate_scores, scores, ground_truth, settings, progress)
+    return _evaluate("evaluate_scores", None, scores, ground_truth, settings, progress)
 
 
 def distances(db: Database, query: Source, *, progress: Progress = None,
@@ -298,4 +293,4 @@ def distances(db: Database, query: Source, *, progress: Progress = None,
     >>> d.shape, d[0].argmin(), np.asarray(d).dtype
     ((200, 200), 0, dtype('uint16'))
     """
-    return _vpr.distances(db, query, _text(settings), progress)
+    return _vpr.distances(_call("distances", settings, progress), db, query)

@@ -1,4 +1,3 @@
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,18 +22,8 @@ class Result:
 
 class Distances:
     shape: tuple[int, int]
-    unit: float
     def __len__(self) -> int: ...
     def __getitem__(self, index: int) -> NDArray[np.uint16]: ...
     def __array__(self, dtype: Any = ..., copy: Any = ...) -> NDArray[Any]: ...
 
-Live: Callable[..., Any]
-Report: type
-train: Callable[..., Database]
-load_database: Callable[..., Database]
-load_result: Callable[..., Result]
-query: Callable[..., Result]
-evaluate: Callable[..., Any]
-evaluate_scores: Callable[..., Any]
-distances: Callable[..., Distances]
-save_text: Callable[..., None]
+def __getattr__(name: str) -> Any: ...  # functions with a wrapper in vpr
