@@ -18,7 +18,6 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
-#include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "base/text.h"
@@ -350,10 +349,7 @@ void Program::run_session(int argc, char** argv) {
   Outputs outputs(common_.force ? Existing::replace : Existing::refuse);
   if (common_.force) Inputs{outputs}.add(parser_.given());  // without it, no file is replaced
   Session session{common_, chosen_, monitor, {}, select_kernels(), progress, outputs};
-  session.run.program = name_;
-  session.run.command_line.assign(argv, argv + argc);
-  session.run.threads = thread_count();
-  session.run.seed = common_.process.seed;
+  session.run = run_of(name_, {argv, argv + argc}, common_.process.seed);
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
                 session.run.threads, session.kernels.target);
   try {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/parallel.h"
 #include "base/provenance.h"
 
 namespace vpr {
@@ -34,6 +35,11 @@ void visit_fields(Machine& machine, Visitor&& visit) {
 }
 
 }  // namespace
+
+RunInfo run_of(const std::string& program, const std::vector<std::string>& command_line,
+               uint64_t seed) {
+  return {program, command_line, {}, {}, {}, thread_count(), 0, seed};
+}
 
 std::string RunInfo::path(const std::string& role) const {
   const auto found = paths.find(role);

@@ -26,6 +26,10 @@ struct RunInfo {
   std::string path(const std::string& role) const;
 };
 
+/// The run of a program with the threads of this process.
+RunInfo run_of(const std::string& program, const std::vector<std::string>& command_line,
+               uint64_t seed);
+
 class Fields;
 
 struct Provenance {

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "files/report.h"
+#include "files/run_info.h"
 #include "present/evaluation_page.h"
 #include "present/report_tables.h"
 #include "python/module.h"
@@ -87,7 +88,7 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
         result ? evaluate_stored(result, std::nullopt, by, monitor) : evaluate_input(monitor);
     if (!name.empty()) made->evaluation.name = name;
     made->stored = result;
-    made->run = call.run_info("vpr-eval");
+    made->run = run_of("vpr-eval", {call.function}, call.process.seed);
     if (truth) made->run.paths["ground_truth"] = truth->string();
     made->report = report_of(made->evaluation, made->run, monitor);
     made->seconds = watch.elapsed_s();

@@ -72,15 +72,6 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
   result.get();
 }
 
-RunInfo Call::run_info(const std::string& program) const {
-  return {.program = program,
-          .command_line = {function},
-          .paths = {},
-          .simd_target = std::string(select_kernels().target),
-          .threads = thread_count(),
-          .seed = process.seed};
-}
-
 void save(bool force, const std::function<void(Outputs& outputs)>& write) {
   Call{"vpr.save"}.run([&](const Monitor&) {
     Outputs outputs(force ? Existing::replace : Existing::refuse);

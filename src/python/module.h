@@ -19,7 +19,6 @@
 #include "base/npy.h"
 #include "base/output.h"
 #include "evaluate/score_matrix.h"
-#include "files/run_info.h"
 #include "sequence/frames.h"
 #include "words/database.h"
 
@@ -48,9 +47,6 @@ struct Call {
   /// calls `progress(step, done, total)` unless it is None, and Python's warnings. An interrupt or
   /// an exception of these stops the work and is raised.
   void run(const std::function<void(const Monitor&)>& work) const;
-
-  /// The provenance of files as `program` writes them; call it while work runs.
-  RunInfo run_info(const std::string& program) const;
 };
 
 /// Runs `write`, and commits its outputs.

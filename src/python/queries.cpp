@@ -5,6 +5,7 @@
 #include "base/stopwatch.h"
 #include "fabmap/place_query.h"
 #include "files/live_lines.h"
+#include "files/run_info.h"
 #include "loops/sequence_query.h"
 #include "present/result_text.h"
 #include "python/module.h"
@@ -74,7 +75,8 @@ ResultPointer result_of(
   call.run([&](const Monitor& monitor) {
     const Stopwatch watch;
     ResultContext& context = made->context;
-    context.run = call.run_info("vpr-query");
+    context.run = run_of("vpr-query", {call.function}, call.process.seed);
+    context.run.simd_target = select_kernels().target;
     if (database && !database->path.empty()) context.run.paths["database"] = database->path;
     QueryRun run = query(context, monitor);
     made->result = std::move(run.result);
