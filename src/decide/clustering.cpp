@@ -20,9 +20,9 @@ struct Row {
 std::vector<Row> find_rows(std::span<const Match> recognitions) {
   std::vector<Row> rows;
   for (size_t i = 0; i < recognitions.size(); ++i) {
-    const auto& [query, sequence, train, view, score] = recognitions[i];
-    if (rows.empty() || rows.back().query != query || rows.back().sequence != sequence)
-      rows.push_back({sequence, query, i, i});
+    const Match& match = recognitions[i];
+    if (rows.empty() || rows.back().query != match.query || rows.back().sequence != match.sequence)
+      rows.push_back({match.sequence, match.query, i, i});
     rows.back().end = i + 1;
   }
   std::ranges::stable_sort(rows, {}, &Row::sequence);

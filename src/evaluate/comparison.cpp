@@ -47,9 +47,11 @@ std::vector<Outcomes> find_compared(std::span<const NamedOutcomes> methods,
   std::vector<Outcomes> all;
   for (const NamedOutcomes& method : methods) {
     std::vector<QueryOutcome>& queries = all.emplace_back(method.outcomes).queries;
-    if (method.is_paired) queries.clear();
-    for (size_t q = 0; method.is_paired && q < comparison.frames.size(); ++q)
-      queries.push_back(method.outcomes.queries[comparison.frames[q]]);
+    if (method.is_paired) {  // frames rise, so each is moved to its place or to an earlier one
+      for (size_t q = 0; q < comparison.frames.size(); ++q)
+        queries[q] = queries[comparison.frames[q]];
+      queries.resize(comparison.frames.size());
+    }
     for (size_t q = 0; q < queries.size(); ++q) queries[q].frame = q;
   }
   return all;

@@ -213,13 +213,14 @@ void add_recorded_names(EvaluationSettings& by, const ResultContext& context, si
     by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
   const std::string database = context.run.path("database");
   if (!by.train_names.empty() || (database.empty() && !context.train)) return;
-  const auto trained =  // read at most once
-      std::make_shared<std::vector<TrainSequence>>(context.train ? *context.train
-                                                                 : std::vector<TrainSequence>());
+  using Trained = std::shared_ptr<const std::vector<TrainSequence>>;
+  const auto trained = std::make_shared<Trained>(context.train);  // read at most once
   for (size_t s = 0; s < sequences; ++s)
     by.train_names.emplace_back([database, trained, s] {
-      if (trained->empty()) *trained = read_sequence_database(database).sequences;
-      return trained->at(s).sequence.frame_names;
+      if (!*trained)
+        *trained = std::make_shared<const std::vector<TrainSequence>>(
+            read_sequence_database(database).sequences);
+      return (*trained)->at(s).sequence.frame_names;
     });
 }
 
