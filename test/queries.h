@@ -20,7 +20,7 @@ inline QueryResources resources(size_t verify_cells = 0) {
 inline QueryRun query_run(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, size_t verify_cells = 0,
                           const Monitor& monitor = {}) {
-  return run_query(plan_query(database, query, "q", settings, resources(), monitor), settings,
+  return run_query(plan_query(database, query, "q", settings, resources(), monitor),
                    resources(verify_cells), {}, monitor);
 }
 inline Result query_result(const SequenceDatabase& database, const DescriptorSet& query,

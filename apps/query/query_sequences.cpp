@@ -47,20 +47,18 @@ struct SavedMatrix {
 // Whether any cell of the matrix has no score.
 bool has_gaps(const QueryPlan& plan) {
   const auto is_unreadable = [](const DescribedFrames& span) { return !span.unreadable.empty(); };
-  return !plan.query_sequence.unreadable.empty() || !plan.past.empty() ||
+  return !plan.result.query.unreadable.empty() || !plan.past.empty() ||
          std::any_of(plan.train.begin(), plan.train.end(), is_unreadable);
 }
 
 // The consumer of the rows; none without --save-matrix.
 std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& path,
-                                      const QueryPlan& plan, const ResolvedSettings& settings,
-                                      const Session& session) {
+                                      const QueryPlan& plan, const Session& session) {
   if (path.empty()) return {};
-  const Result shape = make_result(plan, settings);  // without matches
   if (path.ends_with(".npy"))
-    return {std::ref(
-        saved.file.emplace(session.outputs.file(path), shape, has_gaps(plan), session.monitor))};
-  return {std::ref(saved.pixels.emplace(layout_of(shape), kMatrixPixels))};
+    return {std::ref(saved.file.emplace(session.outputs.file(path), plan.result, has_gaps(plan),
+                                        session.monitor))};
+  return {std::ref(saved.pixels.emplace(layout_of(plan.result), kMatrixPixels))};
 }
 
 void finish_matrix(const SavedMatrix& saved, const std::string& path, const Result& result,
@@ -156,7 +154,7 @@ void query_sequences(Session& session, const QueryOptions& options,
   context.seconds["describe"] = watch.elapsed_s();
   SavedMatrix matrix;
   const auto observers = [&](const QueryPlan& plan) -> Sinks {
-    return {start_matrix(matrix, options.matrix, plan, settings, session)};
+    return {start_matrix(matrix, options.matrix, plan, session)};
   };
   const QueryRun run = run_query(data, settings, resources, observers, context, monitor);
   context.seconds["total"] = watch.elapsed_s();

@@ -202,11 +202,11 @@ QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,
   context.run.memory_limit = resources.memory_limit;
   QueryPlan plan = plan_query(*data.database, data.query, data.name, settings, resources, monitor,
                               data.times_ns);
-  const Sinks sinks = observers ? observers(plan) : Sinks{};
-  QueryRun run = run_query(std::move(plan), settings, resources, sinks, monitor);
   if (settings->loop)
-    std::get<SequenceQuerySettings>(run.result.settings).descriptor =
+    std::get<SequenceQuerySettings>(plan.result.settings).descriptor =
         data.query.descriptors.kind->name;
+  const Sinks sinks = observers ? observers(plan) : Sinks{};
+  QueryRun run = run_query(std::move(plan), resources, sinks, monitor);
   context.seconds.insert(run.seconds.begin(), run.seconds.end());
   if (const auto sentence = excess_advice(run.result)) warn(monitor, *sentence);
   return run;

@@ -36,8 +36,8 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
   filter.same_place = settings.same_place;
   const Monitor silent = {{}, {}, monitor.stop};
   const QueryResources unverified = {resources.kernels, resources.memory_limit, 0, resources.seed};
-  return run_query(plan_query(database, query, "", filter, unverified, silent), filter, unverified,
-                   {}, silent)
+  return run_query(plan_query(database, query, "", filter, unverified, silent), unverified, {},
+                   silent)
       .result;
 }
 

@@ -12,8 +12,7 @@ namespace vpr {
 LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_name,
                      const ResolvedSettings& settings, const QueryResources& resources,
                      const Monitor& monitor)
-    : settings_(settings),
-      resources_(resources),
+    : resources_(resources),
       plan_(plan_window(database, query_name, settings, resources, monitor)),
       frames_(start_live(searched_distances(plan_), plan_.scores)) {
   const MatchSettings& match = plan_.match;
@@ -40,7 +39,7 @@ std::optional<Result> LiveQuery::take(const ArrivedFrame& frame) {
     send_row(sinks, only);
   });
   if (readable_frames_ < plan_.match.window_length) return std::nullopt;
-  return rows.result(settings_);
+  return rows.result();
 }
 
 std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
@@ -50,7 +49,7 @@ std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
     const PathReport& report = *row.front().path;
     Cell match = report.matches.back();
     match.query_window = 0;
-    last_ = make_result(plan_, settings_, {decisions_->take(report), {match}}, {report.margin});
+    last_ = make_result(plan_, {decisions_->take(report), {match}}, {report.margin});
     last_->path.emplace(1);
     last_->path->rates[0] = report.rate;
     last_->path->numbers[0] = report.path;

@@ -56,7 +56,6 @@ class LiveQuery {
   std::optional<Result> finish();
 
  private:
-  ResolvedSettings settings_;
   QueryResources resources_;
   QueryPlan plan_;
   LiveScores frames_;

@@ -35,13 +35,13 @@ namespace {
 
 void plan_windows(QueryPlan& plan, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
-  const Sequence& query = plan.query_sequence;
+  const Sequence& query = plan.result.query;
   if (count_windows(readable_runs(plan.query), length) == 0)
     throw Error(
         ErrorKind::usage,
         "the query {} has {}, but not {} consecutive readable ones (c_l). Use a smaller --c-l.",
         query.name, counted(query.frames, "frame"), length);
-  plan.query_windows = query.frames - length + 1;
+  plan.result.query_windows = query.frames - length + 1;
   if (!query.unreadable.empty())
     warn(monitor, "{}: {} of {} {} and will never match", query.name, query.unreadable.size(),
          counted(query.frames, "frame"),
@@ -53,7 +53,7 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
   const size_t length = plan.match.window_length;
   bool any = false;
   for (size_t s = 0; s < plan.train.size(); ++s) {
-    ComparedSequence& compared = plan.sequences.emplace_back();
+    ComparedSequence& compared = plan.result.sequences.emplace_back();
     compared.sequence = sequences[s].sequence;
     compared.sequence.frame_names.clear();
     compared.windows = count_windows(readable_runs(plan.train[s]), length);
@@ -73,11 +73,11 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
 // The margin of every sequence: the setting, or the default of the score.
 void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
                   const std::optional<double>& setting, const Monitor& monitor) {
-  for (size_t s = 0; s < plan.sequences.size(); ++s) {
-    ComparedSequence& compared = plan.sequences[s];
+  for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
+    ComparedSequence& compared = plan.result.sequences[s];
     if (!compared.searched || compared.windows == 0) continue;
     compared.margin = setting ? *setting
-                              : plan.score->default_margin(
+                              : plan.result.score().default_margin(
                                     typical_distance(database.sequences[s], plan.train[s], monitor),
                                     plan.match.window_length);
   }
@@ -114,8 +114,8 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
   const ThresholdTable table = automatic_table(plan, database, settings, monitor);
   std::vector<std::string> without;  // sequences that have windows, but no t_r
   bool any = false;
-  for (size_t s = 0; s < plan.sequences.size(); ++s) {
-    ComparedSequence& sequence = plan.sequences[s];
+  for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
+    ComparedSequence& sequence = plan.result.sequences[s];
     if (!sequence.searched || sequence.windows == 0) continue;
     sequence.threshold = automatic_threshold(table, s);
     any = any || sequence.threshold;
@@ -141,7 +141,7 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
                      const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   if (settings.distance_threshold || settings.loop) {
-    for (ComparedSequence& sequence : plan.sequences) {
+    for (ComparedSequence& sequence : plan.result.sequences) {
       sequence.threshold = settings.distance_threshold;
       sequence.scale = scale_of(settings);
     }
@@ -149,7 +149,7 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
     plan_automatic_thresholds(plan, database, settings, monitor);
   }
   plan.decision = ByThreshold{};
-  for (ComparedSequence& sequence : plan.sequences) {
+  for (ComparedSequence& sequence : plan.result.sequences) {
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
@@ -164,8 +164,8 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
     return plan_thresholds(plan, database, settings, monitor);
   plan_margins(plan, database, settings.margin, monitor);
   if (plan.match.method->has_paths)
-    plan.decision =
-        ByPath{static_cast<uint32_t>(std::ceil(*settings.margin / plan.score->frame_value(1, 1)))};
+    plan.decision = ByPath{
+        static_cast<uint32_t>(std::ceil(*settings.margin / plan.result.score().frame_value(1, 1)))};
   else
     plan.decision = ByMargin{};
 }
@@ -177,9 +177,10 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   check_names(database, settings);
   check_sums(database.descriptors, settings.window_length);
   QueryPlan plan;
-  plan.query_sequence = sequence;
-  plan.query_sequence.name = query_name;
-  plan.query_sequence.frames = query.rows.size();
+  plan.result.settings = settings;
+  plan.result.query = sequence;
+  plan.result.query.name = query_name;
+  plan.result.query.frames = query.rows.size();
   const bool is_raw = !score_kind(settings.score).needs_statistics;
   plan.query = query;
   if (is_raw) plan.query.rows = codes_of(query.rows);
@@ -194,15 +195,14 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
                 {},
                 {},
                 &find_sequence_method(settings.method)};
-  plan.score = &score_kind(settings.score);
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
   plan.scores = stages_of(settings, statistics);
   if (statistics != nullptr && !query.precomputed)
     plan.typical_distance = is_raw
                                 ? statistics->code_distance.value_or(statistics->typical_distance)
                                 : statistics->typical_distance;
-  if (statistics != nullptr && plan.score->needs_statistics)
-    plan.statistics = {statistics->settings, statistics->typical_distance};
+  if (statistics != nullptr && plan.result.score().needs_statistics)
+    plan.result.statistics = {statistics->settings, statistics->typical_distance};
   return plan;
 }
 
@@ -245,7 +245,8 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
 QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
                      const ResolvedSettings& settings, const Monitor& monitor) {
   QueryPlan changed = plan;
-  for (ComparedSequence& sequence : changed.sequences) {
+  changed.result.settings = *settings;
+  for (ComparedSequence& sequence : changed.result.sequences) {
     sequence.threshold.reset();
     sequence.scale = ThresholdScale::bits;
     sequence.distance_limit = 0;
@@ -261,21 +262,21 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
   assert(!settings->loop);
   const DescribedFrames no_frame{{database.descriptors.rows().shape, {}}, {}};
   QueryPlan plan = begin_plan(database, no_frame, {}, query_name, *settings, resources);
-  plan.query_sequence.frames = plan.match.window_length;
-  plan.query_windows = 1;
+  plan.result.query.frames = plan.match.window_length;
+  plan.result.query_windows = 1;
   finish_plan(plan, database, *settings, monitor);
   return plan;
 }
 
 bool needs_maxima(const QueryPlan& plan) {
-  return std::ranges::any_of(plan.sequences, [](const ComparedSequence& sequence) {
+  return std::ranges::any_of(plan.result.sequences, [](const ComparedSequence& sequence) {
     return sequence.threshold && sequence.scale == ThresholdScale::relative;
   });
 }
 
 void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima) {
-  for (size_t s = 0; s < plan.sequences.size(); ++s) {
-    ComparedSequence& sequence = plan.sequences[s];
+  for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
+    ComparedSequence& sequence = plan.result.sequences[s];
     if (!sequence.searched || sequence.windows == 0) continue;
     sequence.max_distance = maxima[s];
     sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);

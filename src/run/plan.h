@@ -40,20 +40,16 @@ using QueryDecision = std::variant<ByThreshold, ByMargin, ByPath>;
 /// The frames to compare, the stages of their scores and windows, and the decision of a query.
 /// Points into its database and its query.
 struct QueryPlan {
-  Sequence query_sequence;
+  Result result;  ///< without matches: frames, thresholds and margins, and the settings to record
   DescribedFrames query;
-  size_t query_windows = 0;
   std::vector<DescribedFrames> train;  ///< all sequences, also those that are not searched
   std::vector<uint32_t> past;          ///< for a loop query (FrameDistances::past)
   ScoreStages scores;
   MatchSettings match;                            ///< the window stage
-  std::vector<ComparedSequence> sequences;        ///< of `train`, with thresholds and margins
   std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
   QueryDecision decision;
-  const ScoreKind* score = nullptr;  ///< of windows
   /// For keyframes: the mean distance of training frames, nullopt if unknown.
   std::optional<double> typical_distance;
-  std::optional<UsedStatistics> statistics;
 };
 
 /// Throws Error(data) for descriptors of different kinds or lengths.

@@ -23,8 +23,8 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan, const Mo
   throw Error(ErrorKind::expectation,
               "{}, {}; the first is query window {}, {} window {}, which should be {}",
               counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
-              first.query_window, plan.sequences[first.sequence].sequence.name, first.train_window,
-              first.score);
+              first.query_window, plan.result.sequences[first.sequence].sequence.name,
+              first.train_window, first.score);
 }
 
 std::optional<ResultKeyframes> find_keyframes(const QueryPlan& plan) {
@@ -67,17 +67,18 @@ SearchRecall recall_of(const Result& result, const FrameDistances& distances, co
 
 FrameDistances searched_distances(const QueryPlan& plan) {
   FrameDistances distances = frame_distances(plan.train, plan.query);
-  std::erase_if(distances.train_runs,
-                [&](const FrameStretch& run) { return !plan.sequences[run.sequence].searched; });
+  std::erase_if(distances.train_runs, [&](const FrameStretch& run) {
+    return !plan.result.sequences[run.sequence].searched;
+  });
   distances.past = plan.past;
   return distances;
 }
 
 RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources) {
   RecognitionScanSettings settings;
-  for (const ComparedSequence& sequence : plan.sequences)
+  for (const ComparedSequence& sequence : plan.result.sequences)
     settings.limits.push_back(sequence.distance_limit);
-  settings.query_windows = plan.query_windows;
+  settings.query_windows = plan.result.query_windows;
   settings.max_recognitions =
       std::min(resources.memory_limit / kBytesPerRecognition, kMostRecognitions);
   settings.kernels = resources.kernels;
@@ -85,20 +86,14 @@ RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResource
 }
 
 Match match_of(const Cell& cell, const QueryPlan& plan) {
-  const int64_t offset = plan.score->offset(plan.match.window_length);
+  const int64_t offset = plan.result.score().offset(plan.match.window_length);
   return {cell.query_window, cell.sequence, cell.train_window, 0,
           static_cast<double>(cell.score - offset)};
 }
 
-Result make_result(const QueryPlan& plan, const ResolvedSettings& settings,
-                   const RecognitionScanResult& found,
+Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                    const std::vector<std::optional<uint32_t>>& margins) {
-  Result result;
-  result.settings = *settings;
-  result.query = plan.query_sequence;
-  result.query_windows = plan.query_windows;
-  result.sequences = plan.sequences;
-  result.statistics = plan.statistics;
+  Result result = plan.result;
   for (const auto& best : found.best)
     result.best.push_back(best ? std::optional(match_of(*best, plan)) : std::nullopt);
   const std::vector<Rate>& rates = plan.match.rates;
@@ -120,10 +115,10 @@ Result make_result(const QueryPlan& plan, const ResolvedSettings& settings,
 PathRows::PathRows(const QueryPlan& plan)
     : plan_(plan),
       decisions_(std::get<ByPath>(plan.decision).least_margin),
-      steps_(plan.query_sequence.frames),
-      reversed_(plan.query_sequence.frames),
-      found_{{}, std::vector<std::optional<Cell>>(plan.query_sequence.frames)},
-      path_(plan.query_sequence.frames) {}
+      steps_(plan.result.query.frames),
+      reversed_(plan.result.query.frames),
+      found_{{}, std::vector<std::optional<Cell>>(plan.result.query.frames)},
+      path_(plan.result.query.frames) {}
 
 void PathRows::operator()(std::span<const ScoreRow> row) {
   const PathReport& report = *row.front().path;
@@ -146,7 +141,7 @@ void PathRows::decide(const std::vector<Cell>& recognized, size_t frame) {
   }
 }
 
-Result PathRows::result(const ResolvedSettings& settings) {
+Result PathRows::result() {
   if (!steps_.empty() && steps_.back().path != 0) decide(decisions_.finish(), steps_.size() - 1);
   const std::vector<uint32_t> settled = settled_margins(std::move(steps_));
   std::vector<std::optional<uint32_t>> margins(settled.size());
@@ -156,7 +151,7 @@ Result PathRows::result(const ResolvedSettings& settings) {
   const std::vector<uint32_t> reversed = settled_margins(std::move(reversed_));
   path_.reversed_frames = static_cast<size_t>(
       std::ranges::count_if(reversed, [&](uint32_t margin) { return margin >= least; }));
-  Result result = make_result(plan_, settings, found_, margins);
+  Result result = make_result(plan_, found_, margins);
   result.path = std::move(path_);
   return result;
 }
@@ -166,7 +161,7 @@ ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
   if (std::holds_alternative<ByPath>(plan.decision))
     paths_.emplace(plan);
   else if (plan.exclusion_zones)
-    scan_.emplace(*plan.exclusion_zones, plan.query_windows, resources.kernels);
+    scan_.emplace(*plan.exclusion_zones, plan.result.query_windows, resources.kernels);
 }
 
 Sinks ResultRows::sinks() {
@@ -176,14 +171,13 @@ Sinks ResultRows::sinks() {
   return sinks;
 }
 
-Result ResultRows::result(const ResolvedSettings& settings) {
-  if (paths_) return paths_->result(settings);
-  return make_result(plan_, settings, recognitions_.result(),
+Result ResultRows::result() {
+  if (paths_) return paths_->result();
+  return make_result(plan_, recognitions_.result(),
                      scan_ ? scan_->result() : std::vector<std::optional<uint32_t>>{});
 }
 
-QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
-                   const QueryResources& resources, const Sinks& observers,
+QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
                    const Monitor& monitor) {
   const bool is_approximate = plan.match.method->is_approximate();
   const size_t verified = is_approximate ? 0 : resources.verify_cells;
@@ -198,7 +192,7 @@ QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
   // Relative thresholds need the largest of all distances first.
   const bool has_two_passes = needs_maxima(plan);
   if (has_two_passes) {
-    MaximumScan scan(plan.sequences.size(), resources.kernels);
+    MaximumScan scan(plan.result.sequences.size(), resources.kernels);
     match(distances, plan.match, {{std::ref(scan)}}, part_of(monitor, "pass", 0, 2));
     set_relative_limits(plan, scan.result());
     end_step("maximum");
@@ -213,7 +207,7 @@ QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
     sinks.pieces.insert(sinks.pieces.end(), observers.pieces.begin(), observers.pieces.end());
     sinks.rows.insert(sinks.rows.end(), observers.rows.begin(), observers.rows.end());
     match(distances, plan.match, sinks, last_pass);
-    run.result = rows.result(settings);
+    run.result = rows.result();
   }
   end_step("match");
 

@@ -29,17 +29,15 @@ Match match_of(const Cell& cell, const QueryPlan& plan);
 
 /// The result of a plan without clusters: recognitions, best matches and their margins. By margin,
 /// the recognitions are those of the best matches that have it; otherwise those of `found`.
-/// `settings`: of the plan.
-Result make_result(const QueryPlan& plan, const ResolvedSettings& settings,
-                   const RecognitionScanResult& found = {},
-                   const std::vector<std::optional<uint32_t>>& margins = {});
+Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
+                   const std::vector<std::optional<uint32_t>>& margins);
 
 /// Collects the reports of a planned query by the filter, which must outlive it, into a result.
 class PathRows {
  public:
   explicit PathRows(const QueryPlan& plan);
   void operator()(std::span<const ScoreRow> row);
-  Result result(const ResolvedSettings& settings);
+  Result result();
 
  private:
   void decide(const std::vector<Cell>& recognized, size_t frame);
@@ -59,8 +57,8 @@ class ResultRows {
   ResultRows(const QueryPlan& plan, const QueryResources& resources);
   /// The sinks of the rows, valid as long as this object.
   Sinks sinks();
-  /// The result without clusters and keyframes. `settings`: of the plan.
-  Result result(const ResolvedSettings& settings);
+  /// The result without clusters and keyframes.
+  Result result();
 
  private:
   const QueryPlan& plan_;
@@ -70,13 +68,12 @@ class ResultRows {
 };
 
 /// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to
-/// `observers`. `settings`: of the plan, for the result. Throws Error(expectation) if a verified
-/// cell differs, and as match and scored do.
+/// `observers`. Throws Error(expectation) if a verified cell differs, and as match and scored do.
 ///
 /// An approximate query finds recognitions and best matches among the windows that share a hash
 /// bucket with a query window, with their exact distances. It has no rows and no margins, and it
 /// reports the recall of the search. Throws Error(usage) for descriptors that are not binary.
-QueryRun run_query(QueryPlan plan, const ResolvedSettings& settings,
-                   const QueryResources& resources, const Sinks& observers, const Monitor& monitor);
+QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
+                   const Monitor& monitor);
 
 }  // namespace vpr

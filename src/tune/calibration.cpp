@@ -106,22 +106,21 @@ CalibrationWindow evidence_at(const Result& result, const std::optional<uint32_t
 }
 
 // `plan` accepts all best matches.
-CalibratedLength calibrate_length(QueryPlan plan, const ResolvedSettings& settings,
-                                  const GroundTruth& truth, double precision,
+CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, double precision,
                                   const QueryResources& resources, const Monitor& monitor) {
   constexpr size_t kPathBlock = 40;  // query frames with dependent positions on a path
   const bool has_path = std::holds_alternative<ByPath>(plan.decision);
   const size_t window_length = plan.match.window_length;
   CalibratedLength length;
-  length.settings = *settings;
-  length.windows = plan.query_windows;
+  length.settings = std::get<SequenceQuerySettings>(plan.result.settings);
+  length.windows = plan.result.query_windows;
   length.block =
       std::min(has_path ? kPathBlock : window_length, std::max<size_t>(length.windows, 1));
   UnknownPlaceScan scan(truth, *plan.exclusion_zones, window_length, length.windows,
                         resources.kernels);
   Sinks observers;
   if (!has_path) observers.rows.push_back(std::ref(scan));
-  const Result result = run_query(std::move(plan), settings, resources, observers, monitor).result;
+  const Result result = run_query(std::move(plan), resources, observers, monitor).result;
   const std::vector<std::optional<uint32_t>> unknown_place = scan.result();
   std::vector<CalibrationWindow> evidence;
   for (size_t window = 0; window < length.windows; ++window) {
@@ -274,11 +273,11 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
     SequenceQuerySettings changed = *base;
     changed.window_length = length;
     changed.margin = 0;
-    const ResolvedSettings settings(changed);
-    QueryPlan plan = plan_query(database, query, query_name, settings, resources, part);
-    if (!truth) truth = read_truth(scope_of(make_result(plan, settings)));
+    QueryPlan plan =
+        plan_query(database, query, query_name, ResolvedSettings(changed), resources, part);
+    if (!truth) truth = read_truth(scope_of(plan.result));
     calibrated.lengths.push_back(
-        calibrate_length(std::move(plan), settings, *truth, precision, resources, part));
+        calibrate_length(std::move(plan), *truth, precision, resources, part));
   }
   if (std::ranges::none_of(calibrated.lengths, [](const auto& one) { return one.queries > 0; }))
     throw Error(ErrorKind::usage,

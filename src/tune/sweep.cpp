@@ -35,7 +35,6 @@ Advice missing_advice(std::span<const CellCounts> cells) {
 
 /// One window length: a plan for each threshold, and the matches for all of them.
 struct LengthSweep {
-  std::vector<ResolvedSettings> settings;              // by threshold
   std::vector<QueryPlan> plans;                        // by threshold
   RecognitionScanResult found;                         // below the largest limit of any plan
   std::vector<std::optional<uint32_t>> margins;        // for a decision by margin
@@ -57,7 +56,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
       changed.window_length = length;
       const bool by_margin = changed.decision == Decision::margin;
       (by_margin ? changed.margin : changed.distance_threshold) = threshold;
-      const ResolvedSettings& settings = sweep.settings.emplace_back(changed);
+      const ResolvedSettings settings(changed);
       sweep.plans.push_back(sweep.plans.empty()
                                 ? plan_query(database, query, query_name, settings, resources, once)
                                 : with_limit(sweep.plans.front(), database, settings, once));
@@ -71,7 +70,7 @@ RecognitionScanSettings widest_scan(const LengthSweep& sweep, const QueryResourc
   RecognitionScanSettings widest = scan_settings(sweep.plans.front(), resources);
   for (const QueryPlan& plan : sweep.plans)
     for (size_t s = 0; s < widest.limits.size(); ++s)
-      widest.limits[s] = std::max(widest.limits[s], plan.sequences[s].distance_limit);
+      widest.limits[s] = std::max(widest.limits[s], plan.result.sequences[s].distance_limit);
   return widest;
 }
 
@@ -91,7 +90,8 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   if (std::ranges::any_of(lengths.front().plans, needs_maxima)) {
     std::deque<MaximumScan> maxima;
     for (Pass& pass : passes)
-      pass.sinks = {{std::ref(maxima.emplace_back(first.sequences.size(), resources.kernels))}};
+      pass.sinks = {
+          {std::ref(maxima.emplace_back(first.result.sequences.size(), resources.kernels))}};
     match_all();
     for (size_t l = 0; l < lengths.size(); ++l) {
       const std::vector<uint32_t> found = maxima[l].result();
@@ -111,10 +111,10 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     if (!has_margins) continue;
     const QueryPlan& plan = lengths[l].plans.front();
     sinks.rows = {
-        std::ref(
-            margins.emplace_back(*first.exclusion_zones, plan.query_windows, resources.kernels)),
+        std::ref(margins.emplace_back(*first.exclusion_zones, plan.result.query_windows,
+                                      resources.kernels)),
         std::ref(labeled.emplace_back(truth, *first.exclusion_zones, plan.match.window_length,
-                                      plan.query_windows, resources.kernels))};
+                                      plan.result.query_windows, resources.kernels))};
   }
   match_all();
   for (size_t l = 0; l < lengths.size(); ++l) {
@@ -130,16 +130,16 @@ Result cell_result(const LengthSweep& length, size_t threshold, const Monitor& m
   const QueryPlan& plan = length.plans[threshold];
   RecognitionScanResult found{{}, length.found.best};
   for (const Cell& recognition : length.found.recognitions)
-    if (recognition.score < plan.sequences[recognition.sequence].distance_limit)
+    if (recognition.score < plan.result.sequences[recognition.sequence].distance_limit)
       found.recognitions.push_back(recognition);
-  Result result = make_result(plan, length.settings[threshold], found, length.margins);
+  Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;
 }
 
 // The number of windows that would reach the margin, a number, if their place were not trained.
 std::optional<uint64_t> untrained_windows(const LengthSweep& length, size_t threshold) {
-  const SequenceQuerySettings& settings = *length.settings[threshold];
+  const auto& settings = std::get<SequenceQuerySettings>(length.plans[threshold].result.settings);
   if (length.unknown_place.empty() || !settings.margin) return std::nullopt;
   const ScoreKind& kind = score_kind(settings.score);
   return std::ranges::count_if(length.unknown_place, [&](const auto& margin) {
@@ -279,7 +279,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
                       const Monitor& monitor) {
   std::vector<LengthSweep> lengths =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
-  const Result shape = make_result(lengths.front().plans.front(), lengths.front().settings.front());
+  const Result shape = lengths.front().plans.front().result;
   const GroundTruth truth = read_truth(scope_of(shape));
   search(lengths, truth, resources, monitor);
   const size_t thresholds = grid.thresholds.size();

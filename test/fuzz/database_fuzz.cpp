@@ -44,8 +44,7 @@ void query_sequences(const std::filesystem::path& folder) {
     settings.window_length = 2;
     settings.score = score;
     fuzz::refuses([&] {
-      run_query(plan_query(database, query, "q", settings, resources, {}), settings, resources, {},
-                {});
+      run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {});
     });
   }
 }

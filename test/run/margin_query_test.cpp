@@ -162,15 +162,14 @@ TEST_CASE("unreadable frames have no margin") {
 TEST_CASE("by margin, recognitions are best matches that beat the runner-up by the margin") {
   QueryPlan plan;
   plan.match.window_length = 5;
-  plan.score = &score_kind(Score::raw);
+  plan.result.settings = by_margin(5, std::nullopt);
   plan.decision = ByMargin{};
-  plan.sequences.resize(2);
-  plan.sequences[0].margin = plan.sequences[1].margin = 2;
+  plan.result.sequences.resize(2);
+  plan.result.sequences[0].margin = plan.result.sequences[1].margin = 2;
   const RecognitionScanResult found{
       {{0, 0, 0, 1}},
       {Cell{0, 0, 7, 40}, Cell{1, 1, 8, 30}, std::nullopt, Cell{3, 0, 9, 20}, Cell{4, 1, 9, 20}}};
-  const Result result =
-      make_result(plan, by_margin(5, std::nullopt), found, {10, 9, std::nullopt, std::nullopt, 11});
+  const Result result = make_result(plan, found, {10, 9, std::nullopt, std::nullopt, 11});
   CHECK(result.recognitions == std::vector<Match>{{0, 0, 7, 0, 40}, {4, 1, 9, 0, 20}});
   CHECK(frame_margin(result, 0) == 2);
   CHECK(frame_margin(result, 3) == std::nullopt);

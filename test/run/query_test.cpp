@@ -148,8 +148,8 @@ TEST_CASE("an automatic threshold needs another training sequence with a window"
   settings.rates = {"2"};
   const SequenceDatabase database = make_database(three, 10);
   const QueryPlan plan = plan_query(database, query, "q", settings, resources(), warnings.monitor);
-  CHECK(plan.sequences[0].threshold.has_value());
-  CHECK_FALSE(plan.sequences[2].threshold);
+  CHECK(plan.result.sequences[0].threshold.has_value());
+  CHECK_FALSE(plan.result.sequences[2].threshold);
   CHECK(warnings.said ==
         std::vector<std::string>{
             "c: cannot be recognized without an automatic t_r, because no other training "
