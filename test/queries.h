@@ -20,8 +20,8 @@ inline QueryResources resources(size_t verify_cells = 0) {
 inline QueryRun query_run(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, size_t verify_cells = 0,
                           const Monitor& monitor = {}) {
-  return run_query(plan_query(database, query, "q", settings, resources(), monitor),
-                   resources(verify_cells), {}, monitor);
+  return run_query(plan_query(database, query, "q", settings, resources(verify_cells), monitor), {},
+                   monitor);
 }
 inline Result query_result(const SequenceDatabase& database, const DescriptorSet& query,
                            const SequenceQuerySettings& settings) {

@@ -206,7 +206,7 @@ QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,
     std::get<SequenceQuerySettings>(plan.result.settings).descriptor =
         data.query.descriptors.kind->name;
   const Sinks sinks = observers ? observers(plan) : Sinks{};
-  QueryRun run = run_query(std::move(plan), resources, sinks, monitor);
+  QueryRun run = run_query(std::move(plan), sinks, monitor);
   context.seconds.insert(run.seconds.begin(), run.seconds.end());
   if (const auto sentence = excess_advice(run.result)) warn(monitor, *sentence);
   return run;

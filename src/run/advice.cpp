@@ -36,9 +36,7 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
   filter.same_place = settings.same_place;
   const Monitor silent = {{}, {}, monitor.stop};
   const QueryResources unverified = {resources.kernels, resources.memory_limit, 0, resources.seed};
-  return run_query(plan_query(database, query, "", filter, unverified, silent), unverified, {},
-                   silent)
-      .result;
+  return run_query(plan_query(database, query, "", filter, unverified, silent), {}, silent).result;
 }
 
 // The database with every `step`-th training frame.

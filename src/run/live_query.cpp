@@ -12,8 +12,7 @@ namespace vpr {
 LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_name,
                      const ResolvedSettings& settings, const QueryResources& resources,
                      const Monitor& monitor)
-    : resources_(resources),
-      plan_(plan_window(database, query_name, settings, resources, monitor)),
+    : plan_(plan_window(database, query_name, settings, resources, monitor)),
       frames_(start_live(searched_distances(plan_), plan_.scores)) {
   const MatchSettings& match = plan_.match;
   const size_t length = match.window_length;
@@ -31,7 +30,7 @@ std::optional<Result> LiveQuery::take(const ArrivedFrame& frame) {
   readable_frames_ = frame.is_readable ? readable_frames_ + 1 : 0;
   const QueryFrame next{frames_.last_row(), frames_.frames - 1, readable_frames_};
   if (decisions_) return take_path(next);
-  ResultRows rows(plan_, resources_);
+  ResultRows rows(plan_);
   const Sinks sinks = rows.sinks();
   windows_(frames_.scores, next, [&](size_t, std::span<const ScoreRow> row) {
     std::vector<ScoreRow> only(row.begin(), row.end());

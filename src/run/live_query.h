@@ -56,7 +56,6 @@ class LiveQuery {
   std::optional<Result> finish();
 
  private:
-  QueryResources resources_;
   QueryPlan plan_;
   LiveScores frames_;
   WindowStage windows_;

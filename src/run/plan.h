@@ -45,7 +45,8 @@ struct QueryPlan {
   std::vector<DescribedFrames> train;  ///< all sequences, also those that are not searched
   std::vector<uint32_t> past;          ///< for a loop query (FrameDistances::past)
   ScoreStages scores;
-  MatchSettings match;                            ///< the window stage
+  MatchSettings match;                            ///< the window stage, and its resources
+  size_t verify_cells = 0;                        ///< number of cells to recompute by definition
   std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
   QueryDecision decision;
   /// For keyframes: the mean distance of training frames, nullopt if unknown.

@@ -45,8 +45,8 @@ bool has_margin(const Result& result, size_t window) {
 
 // Compares the result of an approximate search with an exact one.
 SearchRecall recall_of(const Result& result, const FrameDistances& distances, const QueryPlan& plan,
-                       const QueryResources& resources, const Monitor& monitor) {
-  RecognitionScan scan(scan_settings(plan, resources));
+                       const Monitor& monitor) {
+  RecognitionScan scan(scan_settings(plan));
   MatchSettings exact_match = plan.match;
   exact_match.method = exact_methods().data();
   match(distances, exact_match, {{std::ref(scan)}}, monitor);
@@ -74,14 +74,14 @@ FrameDistances searched_distances(const QueryPlan& plan) {
   return distances;
 }
 
-RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources) {
+RecognitionScanSettings scan_settings(const QueryPlan& plan) {
   RecognitionScanSettings settings;
   for (const ComparedSequence& sequence : plan.result.sequences)
     settings.limits.push_back(sequence.distance_limit);
   settings.query_windows = plan.result.query_windows;
   settings.max_recognitions =
-      std::min(resources.memory_limit / kBytesPerRecognition, kMostRecognitions);
-  settings.kernels = resources.kernels;
+      std::min(plan.match.memory_limit / kBytesPerRecognition, kMostRecognitions);
+  settings.kernels = plan.match.kernels;
   return settings;
 }
 
@@ -156,12 +156,11 @@ Result PathRows::result() {
   return result;
 }
 
-ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
-    : plan_(plan), recognitions_(scan_settings(plan, resources)) {
+ResultRows::ResultRows(const QueryPlan& plan) : plan_(plan), recognitions_(scan_settings(plan)) {
   if (std::holds_alternative<ByPath>(plan.decision))
     paths_.emplace(plan);
   else if (plan.exclusion_zones)
-    scan_.emplace(*plan.exclusion_zones, plan.result.query_windows, resources.kernels);
+    scan_.emplace(*plan.exclusion_zones, plan.result.query_windows, plan.match.kernels);
 }
 
 Sinks ResultRows::sinks() {
@@ -177,10 +176,7 @@ Result ResultRows::result() {
                      scan_ ? scan_->result() : std::vector<std::optional<uint32_t>>{});
 }
 
-QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
-                   const Monitor& monitor) {
-  const bool is_approximate = plan.match.method->is_approximate();
-  const size_t verified = is_approximate ? 0 : resources.verify_cells;
+QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monitor) {
   QueryRun run;
   FrameDistances distances = searched_distances(plan);
   Stopwatch watch;
@@ -192,18 +188,19 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks&
   // Relative thresholds need the largest of all distances first.
   const bool has_two_passes = needs_maxima(plan);
   if (has_two_passes) {
-    MaximumScan scan(plan.result.sequences.size(), resources.kernels);
+    MaximumScan scan(plan.result.sequences.size(), plan.match.kernels);
     match(distances, plan.match, {{std::ref(scan)}}, part_of(monitor, "pass", 0, 2));
     set_relative_limits(plan, scan.result());
     end_step("maximum");
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), plan.scores, last_pass);
-  CellScan cells(choose_cells(distances, plan.match.window_length, verified, resources.seed));
+  CellScan cells(
+      choose_cells(distances, plan.match.window_length, plan.verify_cells, plan.match.seed));
   {
-    ResultRows rows(plan, resources);
+    ResultRows rows(plan);
     Sinks sinks = rows.sinks();
-    if (verified > 0) sinks.pieces.push_back(std::ref(cells));
+    if (plan.verify_cells > 0) sinks.pieces.push_back(std::ref(cells));
     sinks.pieces.insert(sinks.pieces.end(), observers.pieces.begin(), observers.pieces.end());
     sinks.rows.insert(sinks.rows.end(), observers.rows.begin(), observers.rows.end());
     match(distances, plan.match, sinks, last_pass);
@@ -211,13 +208,13 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks&
   }
   end_step("match");
 
-  if (verified > 0) {
+  if (plan.verify_cells > 0) {
     check_cells(cells.result(), plan, monitor);
     run.verified_cells = cells.result().size();
     end_step("verify");
   }
-  if (is_approximate) {
-    run.result.recall = recall_of(run.result, distances, plan, resources, monitor);
+  if (plan.match.method->is_approximate()) {
+    run.result.recall = recall_of(run.result, distances, plan, monitor);
     end_step("recall");
   }
   cluster(run.result, monitor);

@@ -22,7 +22,7 @@ struct QueryRun {
 FrameDistances searched_distances(const QueryPlan& plan);
 
 /// The settings of a scan for recognitions below the limits of a plan.
-RecognitionScanSettings scan_settings(const QueryPlan& plan, const QueryResources& resources);
+RecognitionScanSettings scan_settings(const QueryPlan& plan);
 
 /// A cell of a planned query, as in results.
 Match match_of(const Cell& cell, const QueryPlan& plan);
@@ -54,7 +54,7 @@ class PathRows {
 /// matches and their margins, and the reports of the filter.
 class ResultRows {
  public:
-  ResultRows(const QueryPlan& plan, const QueryResources& resources);
+  explicit ResultRows(const QueryPlan& plan);
   /// The sinks of the rows, valid as long as this object.
   Sinks sinks();
   /// The result without clusters and keyframes.
@@ -73,7 +73,6 @@ class ResultRows {
 /// An approximate query finds recognitions and best matches among the windows that share a hash
 /// bucket with a query window, with their exact distances. It has no rows and no margins, and it
 /// reports the recall of the search. Throws Error(usage) for descriptors that are not binary.
-QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
-                   const Monitor& monitor);
+QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monitor);
 
 }  // namespace vpr

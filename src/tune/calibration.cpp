@@ -107,20 +107,21 @@ CalibrationWindow evidence_at(const Result& result, const std::optional<uint32_t
 
 // `plan` accepts all best matches.
 CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, double precision,
-                                  const QueryResources& resources, const Monitor& monitor) {
+                                  const Monitor& monitor) {
   constexpr size_t kPathBlock = 40;  // query frames with dependent positions on a path
   const bool has_path = std::holds_alternative<ByPath>(plan.decision);
   const size_t window_length = plan.match.window_length;
   CalibratedLength length;
   length.settings = std::get<SequenceQuerySettings>(plan.result.settings);
   length.windows = plan.result.query_windows;
+  const uint64_t seed = plan.match.seed;
   length.block =
       std::min(has_path ? kPathBlock : window_length, std::max<size_t>(length.windows, 1));
   UnknownPlaceScan scan(truth, *plan.exclusion_zones, window_length, length.windows,
-                        resources.kernels);
+                        plan.match.kernels);
   Sinks observers;
   if (!has_path) observers.rows.push_back(std::ref(scan));
-  const Result result = run_query(std::move(plan), resources, observers, monitor).result;
+  const Result result = run_query(std::move(plan), observers, monitor).result;
   const std::vector<std::optional<uint32_t>> unknown_place = scan.result();
   std::vector<CalibrationWindow> evidence;
   for (size_t window = 0; window < length.windows; ++window) {
@@ -130,7 +131,7 @@ CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, doub
   const ScoreKind& score = score_kind(length.settings.score);
   const int64_t least =
       has_path ? static_cast<int64_t>(kFilterMargin / score.frame_value(1, 1)) : 1;
-  length.calibration = calibrate(evidence, {precision, least, length.block, resources.seed});
+  length.calibration = calibrate(evidence, {precision, least, length.block, seed});
   if (const auto strength = length.calibration.strength)
     length.settings.margin = score.frame_value(static_cast<double>(*strength), window_length);
   return length;
@@ -276,8 +277,7 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
     QueryPlan plan =
         plan_query(database, query, query_name, ResolvedSettings(changed), resources, part);
     if (!truth) truth = read_truth(scope_of(plan.result));
-    calibrated.lengths.push_back(
-        calibrate_length(std::move(plan), *truth, precision, resources, part));
+    calibrated.lengths.push_back(calibrate_length(std::move(plan), *truth, precision, part));
   }
   if (std::ranges::none_of(calibrated.lengths, [](const auto& one) { return one.queries > 0; }))
     throw Error(ErrorKind::usage,

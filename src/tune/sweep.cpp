@@ -65,9 +65,11 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
   return sweeps;
 }
 
-// Finds recognitions below the largest limit of any threshold, for every sequence.
-RecognitionScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
-  RecognitionScanSettings widest = scan_settings(sweep.plans.front(), resources);
+// Finds recognitions below the largest limit of any threshold, for every sequence. Those of all
+// `lengths` are in memory together.
+RecognitionScanSettings widest_scan(const LengthSweep& sweep, size_t lengths) {
+  RecognitionScanSettings widest = scan_settings(sweep.plans.front());
+  widest.max_recognitions /= lengths;
   for (const QueryPlan& plan : sweep.plans)
     for (size_t s = 0; s < widest.limits.size(); ++s)
       widest.limits[s] = std::max(widest.limits[s], plan.result.sequences[s].distance_limit);
@@ -75,8 +77,7 @@ RecognitionScanSettings widest_scan(const LengthSweep& sweep, const QueryResourc
 }
 
 // Finds the matches of every length in one pass, after another one for relative limits.
-void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
-            const QueryResources& resources, const Monitor& monitor) {
+void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth, const Monitor& monitor) {
   const QueryPlan& first = lengths.front().plans.front();
   const FrameDistances distances = searched_distances(first);
   MatchSettings settings = first.match;
@@ -91,7 +92,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     std::deque<MaximumScan> maxima;
     for (Pass& pass : passes)
       pass.sinks = {
-          {std::ref(maxima.emplace_back(first.result.sequences.size(), resources.kernels))}};
+          {std::ref(maxima.emplace_back(first.result.sequences.size(), settings.kernels))}};
     match_all();
     for (size_t l = 0; l < lengths.size(); ++l) {
       const std::vector<uint32_t> found = maxima[l].result();
@@ -100,21 +101,19 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     }
   }
   const bool has_margins = std::holds_alternative<ByMargin>(first.decision);
-  QueryResources shared = resources;  // recognitions of all lengths are in memory together
-  shared.memory_limit /= lengths.size();
   std::deque<RecognitionScan> recognitions;
   std::deque<MarginScan> margins;
   std::deque<UnknownPlaceScan> labeled;
   for (size_t l = 0; l < lengths.size(); ++l) {
     Sinks& sinks = passes[l].sinks;
-    sinks = {{std::ref(recognitions.emplace_back(widest_scan(lengths[l], shared)))}};
+    sinks = {{std::ref(recognitions.emplace_back(widest_scan(lengths[l], lengths.size())))}};
     if (!has_margins) continue;
     const QueryPlan& plan = lengths[l].plans.front();
     sinks.rows = {
         std::ref(margins.emplace_back(*first.exclusion_zones, plan.result.query_windows,
-                                      resources.kernels)),
+                                      settings.kernels)),
         std::ref(labeled.emplace_back(truth, *first.exclusion_zones, plan.match.window_length,
-                                      plan.result.query_windows, resources.kernels))};
+                                      plan.result.query_windows, settings.kernels))};
   }
   match_all();
   for (size_t l = 0; l < lengths.size(); ++l) {
@@ -281,7 +280,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
   const Result shape = lengths.front().plans.front().result;
   const GroundTruth truth = read_truth(scope_of(shape));
-  search(lengths, truth, resources, monitor);
+  search(lengths, truth, monitor);
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
     return cell_result(lengths[cell / thresholds], cell % thresholds, monitor);

@@ -135,7 +135,7 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
   Trial trial{name_of(*resolved), *resolved, settings.distance_threshold.has_value(), {}, 0};
   run_trial(trial, queries, truth_monitor, [&](const LabeledQuery& query) {
     return run_query(plan_query(database, query.frames, query.name, resolved, resources, monitor),
-                     resources, {}, monitor);
+                     {}, monitor);
   });
   return trial;
 }

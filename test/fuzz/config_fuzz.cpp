@@ -43,7 +43,7 @@ void query(const Json& json) {
   QueryResources resources;
   resources.kernels = select_kernels();
   resources.memory_limit = size_t{1} << 26;
-  run_query(plan_query(kDatabase, query, "q", settings, resources, {}), resources, {}, {});
+  run_query(plan_query(kDatabase, query, "q", settings, resources, {}), {}, {});
 }
 
 }  // namespace

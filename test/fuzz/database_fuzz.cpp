@@ -43,9 +43,8 @@ void query_sequences(const std::filesystem::path& folder) {
     SequenceQuerySettings settings;
     settings.window_length = 2;
     settings.score = score;
-    fuzz::refuses([&] {
-      run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {});
-    });
+    fuzz::refuses(
+        [&] { run_query(plan_query(database, query, "q", settings, resources, {}), {}, {}); });
   }
 }
 

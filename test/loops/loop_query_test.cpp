@@ -46,7 +46,7 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
   const SequenceDatabase database = own_database(walk, "w");
   const ResolvedSettings loop(settings, {});
   const QueryPlan plan = plan_query(database, walk, "w", loop, resources, monitor, times);
-  return test::run_verified(plan, resources, 120, monitor).result;
+  return test::run_verified(plan, 120, monitor).result;
 }
 
 // For each window, the closest one that ends at least `gap` frames earlier; the first one on a tie.

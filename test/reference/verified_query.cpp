@@ -157,17 +157,16 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
 
 }  // namespace
 
-QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, size_t cells,
-                      const Monitor& monitor) {
+QueryRun run_verified(const QueryPlan& plan, size_t cells, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
-  std::vector<Cell> chosen = choose_cells(searched_distances(plan), length, cells, resources.seed);
+  std::vector<Cell> chosen = choose_cells(searched_distances(plan), length, cells, plan.match.seed);
   if (plan.past.empty()) CHECK(chosen.size() == cells);
   std::erase_if(chosen, [&](const Cell& cell) {
     return !plan.past.empty() &&
            cell.train_window + length > plan.past[cell.query_window + length - 1];
   });
   CellScan scan(std::move(chosen));
-  QueryRun run = run_query(plan, resources, {{std::ref(scan)}}, monitor);
+  QueryRun run = run_query(plan, {{std::ref(scan)}}, monitor);
   CHECK(find_wrong(scan.result(), plan) == std::vector<Cell>{});
   return run;
 }

@@ -62,7 +62,7 @@ void check_row(const std::vector<uint16_t>& fused, const std::vector<uint16_t>& 
 Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size_t verify = 200) {
   const QueryResources resources = test::resources();
   const QueryPlan plan = plan_query(walks.database, walks.query, "q", settings, resources, {});
-  return test::run_verified(plan, resources, verify).result;
+  return test::run_verified(plan, verify).result;
 }
 
 }  // namespace

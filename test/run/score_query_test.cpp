@@ -73,7 +73,7 @@ TEST_CASE("windows of several rates equal the definition, for distances and for 
     settings.rates = {"1/2", "2/3", "1", "2"};
     settings.distance_threshold = score == Score::raw ? 0.4 : -1;
     const QueryPlan plan = plan_query(database, query, "q", settings, resources, {});
-    test::run_verified(plan, resources, 200);
+    test::run_verified(plan, 200);
   }
 }
 
