@@ -12,7 +12,6 @@ namespace vpr::test {
 
 inline QueryResources resources(size_t verify_cells = 0) {
   QueryResources resources;
-  resources.kernels = select_kernels();
   resources.verify_cells = verify_cells;
   return resources;
 }

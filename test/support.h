@@ -12,7 +12,6 @@
 #include "base/npy.h"
 #include "base/simd.h"
 #include "match/frame_distances.h"
-#include "match/row_kernels.h"
 
 namespace vpr::test {
 

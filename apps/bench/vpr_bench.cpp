@@ -52,7 +52,6 @@ std::pair<Command, Bench<Settings>&> add_bench(
     if (!bench->plots.empty()) session.outputs.claim_folder(bench->plots, is_marked_folder);
     pin_to_cores(session.run.threads);
     const BenchResult result = run(*bench, session);
-    session.run.simd_target = session.kernels.target;
     const Json json = bench_json(result, session.run);
     session.write_output(json);
     if (!bench->plots.empty()) {
@@ -84,8 +83,7 @@ BenchResult run_matching(const Bench<MatchingBenchSettings>& bench, const Sessio
   std::optional<RecordedCodes> recorded;
   if (!bench.train.empty())
     recorded = {describe(bench.train, session.monitor), describe(bench.query, session.monitor)};
-  return bench_matching(bench.settings, recorded, session.options.process.seed, session.kernels,
-                        session.monitor);
+  return bench_matching(bench.settings, recorded, session.options.process.seed, session.monitor);
 }
 
 void add_matching(Program& program) {
@@ -160,7 +158,6 @@ BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Sessio
            "has no effect on --method filter; omit one of them");
   const SequenceSource query = open_sequence(parse_sequence_argument(bench.query));
   QueryResources resources;
-  resources.kernels = session.kernels;
   resources.seed = session.options.process.seed;
   return bench_realtime(bench.database, query, bench.settings, resources, session.monitor);
 }

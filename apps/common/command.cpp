@@ -348,10 +348,10 @@ void Program::run_session(int argc, char** argv) {
   refuse_empty(parser_.given());
   Outputs outputs(common_.force ? Existing::replace : Existing::refuse);
   if (common_.force) Inputs{outputs}.add(parser_.given());  // without it, no file is replaced
-  Session session{common_, chosen_, monitor, {}, select_kernels(), progress, outputs};
+  Session session{common_, chosen_, monitor, {}, progress, outputs};
   session.run = run_of(name_, {argv, argv + argc}, common_.process.seed);
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
-                session.run.threads, session.kernels.target);
+                session.run.threads, session.run.simd_target);
   try {
     run_(session);
     outputs.commit();

@@ -15,7 +15,6 @@
 #include "base/monitor.h"
 #include "base/output.h"
 #include "files/run_info.h"
-#include "match/row_kernels.h"
 #include "parser.h"
 #include "sequence/frames.h"
 #include "settings/setting_rows.h"
@@ -118,7 +117,6 @@ struct Session {
   Command command;  ///< the chosen one, for its flags on the command line
   const Monitor& monitor;
   RunInfo run;
-  RowKernels kernels;
   ProgressLine& progress;
   Outputs& outputs;
 

@@ -231,8 +231,7 @@ NamedSequence find_query(const QueryOptions& options, bool is_endless, const Ses
 }
 
 QueryResources resources_of(const QueryOptions& options, const Session& session) {
-  return {session.kernels, options.memory_limit, options.verify_cells,
-          session.options.process.seed};
+  return {options.memory_limit, options.verify_cells, session.options.process.seed};
 }
 
 void claim_outputs(const QueryOptions& options, const Session& session) {
@@ -250,7 +249,6 @@ void claim_outputs(const QueryOptions& options, const Session& session) {
 ResultContext make_context(const QueryOptions& options, const Session& session) {
   ResultContext context;
   context.run = session.run;
-  context.run.simd_target = session.kernels.target;
   if (!options.database.empty()) context.run.paths["database"] = options.database;
   if (!options.fuse.empty()) context.run.paths["fuse"] = options.fuse;
   return context;

@@ -76,8 +76,7 @@ void import_descriptors(Session& session, const ImportOptions& options) {
   SequenceTrainSettings settings = options.settings;
   settings.descriptor_kind = imported_kind(options.as_bits, options.import);
   const std::vector<NamedArgument> sequences = find_sequences(options);
-  SequenceDatabase database =
-      train_sequences(sequences, settings, session.kernels, session.monitor);
+  SequenceDatabase database = train_sequences(sequences, settings, session.monitor);
   name_frames(database, sequences, options);
   store_database(session, database);
 }

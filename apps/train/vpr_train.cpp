@@ -37,7 +37,7 @@ void add_fastable(Program& program) {
       [train](Session& session) {
         claim_database(session);
         store_database(session, train_sequences(selected_arguments(train->options, session),
-                                                train->settings, session.kernels, session.monitor));
+                                                train->settings, session.monitor));
       });
   program.add_config(command, settings);
   add_inputs(command, train->options);
@@ -88,7 +88,7 @@ void extend_sequences(Session& session, const std::string& path, const TrainOpti
   const SequenceDatabase database = read_sequence_database(path);
   store_database(session,
                  add_sequences(database, selected_arguments(options, session, names_of(database)),
-                               options.skip_unreadable, session.kernels, session.monitor));
+                               options.skip_unreadable, session.monitor));
 }
 
 void extend_fabmap(Session& session, const std::string& path, const TrainOptions& options) {

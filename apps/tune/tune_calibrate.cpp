@@ -40,15 +40,13 @@ void calibrate(Session& session, const Calibrate& command) {
   const Stopwatch watch;
   const ResolvedSettings settings(command.settings, {Feature::database, Feature::calibrate});
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
-  const QueryResources resources{session.kernels, options.memory_limit, 0,
-                                 session.options.process.seed};
+  const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
   const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
   CalibratedSequence result = calibrate_sequence(
       database, query, source.sequence.name, settings,
       window_lengths(options.grid.windows, kLengths, database, query), command.precision,
       reader_of(evaluation_of(source, &database), monitor), resources, monitor);
   result.fps = source.sequence.sequence.sequence.fps;
-  session.run.simd_target = session.kernels.target;
   session.run.memory_limit = options.memory_limit;
   session.run.paths = {{"database", options.database}};
   const Json json = calibration_json(result, session.run, watch.elapsed_s());
@@ -95,8 +93,7 @@ void compute_thresholds(Session& session, const Threshold& command) {
     check_window_length(length);
     check_sums(database.descriptors, length);
     const std::vector<DescribedFrames> spans = code_spans(database);
-    all.push_back(
-        compute_thresholds(spans, length, command.safety_factor, session.kernels, session.monitor));
+    all.push_back(compute_thresholds(spans, length, command.safety_factor, session.monitor));
     if (const auto sentence = overlap_warning(all.back(), database.sequences, spans))
       warn(session.monitor, *sentence);
   }

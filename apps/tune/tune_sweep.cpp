@@ -167,7 +167,6 @@ void claim_outputs(const TuneOptions& options, const Session& session) {
 // throws Error(expectation) if --save-config has no recommendation.
 void present(Session& session, const TuneOptions& options, DatabaseFamily family,
              const QuerySettings& base, const std::vector<Sweep>& sweeps, double seconds) {
-  session.run.simd_target = session.kernels.target;
   session.run.paths = {{"database", options.database}};
   const Json json = sweep_json(enum_name(family), base, sweeps, session.run, seconds);
   const std::optional<QuerySettings>& recommended = sweeps.front().recommended_settings;
@@ -194,8 +193,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
   const auto validation = find_validation(options, DatabaseFamily::sequences, queries, session);
   SequenceDatabase database = open_database(options.database, settings, options.fuse, monitor);
-  const QueryResources resources{session.kernels, options.memory_limit, 0,
-                                 session.options.process.seed};
+  const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid) {

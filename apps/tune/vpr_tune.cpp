@@ -72,8 +72,7 @@ void try_all(Session& session, const Try& command) {
   filter.method = "filter";
   const ResolvedSettings settings(filter);
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
-  const QueryResources resources{session.kernels, options.memory_limit, 0,
-                                 session.options.process.seed};
+  const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
   const Stopwatch watch;
   std::vector<LabeledQuery> queries;
   for (const Source& source : sources)
@@ -86,7 +85,6 @@ void try_all(Session& session, const Try& command) {
     trials.all.push_back(fabmap_trial(command, session));
     choose(trials);
   }
-  session.run.simd_target = session.kernels.target;
   session.run.memory_limit = options.memory_limit;
   session.run.paths = {{"database", options.database}};
   const Json json = trials_json(trials, session.run, watch.elapsed_s());

@@ -13,7 +13,7 @@ namespace vpr {
 namespace {
 
 // Highway's bits of the targets; a lower value is a better target.
-std::vector<int64_t> target_bits() {
+const std::vector<int64_t>& target_bits() {
   static const std::vector<int64_t> kBits = [] {
     std::vector<int64_t> bits = hwy::SupportedAndGeneratedTargets();
     std::ranges::sort(bits);
@@ -28,6 +28,12 @@ std::vector<std::string> simd_targets() {
   std::vector<std::string> names;
   for (const int64_t bit : target_bits()) names.emplace_back(hwy::TargetName(bit));
   return names;
+}
+
+std::string simd_target() {
+  const auto bit = std::ranges::find_if(
+      target_bits(), [](int64_t target) { return (hwy::SupportedTargets() & target) != 0; });
+  return hwy::TargetName(*bit);
 }
 
 void use_simd_target(std::string_view name) {

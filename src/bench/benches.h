@@ -77,7 +77,7 @@ struct RecordedCodes {
 /// if a distance differs.
 BenchResult bench_matching(const MatchingBenchSettings& settings,
                            const std::optional<RecordedCodes>& recorded, uint64_t seed,
-                           const RowKernels& kernels, const Monitor& monitor);
+                           const Monitor& monitor);
 
 /// Settings of vpr-bench describe.
 struct DescribeBenchSettings {

@@ -132,7 +132,7 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
     window = (window + 1) % example.rows();
   };
   row.time = time_repeatedly(effort, find_next, monitor);
-  RecognitionScan scan({{0}, example.rows(), 1, example.settings.kernels});
+  RecognitionScan scan({{0}, example.rows(), 1});
   match(example.distances, example.settings, {{std::ref(scan)}}, monitor);
   const auto exact = scan.result().best;
   size_t found = 0;
@@ -382,7 +382,7 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
 
 BenchResult bench_matching(const MatchingBenchSettings& settings,
                            const std::optional<RecordedCodes>& recorded, uint64_t seed,
-                           const RowKernels& kernels, const Monitor& monitor) {
+                           const Monitor& monitor) {
   check_settings(settings);
   BenchResult result{"matching", value_to_json(settings)};
   const Effort effort{settings.seconds};
@@ -400,9 +400,8 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
           continue;
         }
         if (!data) data = make_frames(settings, recorded, frames, query, seed);
-        const MatchingCase example =
-            make_case(data->train.rows(), data->query.rows(),
-                      {length, settings.ring_bytes, kernels, settings.lsh, seed});
+        const MatchingCase example = make_case(data->train.rows(), data->query.rows(),
+                                               {length, settings.ring_bytes, settings.lsh, seed});
         check_methods(example, methods, monitor);
         for (const std::string& method : methods) {
           counter.add();

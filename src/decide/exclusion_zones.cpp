@@ -6,6 +6,7 @@
 
 #include "match/components.h"
 #include "match/distance_statistics.h"
+#include "match/row_kernels.h"
 #include "match/zscores.h"
 #include "settings/scores.h"
 
@@ -13,13 +14,13 @@ namespace vpr {
 namespace {
 
 // The best match of the row; ties to the first.
-Cell closest(std::span<const ScoreRow> row, const RowKernels& kernels) {
+Cell closest(std::span<const ScoreRow> row) {
   Cell best;
   best.score = kNoCell;
   for (const ScoreRow& piece : row) {
-    const uint32_t least = kernels.minimum(piece.scores.data(), piece.scores.size());
+    const uint32_t least = minimum_of(piece.scores);
     if (least >= best.score) continue;
-    const size_t at = kernels.find_below(piece.scores.data(), 0, piece.scores.size(), least + 1);
+    const size_t at = find_below(piece.scores, 0, least + 1);
     best = {static_cast<uint32_t>(piece.query_window), static_cast<uint32_t>(piece.sequence),
             static_cast<uint32_t>(piece.train_window + at), least};
   }
@@ -27,17 +28,14 @@ Cell closest(std::span<const ScoreRow> row, const RowKernels& kernels) {
 }
 
 // The smallest score of a piece outside windows [first, last).
-uint32_t smallest_outside(const ScoreRow& piece, size_t first, size_t last,
-                          const RowKernels& kernels) {
+uint32_t smallest_outside(const ScoreRow& piece, size_t first, size_t last) {
   const size_t begin = piece.train_window;
   const size_t end = begin + piece.scores.size();
   const size_t before = std::clamp(first, begin, end) - begin;
   const size_t after = std::clamp(last, begin, end) - begin;
   uint32_t least = kNoCell;
-  if (before > 0) least = kernels.minimum(piece.scores.data(), before);
-  if (after < piece.scores.size())
-    least =
-        std::min(least, kernels.minimum(piece.scores.data() + after, piece.scores.size() - after));
+  if (before > 0) least = minimum_of(piece.scores.first(before));
+  if (after < piece.scores.size()) least = std::min(least, minimum_of(piece.scores.subspan(after)));
   return least;
 }
 
@@ -78,8 +76,8 @@ Searched make_searched(const DescribedFrames& frames, uint32_t radius, const Mon
           make_score_basis(zscore, false, statistics), make_exclusion_zones({radius}, {})};
 }
 
-bool is_recognized(const DescribedFrames& query, const Searched& train, const RowKernels& kernels,
-                   const Monitor& monitor, size_t most_pairs) {
+bool is_recognized(const DescribedFrames& query, const Searched& train, const Monitor& monitor,
+                   size_t most_pairs) {
   constexpr size_t kWindow = 20;
   constexpr size_t kShortestWindow = 4;
   constexpr size_t kFewest = 10;  // one window in ten
@@ -96,9 +94,9 @@ bool is_recognized(const DescribedFrames& query, const Searched& train, const Ro
       if (frame >= part.first && frame < part.first + part.count)
         unreadable.push_back(frame - part.first);
     const DescribedFrames frames{query.rows.subspan(part.first, part.count), unreadable};
-    MarginScan scan(train.zone, part.count - length + 1, kernels);
+    MarginScan scan(train.zone, part.count - length + 1);
     match(zscores(train.distances.of_query(frames), train.basis, monitor),
-          {length, kDefaultMemoryLimit, kernels}, {{}, {std::ref(scan)}}, monitor);
+          {length, kDefaultMemoryLimit}, {{}, {std::ref(scan)}}, monitor);
     for (const auto& margin : scan.result()) {
       windows += margin ? 1 : 0;
       recognized += margin && score.frame_value(*margin, length) >= least ? 1 : 0;
@@ -138,27 +136,27 @@ size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor)
   return std::max<size_t>(frames, 1);
 }
 
-MarginScan::MarginScan(ExclusionZones zones, size_t query_windows, const RowKernels& kernels)
-    : zones_(std::move(zones)), kernels_(kernels), margins_(query_windows) {}
+MarginScan::MarginScan(ExclusionZones zones, size_t query_windows)
+    : zones_(std::move(zones)), margins_(query_windows) {}
 
 void MarginScan::operator()(std::span<const ScoreRow> row) {
-  const Cell best = closest(row, kernels_);
+  const Cell best = closest(row);
   const size_t radius = zones_.widths[best.sequence];
   const size_t first = best.train_window - std::min<size_t>(best.train_window, radius);
   const size_t last = best.train_window + radius + 1;
   uint32_t runner_up = kNoCell;
   for (const ScoreRow& piece : row) {
     if (piece.sequence == best.sequence)
-      runner_up = std::min(runner_up, smallest_outside(piece, first, last, kernels_));
+      runner_up = std::min(runner_up, smallest_outside(piece, first, last));
     else if (zones_.overlaps[best.sequence][piece.sequence] == 0)
-      runner_up = std::min(runner_up, smallest_outside(piece, 0, 0, kernels_));
+      runner_up = std::min(runner_up, smallest_outside(piece, 0, 0));
   }
   if (runner_up != kNoCell) margins_[best.query_window] = runner_up - best.score;
 }
 
 std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
     std::span<const DescribedFrames> sequences, const std::vector<uint32_t>& radii,
-    const RowKernels& kernels, const Monitor& monitor, size_t most_pairs) {
+    const Monitor& monitor, size_t most_pairs) {
   const size_t count = sequences.size();
   if (count < 2) return {};
   most_pairs /= count * (count - 1);
@@ -166,7 +164,7 @@ std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
   for (size_t b = 0; b < count; ++b) {
     const Searched train = make_searched(sequences[b], radii[b], monitor);
     for (size_t a = 0; a < count; ++a)
-      if (a != b && is_recognized(sequences[a], train, kernels, monitor, most_pairs))
+      if (a != b && is_recognized(sequences[a], train, monitor, most_pairs))
         pairs.insert(std::minmax(a, b));
   }
   return {pairs.begin(), pairs.end()};

@@ -37,14 +37,13 @@ size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor 
 /// smaller ones are better.
 class MarginScan {
  public:
-  MarginScan(ExclusionZones zones, size_t query_windows, const RowKernels& kernels);
+  MarginScan(ExclusionZones zones, size_t query_windows);
   void operator()(std::span<const ScoreRow> row);
   /// By query window; nullopt for a window without a row or without a runner-up.
   const std::vector<std::optional<uint32_t>>& result() const { return margins_; }
 
  private:
   ExclusionZones zones_;
-  RowKernels kernels_;
   std::vector<std::optional<uint32_t>> margins_;
 };
 
@@ -56,6 +55,6 @@ class MarginScan {
 /// pairs in total. Throws Error(interrupted) on a stop.
 std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
     std::span<const DescribedFrames> sequences, const std::vector<uint32_t>& radii,
-    const RowKernels& kernels, const Monitor& monitor, size_t most_pairs = size_t{1} << 32);
+    const Monitor& monitor, size_t most_pairs = size_t{1} << 32);
 
 }  // namespace vpr

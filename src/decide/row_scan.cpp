@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "match/row_kernels.h"
 
 namespace vpr {
 namespace {
@@ -56,7 +57,7 @@ bool by_position(const Cell& a, const Cell& b) {
 }  // namespace
 
 void MaximumScan::operator()(const ScoreRow& row) {
-  const uint32_t found = kernels_.maximum(row.scores.data(), row.scores.size());
+  const uint32_t found = maximum_of(row.scores);
   std::atomic<uint32_t>& most = maxima_[row.sequence];
   uint32_t known = most;
   while (known < found && !most.compare_exchange_weak(known, found)) {
@@ -84,20 +85,17 @@ void RecognitionScan::operator()(const ScoreRow& row) {
     none.score = kNoCell;
     local.best.assign(settings_.query_windows, none);
   }
-  const uint32_t* scores = row.scores.data();
-  const size_t count = row.scores.size();
-  const RowKernels& kernels = settings_.kernels;
-  const uint32_t least = kernels.minimum(scores, count);
+  const uint32_t least = minimum_of(row.scores);
   Cell& best = local.best[row.query_window];
   if (least <= best.score) {
-    const Cell candidate = cell_at(row, kernels.find_below(scores, 0, count, least + 1));
+    const Cell candidate = cell_at(row, find_below(row.scores, 0, least + 1));
     if (best.score == kNoCell || is_closer(candidate, best)) best = candidate;
   }
   const uint32_t limit = settings_.limits[row.sequence];
   if (least >= limit) return;
   const size_t before = local.recognitions.size();
-  for (size_t x = kernels.find_below(scores, 0, count, limit); x < count;
-       x = kernels.find_below(scores, x + 1, count, limit))
+  for (size_t x = find_below(row.scores, 0, limit); x < row.scores.size();
+       x = find_below(row.scores, x + 1, limit))
     local.recognitions.push_back(cell_at(row, x));
   const size_t added = local.recognitions.size() - before;
   if (threads_->recognition_count.fetch_add(added) + added > settings_.max_recognitions)

@@ -14,14 +14,12 @@ namespace vpr {
 /// The largest score of each training sequence; 0 for a sequence without cells.
 class MaximumScan {
  public:
-  MaximumScan(size_t sequences, const RowKernels& kernels)
-      : maxima_(sequences), kernels_(kernels) {}
+  explicit MaximumScan(size_t sequences) : maxima_(sequences) {}
   void operator()(const ScoreRow& row);
   std::vector<uint32_t> result() const { return {maxima_.begin(), maxima_.end()}; }
 
  private:
   std::vector<std::atomic<uint32_t>> maxima_;
-  RowKernels kernels_;
 };
 
 /// The settings of a RecognitionScan.
@@ -29,7 +27,6 @@ struct RecognitionScanSettings {
   std::vector<uint32_t> limits;  ///< by sequence: a cell with score < limit is a recognition
   size_t query_windows = 0;
   size_t max_recognitions = 0;  ///< more throw Error(usage)
-  RowKernels kernels;
 };
 
 struct RecognitionScanResult {

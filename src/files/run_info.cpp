@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
+#include "base/simd.h"
 
 namespace vpr {
 namespace {
@@ -38,7 +39,7 @@ void visit_fields(Machine& machine, Visitor&& visit) {
 
 RunInfo run_of(const std::string& program, const std::vector<std::string>& command_line,
                uint64_t seed) {
-  return {program, command_line, {}, {}, {}, thread_count(), 0, seed};
+  return {program, command_line, {}, {}, simd_target(), thread_count(), 0, seed};
 }
 
 std::string RunInfo::path(const std::string& role) const {

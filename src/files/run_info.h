@@ -26,7 +26,7 @@ struct RunInfo {
   std::string path(const std::string& role) const;
 };
 
-/// The run of a program with the threads of this process.
+/// The run of a program with the threads and the SIMD target of this process.
 RunInfo run_of(const std::string& program, const std::vector<std::string>& command_line,
                uint64_t seed);
 

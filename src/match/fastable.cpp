@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "match/row_kernels.h"
 #include "match/zscores.h"
 
 namespace vpr {
@@ -114,8 +115,7 @@ FastableState start_fastable(const FrameDistances& distances,
 
 // S(j, i) for training frames [first, last) from S(j - q, i - p) and the incoming and outgoing
 // terms. `frame`: j.
-void slide(FastableState& state, WindowSums& of, const RowKernels& kernels, size_t frame,
-           size_t first, size_t last) {
+void slide(FastableState& state, WindowSums& of, size_t frame, size_t first, size_t last) {
   const size_t q = of.rate.query;
   uint32_t* after = of.sums.at(frame, 0, first);
   for (size_t m = 0; m < q; ++m) {
@@ -123,15 +123,14 @@ void slide(FastableState& state, WindowSums& of, const RowKernels& kernels, size
     const uint16_t* entering = state.distances.at(frame, m, first) - rate_offset(of.rate, m);
     const uint16_t* leaving = state.has_ring ? state.distances.at(frame, of.length + m, first)
                                              : of.recomputed.at(0, 0, first);
-    kernels.slide(before, entering, leaving - rate_offset(of.rate, of.length + m), after,
-                  last - first);
+    slide_sums(before, entering, leaving - rate_offset(of.rate, of.length + m), after,
+               last - first);
   }
 }
 
 // Adds a query frame. For a sequence against itself, only training frames that it, or a later frame
 // on their diagonal, may match are compared.
-void advance(FastableState& state, const FrameDistances& distances, const RowKernels& kernels,
-             const QueryFrame& frame) {
+void advance(FastableState& state, const FrameDistances& distances, const QueryFrame& frame) {
   size_t compared = distances.train_frames;
   if (state.least_lag) compared = frame.number + 1 - std::min(*state.least_lag, frame.number + 1);
   const auto compare = [&](uint32_t query, size_t first, size_t last, uint16_t* out) {
@@ -139,7 +138,7 @@ void advance(FastableState& state, const FrameDistances& distances, const RowKer
   };
   if (distances.start_row) distances.start_row(frame.row);
   const auto slide_all = [&](size_t first, size_t last) {
-    for (WindowSums& sums : state.sums) slide(state, sums, kernels, frame.number, first, last);
+    for (WindowSums& sums : state.sums) slide(state, sums, frame.number, first, last);
   };
   // Without a ring, the codes of a chunk are in the cache when outgoing frames are compared with
   // it.
@@ -236,9 +235,9 @@ WindowStage fastable_stage(const FrameDistances& distances, std::span<const size
   if (!settings.rates.empty())
     *best = {std::vector<uint32_t>(distances.train_frames),
              std::vector<uint8_t>(distances.train_frames)};
-  return [state, best, rates = settings.rates.size(), kernels = settings.kernels](
+  return [state, best, rates = settings.rates.size()](
              const FrameDistances& rows, const QueryFrame& frame, const StageConsumer& consume) {
-    advance(*state, rows, kernels, frame);
+    advance(*state, rows, frame);
     const size_t each = std::max<size_t>(rates, 1);
     for (size_t l = 0; l * each < state->sums.size(); ++l) {
       const std::span<WindowSums> windows = std::span(state->sums).subspan(l * each, each);

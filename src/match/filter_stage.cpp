@@ -107,7 +107,6 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   query.filter = start_filter(distances, settings.filter, query.least_change);
   apply_passes(query.filter.cells, settings.passes);
   query.track.settings = settings.filter;
-  query.track.kernels = settings.kernels;
   query.track.overlapping = settings.overlapping_sequences;
   query.track.farthest = kFarthest * distances.typical_distance;
   query.reversed = query.track;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "match/row_kernels.h"
+
 namespace vpr {
 namespace {
 
@@ -17,15 +19,15 @@ constexpr uint32_t kEstablished = 5 * kScoreUnit;
 size_t difference(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
 
 // The smallest value of cells [first, last).
-uint32_t least_of(const PathTrack& track, const FilterState& state, size_t first, size_t last) {
-  return first < last ? track.kernels.minimum(state.values.data() + first, last - first) : kNoValue;
+uint32_t least_of(const FilterState& state, size_t first, size_t last) {
+  return first < last ? minimum_of(std::span(state.values).subspan(first, last - first)) : kNoValue;
 }
 
 // The same without other passes of the place of `cell`.
 uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_t cell,
                          size_t first, size_t last) {
   const FilterCells& cells = state.cells;
-  if (cells.first_passes.empty()) return least_of(track, state, first, last);
+  if (cells.first_passes.empty()) return least_of(state, first, last);
   const size_t near = track.settings.near_keyframes;
   const size_t own = cells.trained_cell(cell);
   const CellRange same = same_place(cells, cell, near);
@@ -39,9 +41,9 @@ uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_
 }
 
 // The first cell of [first, last) with the smallest value.
-size_t best_of(const PathTrack& track, const FilterState& state, size_t first, size_t last) {
-  const uint32_t least = least_of(track, state, first, last);
-  return track.kernels.find_below(state.values.data(), first, last, least + 1);
+size_t best_of(const FilterState& state, size_t first, size_t last) {
+  const uint32_t least = least_of(state, first, last);
+  return find_below(std::span(state.values).first(last), first, least + 1);
 }
 
 bool is_in_pass(const PathTrack& track, const FilterCells& cells, size_t cell, size_t last) {
@@ -59,7 +61,7 @@ size_t chosen_pass(const PathTrack& track, const FilterState& state, size_t best
   const size_t near = track.settings.near_keyframes;
   const size_t last = track.recent.back().cell;
   const CellStretch& run = run_of(state.cells, last);
-  const size_t in_pass = best_of(track, state, std::max(run.first, last - std::min(last, near)),
+  const size_t in_pass = best_of(state, std::max(run.first, last - std::min(last, near)),
                                  std::min(run.first + run.count, last + near + 1));
   return state.values[in_pass] <= state.values[best] + kOtherPass ? in_pass : best;
 }
@@ -195,7 +197,7 @@ size_t open_keyframes(const PathTrack& track) {
 void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
                      const std::function<uint32_t(size_t cell)>& distance_to) {
   const FilterCells& cells = state.cells;
-  const size_t best = best_of(track, state, track.follows_decoys ? cells.decoys : 0,
+  const size_t best = best_of(state, track.follows_decoys ? cells.decoys : 0,
                               track.follows_decoys ? cells.size() : cells.decoys);
   add_place(track, state, next_place(track, state, best));
   PathKeyframe& last = track.recent.back();

@@ -32,7 +32,6 @@ struct PathTrack {
   bool follows_decoys = false;  ///< against the direction of the training sequences
   double farthest = 0;          ///< largest mean distance of a path with a margin
   FilterSettings settings;
-  RowKernels kernels;
   std::vector<std::vector<uint8_t>> overlapping;  ///< MatchSettings::overlapping_sequences
   uint32_t paths = 0;                             ///< the largest number of a path
   std::deque<PathKeyframe> recent;  ///< the last keyframes of all paths: path_keyframes * 4 + 1
@@ -96,6 +95,6 @@ WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t
 /// training frames, with components. Throws Error(interrupted) on a stop.
 std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
                                        const TrainStatistics& statistics, uint32_t least_margin,
-                                       const RowKernels& kernels, const Monitor& monitor);
+                                       const Monitor& monitor);
 
 }  // namespace vpr

@@ -9,6 +9,7 @@
 #include "match/fastable.h"
 #include "match/filter_track.h"
 #include "match/lsh.h"
+#include "match/row_kernels.h"
 
 namespace vpr {
 
@@ -26,8 +27,8 @@ std::vector<FrameStretch>::const_iterator run_from(const std::vector<FrameStretc
 
 // Sums of the windows that end at train frames first and on, for the query window that ends at row
 // query_end.
-void window_sums(const FrameDistances& distances, const RowKernels& kernels, size_t window_length,
-                 size_t query_end, size_t first, std::span<uint32_t> sums) {
+void window_sums(const FrameDistances& distances, size_t window_length, size_t query_end,
+                 size_t first, std::span<uint32_t> sums) {
   const size_t last = first + sums.size();
   std::vector<uint16_t> row;
   for (size_t back = 0; back < window_length; ++back) {
@@ -38,8 +39,7 @@ void window_sums(const FrameDistances& distances, const RowKernels& kernels, siz
     row.resize(last - back - begin + kBlockFrames);
     const auto query = static_cast<uint32_t>(query_end - back);
     distances.tile({&query, 1}, begin, last - back, row.data(), 0);
-    kernels.accumulate(sums.data() + (from - first), row.data() + (from - back - begin),
-                       last - from);
+    add_to_sums(sums.subspan(from - first), row.data() + (from - back - begin));
   }
 }
 
@@ -56,7 +56,7 @@ WindowStage openable_stage([[maybe_unused]] const FrameDistances& distances,
       std::vector<uint32_t> sums(frames);
       parallel_for(divide_up(frames, part), {}, [&](size_t p) {
         const size_t first = p * part;
-        window_sums(rows, settings.kernels, lengths[l], frame.row, first,
+        window_sums(rows, lengths[l], frame.row, first,
                     std::span(sums).subspan(first, std::min(part, frames - first)));
       });
       const std::vector<ScoreRow> row = whole_row(rows, lengths[l], frame.number, sums);

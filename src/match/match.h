@@ -14,7 +14,6 @@
 #include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "match/frame_distances.h"
-#include "match/row_kernels.h"
 
 namespace vpr {
 
@@ -130,7 +129,6 @@ std::span<const SequenceMethod> sequence_methods();
 struct MatchSettings {
   size_t window_length = 40;                  ///< c_l, at least 1, at most kMaxWindowLength
   size_t memory_limit = kDefaultMemoryLimit;  ///< for rings, in bytes
-  RowKernels kernels;
   LshSettings lsh = {};
   uint64_t seed = 1;             ///< of lsh
   std::vector<Rate> rates = {};  ///< windows of each rate for FastABLE (fastable.h); empty: rate 1

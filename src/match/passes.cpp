@@ -83,7 +83,7 @@ void search_run(PassSearch& search, const FrameDistances& own, const FrameStretc
 
 std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
                                        const TrainStatistics& statistics, uint32_t least_margin,
-                                       const RowKernels& kernels, const Monitor& monitor) {
+                                       const Monitor& monitor) {
   const size_t frames = count_frames(train);
   if (frames == 0 || frames > kMostPairs / frames) return {};
   const FilterSettings settings;
@@ -97,7 +97,6 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
   search.least_margin = least_margin;
   search.state = start_filter(raw, settings, settings.keyframe_change * typical);
   search.track.settings = settings;
-  search.track.kernels = kernels;
   search.track.farthest = kFarthest * typical;
   FilterCells& cells = search.state.cells;
   if (cells.places == 0) return {};

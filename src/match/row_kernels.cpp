@@ -9,7 +9,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace vpr {
 namespace HWY_NAMESPACE {
-namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -83,12 +82,6 @@ size_t FindBelow(const uint32_t* values, size_t begin, size_t count, uint32_t li
   return x;
 }
 
-}  // namespace
-
-RowKernels Rows() {
-  return {hwy::TargetName(HWY_TARGET), Slide, Accumulate, Minimum, Maximum, FindBelow};
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace vpr
 HWY_AFTER_NAMESPACE();
@@ -97,9 +90,32 @@ HWY_AFTER_NAMESPACE();
 
 namespace vpr {
 
-HWY_EXPORT(Rows);
+HWY_EXPORT(Slide);
+HWY_EXPORT(Accumulate);
+HWY_EXPORT(Minimum);
+HWY_EXPORT(Maximum);
+HWY_EXPORT(FindBelow);
 
-RowKernels select_kernels() { return HWY_DYNAMIC_DISPATCH(Rows)(); }
+void slide_sums(const uint32_t* before, const uint16_t* entering, const uint16_t* leaving,
+                uint32_t* after, size_t count) {
+  HWY_DYNAMIC_DISPATCH(Slide)(before, entering, leaving, after, count);
+}
+
+void add_to_sums(std::span<uint32_t> sums, const uint16_t* entering) {
+  HWY_DYNAMIC_DISPATCH(Accumulate)(sums.data(), entering, sums.size());
+}
+
+uint32_t minimum_of(std::span<const uint32_t> values) {
+  return HWY_DYNAMIC_DISPATCH(Minimum)(values.data(), values.size());
+}
+
+uint32_t maximum_of(std::span<const uint32_t> values) {
+  return HWY_DYNAMIC_DISPATCH(Maximum)(values.data(), values.size());
+}
+
+size_t find_below(std::span<const uint32_t> values, size_t begin, uint32_t limit) {
+  return HWY_DYNAMIC_DISPATCH(FindBelow)(values.data(), begin, values.size(), limit);
+}
 
 }  // namespace vpr
 

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "match/fastable.h"
+#include "match/row_kernels.h"
 
 namespace vpr {
 namespace {
@@ -63,8 +64,8 @@ void fill_tile(Tile& tile, const FrameDistances& distances, size_t query_first, 
 // Processes one strip, tile by tile, for windows of several lengths at once, which share the
 // incoming distances. Rows outside the matrix count as distance 0.
 void match_strip(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                 const RowKernels& kernels, const Strip& strip, size_t longest,
-                 const Monitor& monitor, const LengthRowConsumer& consume) {
+                 const Strip& strip, size_t longest, const Monitor& monitor,
+                 const LengthRowConsumer& consume) {
   std::vector<std::vector<uint32_t>> sums(window_lengths.size(),
                                           std::vector<uint32_t>(strip.width, 0));
   // The row of frame f mod longest holds the distances of query frame f, or of the frame `longest`
@@ -96,8 +97,8 @@ void match_strip(const FrameDistances& distances, std::span<const size_t> window
       for (size_t l = 0; l < window_lengths.size(); ++l) {
         const size_t length = window_lengths[l];
         uint32_t* window_sums = sums[l].data() + lane;
-        kernels.slide(window_sums, entering, ring_row(frame + longest - length) + lane, window_sums,
-                      count);
+        slide_sums(window_sums, entering, ring_row(frame + longest - length) + lane, window_sums,
+                   count);
         if (ends_window(distances, length, frame))
           emit_row(distances, length, frame, from, {window_sums, count},
                    [&](const ScoreRow& row) { consume(l, row); });
@@ -125,7 +126,7 @@ void match_strips(const FrameDistances& distances, std::span<const size_t> windo
   StepCounter counter(monitor, "match", strips);
   parallel_for(strips, monitor, [&](size_t s) {
     const Strip strip{1 - ptrdiff_t(distances.query_frames) + ptrdiff_t(s * width), width};
-    match_strip(distances, window_lengths, settings.kernels, strip, longest, monitor, consume);
+    match_strip(distances, window_lengths, strip, longest, monitor, consume);
     counter.add();
   });
 }

@@ -151,7 +151,7 @@ Database train(Call& call, const Sources& sources, const Sources& other) {
     if (first.kind == SequenceKind::descriptors)
       settings.descriptor_kind = imported_kind(ArrayRows(first).type().starts_with('|'), import);
     if (pretrain.empty())
-      made.content = train_sequences(named, settings, select_kernels(), monitor);
+      made.content = train_sequences(named, settings, monitor);
     else
       made.content = train_fabmap(pretrain, named, words, call.process.seed, monitor);
     std::visit([](auto& content) { content.fingerprint = database_fingerprint(content); },

@@ -26,7 +26,7 @@ struct SequenceQuery {
   ResolvedSettings settings;
 
   /// `command`: of vpr-query.
-  SequenceQuery(Call& call, Feature command) : resources{select_kernels()} {
+  SequenceQuery(Call& call, Feature command) {
     const bool has_database = command == Feature::query || command == Feature::live;
     SequenceQuerySettings chosen;
     NestedObject own{[&](auto&& visit) {
@@ -76,7 +76,6 @@ ResultPointer result_of(
     const Stopwatch watch;
     ResultContext& context = made->context;
     context.run = run_of("vpr-query", {call.function}, call.process.seed);
-    context.run.simd_target = select_kernels().target;
     if (database && !database->path.empty()) context.run.paths["database"] = database->path;
     QueryRun run = query(context, monitor);
     made->result = std::move(run.result);

@@ -35,7 +35,7 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
   filter.only_sequences = settings.only_sequences;
   filter.same_place = settings.same_place;
   const Monitor silent = {{}, {}, monitor.stop};
-  const QueryResources unverified = {resources.kernels, resources.memory_limit, 0, resources.seed};
+  const QueryResources unverified = {resources.memory_limit, 0, resources.seed};
   return run_query(plan_query(database, query, "", filter, unverified, silent), {}, silent).result;
 }
 

@@ -34,11 +34,10 @@ std::vector<uint32_t> radii_of(const SequenceDatabase& database,
   return radii;
 }
 
-SequencePairs overlapping_sequences(const SequenceDatabase& database, const RowKernels& kernels,
-                                    const Monitor& monitor) {
+SequencePairs overlapping_sequences(const SequenceDatabase& database, const Monitor& monitor) {
   if (database.overlapping_sequences) return *database.overlapping_sequences;
   return find_overlapping_sequences(code_spans(database), radii_of(database, std::nullopt, monitor),
-                                    kernels, monitor);
+                                    monitor);
 }
 
 // Parses "A=B". Names may contain "=".
@@ -96,29 +95,26 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
         compute_components(spans, database.statistics->typical_distance, monitor);
 }
 
-void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
-                            const Monitor& monitor) {
+void ensure_exclusion_zones(SequenceDatabase& database, const Monitor& monitor) {
   ensure_statistics(database, monitor);
   const std::vector<uint32_t> radii = radii_of(database, std::nullopt, monitor);
   for (size_t s = 0; s < radii.size(); ++s) database.sequences[s].exclusion_radius = radii[s];
-  database.overlapping_sequences = overlapping_sequences(database, kernels, monitor);
-  database.repeated_places = repeated_places(database, kernels, monitor);
+  database.overlapping_sequences = overlapping_sequences(database, monitor);
+  database.repeated_places = repeated_places(database, monitor);
 }
 
 std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
-                                           const RowKernels& kernels, const Monitor& monitor) {
+                                           const Monitor& monitor) {
   if (database.repeated_places) return *database.repeated_places;
   constexpr auto kLeastMargin = static_cast<uint32_t>(kFilterMargin * kScoreUnit);
-  return find_passes(descriptor_spans(database), *database.statistics, kLeastMargin, kernels,
-                     monitor);
+  return find_passes(descriptor_spans(database), *database.statistics, kLeastMargin, monitor);
 }
 
 ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
-                                  const SequenceQuerySettings& settings, const RowKernels& kernels,
-                                  const Monitor& monitor) {
+                                  const SequenceQuerySettings& settings, const Monitor& monitor) {
   return make_exclusion_zones(radii_of(database, settings.exclusion_frames, monitor),
                               settings.same_place.empty()
-                                  ? overlapping_sequences(database, kernels, monitor)
+                                  ? overlapping_sequences(database, monitor)
                                   : declared_pairs(database, settings.same_place));
 }
 

@@ -25,19 +25,17 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
 /// Adds statistics (ensure_statistics), the exclusion radius of each sequence, the pairs of
 /// overlapping sequences and the repeated places, unless the database has them.
-void ensure_exclusion_zones(SequenceDatabase& database, const RowKernels& kernels,
-                            const Monitor& monitor);
+void ensure_exclusion_zones(SequenceDatabase& database, const Monitor& monitor);
 
 /// The exclusion zones of the settings, or else those of the database, computed if it has none.
 /// Throws Error(usage) for declared pairs that are not training sequences.
 ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
-                                  const SequenceQuerySettings& settings, const RowKernels& kernels,
-                                  const Monitor& monitor);
+                                  const SequenceQuerySettings& settings, const Monitor& monitor);
 
 /// The repeated places of the database, computed if it has none. The database has statistics with
 /// components.
 std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
-                                           const RowKernels& kernels, const Monitor& monitor);
+                                           const Monitor& monitor);
 
 /// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
 /// with the FAB-MAP database at `fabmap` unless this is empty. Throws what read_sequence_database,

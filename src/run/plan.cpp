@@ -88,7 +88,7 @@ void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
                                const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
-  MatchSettings match{length, plan.match.memory_limit, plan.match.kernels};
+  MatchSettings match{length, plan.match.memory_limit};
   match.rates = plan.match.rates;
   const ThresholdTable* stored =
       match.rates.empty() ? find_thresholds(database.thresholds, length) : nullptr;
@@ -187,7 +187,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   plan.train = is_raw ? code_spans(database) : descriptor_spans(database);
   plan.match = {settings.window_length,
                 resources.memory_limit,
-                resources.kernels,
                 settings.lsh,
                 resources.seed,
                 parse_rates(settings.rates),
@@ -212,10 +211,10 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
   plan_sequences(plan, database.sequences, settings, monitor);
   const bool has_radii = !plan.query.precomputed && !settings.loop;
   if (!plan.match.method->is_approximate() && (has_radii || settings.exclusion_frames)) {
-    plan.exclusion_zones = exclusion_zones_of(database, settings, plan.match.kernels, monitor);
+    plan.exclusion_zones = exclusion_zones_of(database, settings, monitor);
     plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
     if (plan.match.method->has_paths && has_radii && settings.same_place.empty())
-      plan.match.passes = repeated_places(database, plan.match.kernels, monitor);
+      plan.match.passes = repeated_places(database, monitor);
   }
   plan_decision(plan, database, settings, monitor);
 }

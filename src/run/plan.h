@@ -17,7 +17,6 @@ namespace vpr {
 
 /// Resources of a query. Only the method lsh has other results for another seed.
 struct QueryResources {
-  RowKernels kernels;
   size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
   size_t verify_cells = 0;                    ///< number of cells to recompute by definition
   uint64_t seed = 1;                          ///< of lsh, these cells and intervals

@@ -81,7 +81,6 @@ RecognitionScanSettings scan_settings(const QueryPlan& plan) {
   settings.query_windows = plan.result.query_windows;
   settings.max_recognitions =
       std::min(plan.match.memory_limit / kBytesPerRecognition, kMostRecognitions);
-  settings.kernels = plan.match.kernels;
   return settings;
 }
 
@@ -160,7 +159,7 @@ ResultRows::ResultRows(const QueryPlan& plan) : plan_(plan), recognitions_(scan_
   if (std::holds_alternative<ByPath>(plan.decision))
     paths_.emplace(plan);
   else if (plan.exclusion_zones)
-    scan_.emplace(*plan.exclusion_zones, plan.result.query_windows, plan.match.kernels);
+    scan_.emplace(*plan.exclusion_zones, plan.result.query_windows);
 }
 
 Sinks ResultRows::sinks() {
@@ -188,7 +187,7 @@ QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monito
   // Relative thresholds need the largest of all distances first.
   const bool has_two_passes = needs_maxima(plan);
   if (has_two_passes) {
-    MaximumScan scan(plan.result.sequences.size(), plan.match.kernels);
+    MaximumScan scan(plan.result.sequences.size());
     match(distances, plan.match, {{std::ref(scan)}}, part_of(monitor, "pass", 0, 2));
     set_relative_limits(plan, scan.result());
     end_step("maximum");

@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
+#include "match/row_kernels.h"
 #include "run/train_sequences.h"
 
 namespace vpr {
@@ -34,17 +35,14 @@ void compare_with_later(std::span<const DescribedFrames> sequences, size_t own,
   for (size_t s = 0; s <= own; ++s) later[s] = {};
   oneapi::tbb::enumerable_thread_specific<ClosestTable> locals(ClosestTable(sequences.size()));
   const auto find_closer = [&](const ScoreRow& row) {
-    const uint32_t* values = row.scores.data();
-    const size_t count = row.scores.size();
-    const uint32_t least = settings.kernels.minimum(values, count);
+    const uint32_t least = minimum_of(row.scores);
     const auto may_be_closer = [least](const std::optional<ClosestWindows>& kept) {
       return !kept || least <= kept->score;
     };
     std::optional<ClosestWindows>& kept = locals.local()[row.sequence];
     std::optional<ClosestWindows>& kept_of_own = locals.local()[own];
     if (!may_be_closer(kept) && !may_be_closer(kept_of_own)) return;
-    const size_t window =
-        row.train_window + settings.kernels.find_below(values, 0, count, least + 1);
+    const size_t window = row.train_window + find_below(row.scores, 0, least + 1);
     keep_closer(kept, {least, window, own, row.query_window});
     keep_closer(kept_of_own, {least, row.query_window, row.sequence, window});
   };
@@ -72,9 +70,8 @@ ClosestTable find_closest_windows(std::span<const DescribedFrames> sequences,
 }
 
 ThresholdTable compute_thresholds(std::span<const DescribedFrames> sequences, size_t window_length,
-                                  double safety_factor, const RowKernels& kernels,
-                                  const Monitor& monitor) {
-  const MatchSettings match{window_length, kDefaultMemoryLimit, kernels};
+                                  double safety_factor, const Monitor& monitor) {
+  const MatchSettings match{window_length, kDefaultMemoryLimit};
   return {window_length, safety_factor, find_closest_windows(sequences, match, monitor)};
 }
 

@@ -25,8 +25,7 @@ ClosestTable find_closest_windows(std::span<const DescribedFrames> sequences,
 
 /// The closest windows of one length by raw distances.
 ThresholdTable compute_thresholds(std::span<const DescribedFrames> sequences, size_t window_length,
-                                  double safety_factor, const RowKernels& kernels,
-                                  const Monitor& monitor);
+                                  double safety_factor, const Monitor& monitor);
 
 /// Whether a comparison of all sequences takes too long for training (more than 2^32 frame pairs).
 /// Thresholds are then computed by the first query that needs them.

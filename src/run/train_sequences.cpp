@@ -62,11 +62,10 @@ void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monito
 }
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
-                    const RowKernels& kernels, const Monitor& monitor) {
+                    const Monitor& monitor) {
   const std::vector<DescribedFrames> spans = code_spans(database);
   if (!is_left_to_queries(spans))
-    database.thresholds.push_back(
-        compute_thresholds(spans, window_length, safety_factor, kernels, monitor));
+    database.thresholds.push_back(compute_thresholds(spans, window_length, safety_factor, monitor));
   else
     warn(monitor,
          "the training sequences are long: their automatic t_r is computed for each query that "
@@ -76,8 +75,7 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
 
 // Appends sequences and computes everything except thresholds.
 void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
-            bool skip_unreadable, const StatisticsSettings& settings, const RowKernels& kernels,
-            const Monitor& monitor) {
+            bool skip_unreadable, const StatisticsSettings& settings, const Monitor& monitor) {
   for (size_t s = 0; s < sequences.size(); ++s)
     append_sequence(database, sequences[s], skip_unreadable,
                     part_of(monitor, sequences[s].name, s, sequences.size()));
@@ -89,7 +87,7 @@ void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequen
   if (database.descriptors.shape().element == ElementType::ldb_hog)
     database.statistics->code_distance =
         compute_statistics(codes, settings, monitor).typical_distance;
-  ensure_exclusion_zones(database, kernels, monitor);
+  ensure_exclusion_zones(database, monitor);
 }
 
 // The difference between a training sequence and the group with its name.
@@ -169,8 +167,7 @@ NamedArgument parse_named_range(const std::string& text, const std::filesystem::
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
-                                 const SequenceTrainSettings& settings, const RowKernels& kernels,
-                                 const Monitor& monitor) {
+                                 const SequenceTrainSettings& settings, const Monitor& monitor) {
   check_window_length(settings.window_length);
   check_safety_factor(settings.safety_factor);
   SequenceDatabase database;
@@ -182,15 +179,15 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
       sources.push_back(open_sequence(argument.sequence));
     database.descriptors.unit = coordinate_unit(settings.descriptor_kind, sources, monitor);
   }
-  extend(database, sequences, settings.skip_unreadable, settings.statistics, kernels, monitor);
+  extend(database, sequences, settings.skip_unreadable, settings.statistics, monitor);
   warn_of_near_frames(database, monitor);
-  add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
+  add_thresholds(database, settings.window_length, settings.safety_factor, monitor);
   return database;
 }
 
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const RowKernels& kernels, const Monitor& monitor) {
+                               const Monitor& monitor) {
   SequenceDatabase extended;
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
@@ -198,10 +195,9 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   extended.descriptors.unit = database.descriptors.unit;
   extended.descriptors.append(database.descriptors.rows());
   extend(extended, sequences, skip_unreadable,
-         database.statistics ? database.statistics->settings : StatisticsSettings{}, kernels,
-         monitor);
+         database.statistics ? database.statistics->settings : StatisticsSettings{}, monitor);
   for (const ThresholdTable& table : database.thresholds)
-    add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);
+    add_thresholds(extended, table.window_length, table.safety_factor, monitor);
   return extended;
 }
 

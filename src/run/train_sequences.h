@@ -7,7 +7,6 @@
 
 #include "base/monitor.h"
 #include "describe/descriptor_rows.h"
-#include "match/row_kernels.h"
 #include "sequence/sequence_source.h"
 #include "store/sequence_database.h"
 #include "words/database.h"
@@ -44,14 +43,13 @@ NamedArgument parse_named_range(const std::string& text, const std::filesystem::
 /// settings out of range, and what DescriptorKind::describe throws. Warns of sequences shorter than
 /// a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
-                                 const SequenceTrainSettings& settings, const RowKernels& kernels,
-                                 const Monitor& monitor);
+                                 const SequenceTrainSettings& settings, const Monitor& monitor);
 
 /// The database with more sequences. Existing frames are not described again. Thresholds are
 /// recomputed for the database's window lengths, and statistics with its settings.
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const RowKernels& kernels, const Monitor& monitor);
+                               const Monitor& monitor);
 
 /// Adds FAB-MAP's description of the training frames, for scores fused with FAB-MAP's
 /// (match/fusion.h) and for queries with words. Each training sequence needs a group with the same

@@ -117,8 +117,7 @@ CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, doub
   const uint64_t seed = plan.match.seed;
   length.block =
       std::min(has_path ? kPathBlock : window_length, std::max<size_t>(length.windows, 1));
-  UnknownPlaceScan scan(truth, *plan.exclusion_zones, window_length, length.windows,
-                        plan.match.kernels);
+  UnknownPlaceScan scan(truth, *plan.exclusion_zones, window_length, length.windows);
   Sinks observers;
   if (!has_path) observers.rows.push_back(std::ref(scan));
   const Result result = run_query(std::move(plan), observers, monitor).result;
@@ -204,12 +203,11 @@ TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor) {
 }
 
 UnknownPlaceScan::UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere,
-                                   size_t window_length, size_t query_windows,
-                                   const RowKernels& kernels)
+                                   size_t window_length, size_t query_windows)
     : truth_(truth),
       widths_(elsewhere.widths),
       window_length_(window_length),
-      untrained_(std::move(elsewhere), query_windows, kernels) {}
+      untrained_(std::move(elsewhere), query_windows) {}
 
 void UnknownPlaceScan::operator()(std::span<const ScoreRow> row) {
   const size_t anchor = window_length_ - 1;

@@ -31,7 +31,7 @@ class UnknownPlaceScan {
  public:
   /// `truth` must outlive the scan.
   UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere, size_t window_length,
-                   size_t query_windows, const RowKernels& kernels);
+                   size_t query_windows);
   void operator()(std::span<const ScoreRow> row);
   /// One per query window; unset without a runner-up.
   std::vector<std::optional<uint32_t>> result() const { return untrained_.result(); }

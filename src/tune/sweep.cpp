@@ -91,8 +91,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth, const M
   if (std::ranges::any_of(lengths.front().plans, needs_maxima)) {
     std::deque<MaximumScan> maxima;
     for (Pass& pass : passes)
-      pass.sinks = {
-          {std::ref(maxima.emplace_back(first.result.sequences.size(), settings.kernels))}};
+      pass.sinks = {{std::ref(maxima.emplace_back(first.result.sequences.size()))}};
     match_all();
     for (size_t l = 0; l < lengths.size(); ++l) {
       const std::vector<uint32_t> found = maxima[l].result();
@@ -110,10 +109,9 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth, const M
     if (!has_margins) continue;
     const QueryPlan& plan = lengths[l].plans.front();
     sinks.rows = {
-        std::ref(margins.emplace_back(*first.exclusion_zones, plan.result.query_windows,
-                                      settings.kernels)),
+        std::ref(margins.emplace_back(*first.exclusion_zones, plan.result.query_windows)),
         std::ref(labeled.emplace_back(truth, *first.exclusion_zones, plan.match.window_length,
-                                      plan.result.query_windows, settings.kernels))};
+                                      plan.result.query_windows))};
   }
   match_all();
   for (size_t l = 0; l < lengths.size(); ++l) {

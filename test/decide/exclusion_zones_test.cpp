@@ -7,7 +7,6 @@
 
 #include "base/random.h"
 #include "match/reference.h"
-#include "match/row_kernels.h"
 #include "match/score_kernels.h"
 #include "support.h"
 
@@ -137,7 +136,7 @@ void scan_pieces(MarginScan& scan, size_t query, const std::vector<Piece>& piece
 
 std::optional<uint32_t> scan_row(const std::vector<std::vector<uint32_t>>& row,
                                  const ExclusionZones& zones) {
-  MarginScan scan(zones, 1, select_kernels());
+  MarginScan scan(zones, 1);
   std::vector<Piece> pieces;
   for (size_t s = 0; s < row.size(); ++s)
     if (!row[s].empty()) pieces.push_back({s, 0, row[s]});
@@ -187,7 +186,7 @@ TEST_CASE("margins equal the reference implementation for rows cut into any piec
     const ExclusionZones zones = make_exclusion_zones(widths, overlapping);
     std::vector<FullRow> rows;
     for (int q = 0; q < 6; ++q) rows.push_back(random_row(engine, windows));
-    MarginScan scan(zones, rows.size(), select_kernels());
+    MarginScan scan(zones, rows.size());
     for (size_t q = 0; q < rows.size(); ++q) {
       const size_t longest = 1 + uniform_below(engine, trial % 2 == 0 ? 6 : 60);
       scan_pieces(scan, q, pieces_of(rows[q], longest, engine));

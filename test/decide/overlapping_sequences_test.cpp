@@ -4,7 +4,6 @@
 #include "base/random.h"
 #include "decide/exclusion_zones.h"
 #include "examples.h"
-#include "match/row_kernels.h"
 #include "support.h"
 
 using namespace vpr;
@@ -30,7 +29,7 @@ Pairs find(const std::vector<Walk>& walks, size_t most_pairs = size_t{1} << 32) 
     spans.push_back({walk, {}});
     widths.push_back(static_cast<uint32_t>(exclusion_radius(spans.back())));
   }
-  return find_overlapping_sequences(spans, widths, select_kernels(), {}, most_pairs);
+  return find_overlapping_sequences(spans, widths, {}, most_pairs);
 }
 
 }  // namespace

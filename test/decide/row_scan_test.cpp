@@ -45,7 +45,7 @@ ScoreRow as_row(const Piece& piece) {
 }
 
 RecognitionScanSettings scan_settings(size_t max_recognitions = 100000) {
-  return {{3, 6}, 20, max_recognitions, select_kernels()};
+  return {{3, 6}, 20, max_recognitions};
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
     for (size_t i = shuffled.size(); i > 1; --i)
       std::swap(shuffled[i - 1], shuffled[uniform_below(engine, i)]);
     RecognitionScan scan(scan_settings());
-    MaximumScan maximum(2, select_kernels());
+    MaximumScan maximum(2);
     parallel_for(shuffled.size(), {}, [&](size_t i) {
       scan(as_row(shuffled[i]));
       maximum(as_row(shuffled[i]));
@@ -98,7 +98,7 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
 }
 
 TEST_CASE("the maxima of no rows are 0") {
-  CHECK(MaximumScan(3, select_kernels()).result() == std::vector<uint32_t>{0, 0, 0});
+  CHECK(MaximumScan(3).result() == std::vector<uint32_t>{0, 0, 0});
 }
 
 TEST_CASE("more recognitions than the limit are an error with advice") {

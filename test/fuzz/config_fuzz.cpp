@@ -41,7 +41,6 @@ void query(const Json& json) {
   query.descriptors.append(generate_sequence(kFrames, 2));
   query.sequence.frames = kFrames;
   QueryResources resources;
-  resources.kernels = select_kernels();
   resources.memory_limit = size_t{1} << 26;
   run_query(plan_query(kDatabase, query, "q", settings, resources, {}), {}, {});
 }

@@ -37,7 +37,6 @@ void query_sequences(const std::filesystem::path& folder) {
   query.descriptors.append(rows.first(std::min(kQueryFrames, rows.size())));
   query.sequence.frames = query.rows().size();
   QueryResources resources;
-  resources.kernels = select_kernels();
   ensure_statistics(database, {});
   for (const Score score : {Score::raw, Score::zscore}) {
     SequenceQuerySettings settings;

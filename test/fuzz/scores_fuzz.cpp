@@ -4,7 +4,6 @@
 #include "fuzz.h"
 #include "loops/sequence_query.h"
 #include "match/match.h"
-#include "match/row_kernels.h"
 #include "run/train_sequences.h"
 
 using namespace vpr;
@@ -35,7 +34,6 @@ void match(const PrecomputedDistances& scores, const FrameDistances& distances,
   MatchSettings settings;
   settings.window_length = window_length;
   settings.memory_limit = size_t{1} << 24;
-  settings.kernels = select_kernels();
   const uint64_t most = uint64_t{scores.units().largest} * window_length;
   const auto check = [&](const ScoreRow& row) {
     for (const uint32_t sum : row.scores) fuzz::require(sum <= most);

@@ -81,7 +81,6 @@ std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
   const SequenceDatabase database = make_database();
   const DescriptorSet query = make_query();
   QueryResources resources;
-  resources.kernels = select_kernels();
   std::mutex mutex;
   std::map<std::tuple<size_t, size_t, size_t>, uint32_t> cells;
   const RowConsumer collect = [&](const ScoreRow& row) {

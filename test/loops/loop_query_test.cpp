@@ -42,7 +42,6 @@ SequenceQuerySettings loop_settings(size_t length, size_t gap) {
 Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settings,
                   std::span<const int64_t> times = {}, const Monitor& monitor = {}) {
   QueryResources resources;
-  resources.kernels = select_kernels();
   const SequenceDatabase database = own_database(walk, "w");
   const ResolvedSettings loop(settings, {});
   const QueryPlan plan = plan_query(database, walk, "w", loop, resources, monitor, times);

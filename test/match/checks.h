@@ -38,7 +38,7 @@ inline Cells cells_of(const FrameDistances& distances, const MatchSettings& sett
 
 inline MatchSettings by_method(const SequenceMethod& method, size_t length,
                                size_t memory = size_t{1} << 30) {
-  MatchSettings settings{length, memory, select_kernels()};
+  MatchSettings settings{length, memory};
   settings.method = &method;
   return settings;
 }
@@ -99,7 +99,7 @@ inline void check_zscores(const DescribedFrames& train, const DescribedFrames& q
   for (const bool offline : {false, true}) {
     const ScoreBasis basis = make_score_basis({}, offline, statistics);
     const Cells cells = cells_of(zscores(frame_distances({&train, 1}, query), basis, {}),
-                                 {length, size_t{1} << 30, select_kernels()});
+                                 {length, size_t{1} << 30});
     CHECK(cells.size() == (train.rows.size() - length + 1) * (query.rows.size() - length + 1));
     const ReferenceUpdates updates = reference_updates({&train, 1}, query, basis, {});
     std::vector<std::vector<double>> plain;

@@ -168,7 +168,7 @@ TEST_CASE("every exact method yields the sums of vector distances") {
                 reference_window_distance(train[s].rows, i, query.span().rows, j, length);
     for (const SequenceMethod& method : exact_methods())
       CHECK(test::cells_of(distances, test::by_method(method, length)) == expected);
-    const MatchSettings hashed{length, size_t{1} << 30, select_kernels()};
+    const MatchSettings hashed{length, size_t{1} << 30};
     CHECK(test::error_text([&] { match_lsh(distances, hashed, {}, [](const ScoreRow&) {}); }) ==
           "lsh needs raw distances of binary descriptors; use fastable");
   }

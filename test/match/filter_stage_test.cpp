@@ -33,7 +33,7 @@ FilterRun run_filter(const test::Example& example) {
   const TrainStatistics statistics = compute_statistics(spans, {}, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
   FilterRun found;
-  MatchSettings settings{1, size_t{1} << 30, select_kernels()};
+  MatchSettings settings{1, size_t{1} << 30};
   settings.method = &find_sequence_method("filter");
   const auto collect = [&](const ScoreRow& row) {
     if (!found.reports.contains(row.query_window)) {

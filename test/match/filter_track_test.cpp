@@ -39,7 +39,6 @@ struct Places {
     state.values.assign(state.cells.size(), kNoValue);
     track.farthest = 100;
     state.earlier.assign(track.settings.path_keyframes / 2, state.values);
-    track.kernels = select_kernels();
   }
 
   size_t cell(size_t sequence, size_t place) const {

@@ -3,7 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "base/simd.h"
 #include "match/checks.h"
+#include "match/row_kernels.h"
 
 using namespace vpr;
 
@@ -51,8 +53,7 @@ TEST_CASE("every SIMD target slides, adds and searches like a loop, for any coun
   RandomEngine engine(3);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    const RowKernels kernels = select_kernels();
-    INFO(kernels.target);
+    INFO(target);
     for (size_t count = 0; count < 70; ++count) {
       std::vector<uint32_t> before(count);
       std::vector<uint16_t> in(count);
@@ -64,25 +65,22 @@ TEST_CASE("every SIMD target slides, adds and searches like a loop, for any coun
       }
       std::vector<uint32_t> slid(count + 1, 7);
       std::vector<uint32_t> added = before;
-      kernels.slide(before.data(), in.data(), out.data(), slid.data(), count);
-      kernels.accumulate(added.data(), in.data(), count);
+      slide_sums(before.data(), in.data(), out.data(), slid.data(), count);
+      add_to_sums(added, in.data());
       for (size_t i = 0; i < count; ++i) {
         REQUIRE(slid[i] == before[i] + in[i] - out[i]);
         REQUIRE(added[i] == before[i] + in[i]);
       }
       REQUIRE(slid[count] == 7);
       if (count > 0) {
-        REQUIRE(kernels.minimum(before.data(), count) ==
-                *std::min_element(before.begin(), before.end()));
-        REQUIRE(kernels.maximum(before.data(), count) ==
-                *std::max_element(before.begin(), before.end()));
+        REQUIRE(minimum_of(before) == *std::min_element(before.begin(), before.end()));
+        REQUIRE(maximum_of(before) == *std::max_element(before.begin(), before.end()));
       }
       const uint32_t limit = 5030;
       for (size_t begin = 0; begin <= count; begin += 3) {
         const auto found = std::find_if(before.begin() + ptrdiff_t(begin), before.end(),
                                         [&](uint32_t v) { return v < limit; });
-        REQUIRE(kernels.find_below(before.data(), begin, count, limit) ==
-                size_t(found - before.begin()));
+        REQUIRE(find_below(before, begin, limit) == size_t(found - before.begin()));
       }
     }
   }
@@ -92,18 +90,17 @@ TEST_CASE("comparisons are unsigned") {
   const std::vector<uint32_t> values(20, 0x80000001U);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    const RowKernels kernels = select_kernels();
-    CHECK(kernels.find_below(values.data(), 0, 20, 0x80000001U) == 20);
-    CHECK(kernels.find_below(values.data(), 0, 20, 0x80000002U) == 0);
-    CHECK(kernels.find_below(values.data(), 0, 20, 5) == 20);
-    CHECK(kernels.minimum(values.data(), 20) == 0x80000001U);
+    CHECK(find_below(values, 0, 0x80000001U) == 20);
+    CHECK(find_below(values, 0, 0x80000002U) == 0);
+    CHECK(find_below(values, 0, 5) == 20);
+    CHECK(minimum_of(values) == 0x80000001U);
   }
 }
 
 TEST_CASE("an unknown SIMD target is refused with a list of the known ones") {
   const std::string text = test::error_text([] { use_simd_target("AVX9"); });
   for (const std::string& target : simd_targets()) CHECK(test::has(text, target));
-  CHECK(select_kernels().target == simd_targets().front());
+  CHECK(simd_target() == simd_targets().front());
 }
 
 TEST_CASE(

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/simd.h"
 #include "match/checks.h"
 #include "match/lsh.h"
 
@@ -55,8 +56,7 @@ void check_all_methods(const Example& example, size_t length) {
   const Cells expected = reference_cells(example, length);
   for (const SequenceMethod& method : exact_methods()) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
-      INFO(method.name << ", " << select_kernels().target << ", c_l " << length << ", memory "
-                       << memory);
+      INFO(method.name << ", " << simd_target() << ", c_l " << length << ", memory " << memory);
       REQUIRE(by_method(example, method, length, memory) == expected);
     }
   }
@@ -141,7 +141,7 @@ TEST_CASE("online matching with several threads equals the reference implementat
         REQUIRE(row.scores[last] == reference_window_distance(train, row.train_window + last, query,
                                                               row.query_window, length));
       };
-      MatchSettings settings{length, memory, select_kernels()};
+      MatchSettings settings{length, memory};
       settings.method = &find_sequence_method("fastable-online");
       match(distances, settings, {{check}}, {});
       CHECK(cells > 0);
@@ -161,8 +161,8 @@ TEST_CASE("several window lengths in one pass yield the rows of each one alone")
     std::vector<Pass> passes;
     for (size_t l = 0; l < lengths.size(); ++l)
       passes.push_back({lengths[l], {{test::collecting(cells[l], mutex)}}});
-    match(frame_distances(spans, {example.query, example.query_unreadable}),
-          {1, memory, select_kernels()}, passes, {});
+    match(frame_distances(spans, {example.query, example.query_unreadable}), {1, memory}, passes,
+          {});
     for (size_t l = 0; l < lengths.size(); ++l)
       REQUIRE(cells[l] == reference_cells(example, lengths[l]));
   }
@@ -176,7 +176,7 @@ TEST_CASE("hashing finds exact cells, each once, the same for any threads") {
   std::copy_n(example.train[2].begin() + 100, 12, example.query.begin());
   for (const size_t length : {1, 4, 12}) {
     const Cells expected = reference_cells(example, length);
-    MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+    MatchSettings settings{length, size_t{1} << 30};
     settings.lsh = {4, 6, 1};
     const Cells found = by_lsh(example, settings);
     CHECK(found.size() < expected.size());
@@ -199,7 +199,7 @@ TEST_CASE("hashing settings out of range are refused") {
   const Example example = make_example({9}, 9, 1);
   for (const LshSettings& lsh : {LshSettings{0, 6, 1}, LshSettings{999, 6, 1},
                                  LshSettings{1, 29, 1}, LshSettings{1, 6, 5}}) {
-    MatchSettings settings{2, size_t{1} << 30, select_kernels()};
+    MatchSettings settings{2, size_t{1} << 30};
     settings.lsh = lsh;
     CHECK(test::error_kind([&] { by_lsh(example, settings); }) == ErrorKind::usage);
   }

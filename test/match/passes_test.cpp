@@ -39,13 +39,13 @@ TrainStatistics statistics_of(const std::vector<DescribedFrames>& spans) {
 
 std::vector<RepeatedPlace> passes_of(const test::Example& example) {
   const std::vector<DescribedFrames> spans = example.spans();
-  return find_passes(spans, statistics_of(spans), kLeast, select_kernels(), {});
+  return find_passes(spans, statistics_of(spans), kLeast, {});
 }
 
 // Query frames at which the path has the margin.
 size_t frames_with_margin(const test::Example& example, const std::vector<RepeatedPlace>& passes) {
   const std::vector<DescribedFrames> spans = example.spans();
-  MatchSettings settings{1, size_t{1} << 30, select_kernels()};
+  MatchSettings settings{1, size_t{1} << 30};
   settings.method = &find_sequence_method("filter");
   settings.passes = passes;
   size_t frames = 0;

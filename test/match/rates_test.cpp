@@ -21,7 +21,6 @@ const std::vector<Rate> kRates = {{1, 2}, {2, 3}, {1, 1}, {3, 2}, {2, 1}};
 MatchSettings settings_of(size_t length, std::vector<Rate> rates) {
   MatchSettings settings;
   settings.window_length = length;
-  settings.kernels = select_kernels();
   settings.rates = std::move(rates);
   return settings;
 }

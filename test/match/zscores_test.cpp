@@ -34,7 +34,7 @@ FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
 }
 
 Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
-  return test::cells_of(scores_of(example, basis), {length, size_t{1} << 30, select_kernels()});
+  return test::cells_of(scores_of(example, basis), {length, size_t{1} << 30});
 }
 
 double score(uint32_t biased, size_t length) {
@@ -212,7 +212,7 @@ TEST_CASE("a database that is shared between threads yields the same scores") {
           sampled[{row.query_window + (offline ? 1000 : 0), row.sequence, row.train_window + x}] =
               row.scores[x];
       };
-      match(scores_of(example, own), {length, size_t{1} << 30, select_kernels()}, {{sample}}, {});
+      match(scores_of(example, own), {length, size_t{1} << 30}, {{sample}}, {});
       if (threads == 1)
         expected.merge(sampled);
       else
@@ -251,7 +251,7 @@ TEST_CASE("several window lengths in one pass yield the scores of each one alone
     };
     passes.push_back({lengths[l], {{collect}}});
   }
-  match(scores_of(example, basis), {1, size_t{1} << 30, select_kernels()}, passes, {});
+  match(scores_of(example, basis), {1, size_t{1} << 30}, passes, {});
   for (size_t l = 0; l < lengths.size(); ++l)
     CHECK(cells[l] == fast_cells(example, basis, lengths[l]));
 }
@@ -335,7 +335,7 @@ TEST_CASE("a memory limit without room for the ring is an error") {
   const Example example = make_example({100}, 20, 1);
   const size_t length = 5;
   const auto try_memory = [&](size_t memory, size_t c_l) {
-    match(scores_of(example, make_basis(example)), {c_l, memory, select_kernels()}, Sinks{}, {});
+    match(scores_of(example, make_basis(example)), {c_l, memory}, Sinks{}, {});
   };
   const size_t needed = 2 * (32 + 128) * (length + 1);  // rows have whole cache lines
   CHECK_FALSE(test::error_kind([&] { try_memory(needed, length); }));

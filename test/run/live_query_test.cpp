@@ -36,8 +36,7 @@ struct Walks {
     database = test::make_database(train);
     ensure_statistics(database, {});
     for (size_t length : {1, 6})
-      database.thresholds.push_back(
-          compute_thresholds(descriptor_spans(database), length, 1, select_kernels(), {}));
+      database.thresholds.push_back(compute_thresholds(descriptor_spans(database), length, 1, {}));
     for (const size_t frame : {20, 21, 90}) {
       codes[frame] = {};
       gaps.push_back(frame);

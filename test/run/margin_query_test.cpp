@@ -118,7 +118,7 @@ TEST_CASE("stored exclusion radii and overlaps have the results of computed ones
   const std::vector<std::vector<LdbCode>> train = {walks.train[0], walks.train[1], walks.train[0]};
   const SequenceDatabase old = test::make_database(train);
   SequenceDatabase database = test::make_database(train);
-  ensure_exclusion_zones(database, select_kernels(), {});
+  ensure_exclusion_zones(database, {});
   CHECK(database.overlapping_sequences == std::vector<std::pair<size_t, size_t>>{{0, 2}});
   const SequenceQuerySettings settings = by_margin(10, std::nullopt);
   const DescriptorSet query = make_query(walks.query);

@@ -24,7 +24,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
                                size_t window_length) {
   SequenceDatabase database = test::make_database(sequences);
   database.thresholds.push_back(
-      compute_thresholds(descriptor_spans(database), window_length, 1, select_kernels(), {}));
+      compute_thresholds(descriptor_spans(database), window_length, 1, {}));
   return database;
 }
 

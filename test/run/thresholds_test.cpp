@@ -49,10 +49,8 @@ TEST_CASE("the closest windows equal those of comparing all sequences") {
     const ThreadLimit limit(threads);
     for (const std::string& target : simd_targets()) {
       const test::ChosenTarget chosen(target);
-      const RowKernels kernels = select_kernels();
       for (const size_t length : {1, 4, 8, 26, 41}) {
-        const auto found =
-            find_closest_windows(spans_of(sequences), {length, size_t{1} << 30, kernels}, {});
+        const auto found = find_closest_windows(spans_of(sequences), {length, size_t{1} << 30}, {});
         const auto expected = slow_closest(sequences, length);
         for (size_t s = 0; s < sequences.size(); ++s) {
           INFO("sequence " << s << ", c_l " << length);
@@ -73,8 +71,7 @@ TEST_CASE("the automatic threshold is the closest distance per frame, times the 
 
 TEST_CASE("a single sequence has no closest windows in another one") {
   const Sequences one = {test::walk_codes(30, 1)};
-  const auto found =
-      find_closest_windows(spans_of(one), {4, size_t{1} << 30, select_kernels()}, {});
+  const auto found = find_closest_windows(spans_of(one), {4, size_t{1} << 30}, {});
   REQUIRE(found.size() == 1);
   CHECK_FALSE(found[0]);
 }
@@ -114,8 +111,7 @@ std::string warning_of(const std::vector<std::vector<LdbCode>>& walks, size_t le
     sequences.push_back(
         named(std::string(1, static_cast<char>('a' + sequences.size())), walk.size()));
   }
-  const ThresholdTable table{
-      length, 1, find_closest_windows(spans, {length, size_t{1} << 30, select_kernels()}, {})};
+  const ThresholdTable table{length, 1, find_closest_windows(spans, {length, size_t{1} << 30}, {})};
   return overlap_warning(table, sequences, spans).value_or("");
 }
 

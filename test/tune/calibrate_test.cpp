@@ -27,7 +27,7 @@ struct Walks {
         codes[20 + i][word] = train[30 + i][word];
     query = test::make_query(codes);
     ensure_statistics(database, {});
-    ensure_exclusion_zones(database, select_kernels(), {});
+    ensure_exclusion_zones(database, {});
   }
   GroundTruth truth() const {
     GroundTruth truth;

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "match/row_kernels.h"
 
 using namespace vpr;
 
@@ -105,8 +104,7 @@ GroundTruth truth_of(std::vector<std::vector<GroundTruth::Pair>> pairs, int64_t 
 std::vector<std::optional<uint32_t>> scan_rows(const GroundTruth& truth, uint32_t width,
                                                const std::vector<std::vector<uint32_t>>& rows,
                                                size_t piece) {
-  UnknownPlaceScan scan(truth, make_exclusion_zones({width}, {}), kLength, rows.size(),
-                        select_kernels());
+  UnknownPlaceScan scan(truth, make_exclusion_zones({width}, {}), kLength, rows.size());
   for (size_t query = 0; query < rows.size(); ++query) {
     std::vector<ScoreRow> row;
     for (size_t first = 0; first < rows[query].size(); first += piece) {

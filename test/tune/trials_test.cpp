@@ -80,7 +80,6 @@ TEST_CASE(
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
   QueryResources resources;
-  resources.kernels = select_kernels();
   const auto trials_of = [&](size_t frames, size_t step) {
     std::vector<LdbCode> codes;
     for (size_t f = 0; f < frames; ++f) codes.push_back(walk.train[0][f * step]);
