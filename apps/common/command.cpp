@@ -157,7 +157,9 @@ struct Inputs {
     if (!truth) return;
     outputs.protect(truth->path);
     GroundTruthOptions options = truth->options;
-    visit_paths(options, [&](const char*, const fs::path& path) { outputs.protect(path); });
+    visit_fields(options, [&](const char*, auto& option) {
+      if constexpr (std::is_same_v<decltype(option), fs::path&>) outputs.protect(option);
+    });
   }
 
   void add_dataset(const fs::path& path) {

@@ -23,14 +23,9 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
   GroundTruthOptions& options = argument.options;
   GroundTruthOptions given = flags.options;
   visit_fields(options, [&](std::string_view name, auto& field) {
-    visit_fields(given, [&](std::string_view other, const auto& flag) {
-      if constexpr (std::is_assignable_v<decltype(field), decltype(flag)>)
+    visit_fields(given, [&](std::string_view other, auto& flag) {
+      if constexpr (std::is_same_v<decltype(field), decltype(flag)>)
         if (name == other && flag != std::decay_t<decltype(flag)>{}) field = flag;
-    });
-  });
-  visit_paths(options, [&](std::string_view name, std::filesystem::path& file) {
-    visit_paths(given, [&](std::string_view other, const std::filesystem::path& path) {
-      if (name == other && !path.empty()) file = path;
     });
   });
   return argument;
@@ -123,23 +118,23 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
              "training frames per query frame, for aligned: query frame i shows training frame "
              "STEP * i (default: 1)");
   add_path("--soft", options.soft, "pairs to ignore, for matrix (.npy)");
-  add_path("--query-times", options.query_times,
+  add_path("--query-times", options.query.times,
            "times of the query frames, for tum, kitti, euroc and gps: a list, a folder of images "
            "with times as names, or a video; poses are matched by time");
-  add_path("--train-times", options.train_times,
+  add_path("--train-times", options.train.times,
            "times of the training frames, as for --query-times");
-  add_path("--query-pose-times", options.query_pose_times,
+  add_path("--query-pose-times", options.query.pose_times,
            "times of the query's poses, for kitti (times.txt)");
-  add_path("--train-pose-times", options.train_pose_times,
+  add_path("--train-pose-times", options.train.pose_times,
            "times of the poses of --ground-truth-train, for kitti");
-  add_path("--query-images", options.query_images,
+  add_path("--query-images", options.query.images,
            "images of the query, for gps with a CSV file image,lat,lon");
-  add_path("--train-images", options.train_images, "images of the training sequence, for gps");
+  add_path("--train-images", options.train.images, "images of the training sequence, for gps");
   add_number("--max-difference", options.max_difference_s,
              "longest time from a frame to its nearest pose in seconds (default: 0.02; gps: 1)");
-  add_number("--offset", options.offset_s,
+  add_number("--offset", options.query.offset_s,
              "seconds added to --query-times, for clocks that differ (default: 0)");
-  add_number("--train-offset", options.train_offset_s,
+  add_number("--train-offset", options.train.offset_s,
              "seconds added to --train-times (default: 0)");
   add_setting(command, "--matrix-rows", options.matrix_rows,
               "frames that are rows of a matrix (default: auto, as usual for the format)",
@@ -159,14 +154,14 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
 }
 
 void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags) {
-  if (!flags.fps || truth.options.query_times.empty()) return;
+  if (!flags.fps || truth.options.query.times.empty()) return;
   const auto formats = ground_truth_formats();
   const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
   const GroundTruthFormat* format = truth.format.empty()     ? &detect_format(truth.path)
                                     : named != formats.end() ? &*named
                                                              : nullptr;
   if (format == nullptr || std::ranges::find(format->options, "times") == format->options.end())
-    truth.options.query_times.clear();
+    truth.options.query.times.clear();
 }
 
 void add_score_flags(const Command& command, ScoreInput& flags, const std::string& group) {

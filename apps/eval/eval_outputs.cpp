@@ -41,11 +41,7 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
                   "--save-trajectory: some training sequences have latitudes and longitudes, "
                   "others have meters. Use the same for all");
     is_on_earth = train.is_on_earth;
-    for (auto& pose : train.poses) {
-      if (!pose || !train.is_on_earth) continue;
-      if (!plane) plane.emplace(pose->position);
-      pose->position = plane->local(pose->position);
-    }
+    flatten(train, plane);
     return train.poses;
   };
   for (const auto& [sequence, searched, names] : evaluation.judgment.layout.scope.sequences) {
@@ -68,10 +64,10 @@ FrameTimes times_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   const Sequence& query = evaluation.query();
   const bool is_recorded = query.selection.speed.empty();  // other frames have no times
   std::vector<int64_t> times_ns;
-  if (is_recorded && !options.query_times.empty()) {
-    times_ns = read_frame_times(options.query_times, monitor);
+  if (is_recorded && !options.query.times.empty()) {
+    times_ns = read_frame_times(options.query.times, monitor);
     if (times_ns.size() < query.recorded_frames())
-      throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query_times.string(),
+      throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query.times.string(),
                   counted(times_ns.size(), "time"), counted(query.recorded_frames(), "frame"));
   }
   FrameTimes times{{}, !times_ns.empty() || frames_per_second};

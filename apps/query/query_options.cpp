@@ -222,7 +222,7 @@ NamedSequence find_query(const QueryOptions& options, bool is_endless, const Ses
     const DatasetQuery& query = select_query(*dataset, options.query);
     named = query.sequence;
     if (times.empty() && query.sequence_ground_truth)
-      times = query.sequence_ground_truth->options.query_times;
+      times = query.sequence_ground_truth->options.query.times;
   }
   if (!is_endless || std::filesystem::is_regular_file(named.sequence.path))
     named.sequence =

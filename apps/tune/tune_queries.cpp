@@ -17,7 +17,7 @@ namespace {
 Source make_source(const TuneOptions& options, NamedSequence sequence, GroundTruthArgument truth,
                    const Dataset* dataset, const Session& session) {
   sequence.sequence =
-      selected(sequence.sequence, options.selection, truth.options.query_times, dataset, session);
+      selected(sequence.sequence, options.selection, truth.options.query.times, dataset, session);
   remove_selection_times(truth, options.selection);
   return {sequence, truth};
 }

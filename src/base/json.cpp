@@ -136,6 +136,13 @@ void read_value(const Json& json, std::string& value, const JsonSource& source,
   value = json.get<std::string>();
 }
 
+void read_value(const Json& json, std::filesystem::path& value, const JsonSource& source,
+                const std::string& key) {
+  std::string text;
+  read_value(json, text, source, key);
+  value = text;
+}
+
 size_t number_of_key(const std::string& key, const JsonSource& source) {
   const auto number = parse_number<size_t>(key);
   if (!number) source.fail(fmt::format("\"{}\" is not a number", key));

@@ -194,6 +194,8 @@ void read_value(const Json& json, bool& value, const JsonSource& source, const s
 void read_value(const Json& json, double& value, const JsonSource& source, const std::string& key);
 void read_value(const Json& json, std::string& value, const JsonSource& source,
                 const std::string& key);
+void read_value(const Json& json, std::filesystem::path& value, const JsonSource& source,
+                const std::string& key);
 /// A key of an object as a number.
 size_t number_of_key(const std::string& key, const JsonSource& source);
 

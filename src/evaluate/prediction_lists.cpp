@@ -89,15 +89,14 @@ std::vector<Prediction> read_list(const fs::path& path) {
       continue;
     }
     if (fields.size() != 2 && fields.size() != 3)
-      location.fail(fmt::format(
+      location.fail(
           "expected a query, a reference and optionally a score; found {} fields. Names with "
           "blanks need commas between the fields",
-          fields.size()));
+          fields.size());
     Prediction prediction{fields[0], fields[1], std::nullopt, location};
     if (fields.size() == 3) {
       prediction.score = parse_real(fields[2]);
-      if (!prediction.score)
-        location.fail(fmt::format("the score {} is not a finite number", fields[2]));
+      if (!prediction.score) location.fail("the score {} is not a finite number", fields[2]);
     }
     if (!all.empty() && all.front().score.has_value() != prediction.score.has_value())
       location.fail("either all lines or none must have a score");
@@ -207,11 +206,11 @@ ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& querie
     lists.references = std::max(lists.references, reference + 1);
     if (!is_bounded && (uint64_t{rows} * lists.references > kMaxScores ||
                         std::max(rows, lists.references) > kMaxGrownFrames))
-      location.fail(fmt::format(
+      location.fail(
           "the frame numbers up to here need {} x {} scores; without stated numbers of "
           "frames, the limits are {} scores and {} frames. Pass --query and --train, or "
           "--query-frames and --train-frames",
-          rows, lists.references, kMaxScores, kMaxGrownFrames));
+          rows, lists.references, kMaxScores, kMaxGrownFrames);
     lists.queries.resize(rows);
     auto& list = lists.queries[query];
     const double rank = static_cast<double>(list.size()) + 1;

@@ -80,9 +80,9 @@ size_t frame_of_index(const FileLocation& location, std::string_view text, size_
   return frame->value;
 }
 
-size_t frame_of_time(const FileLocation& location, std::string_view text, TimeUnit unit,
+size_t frame_of_time(const FileLocation& location, std::string_view text, TimeReader& times,
                      const Trajectory& trajectory, int64_t max_difference_ns) {
-  const int64_t time = read_time(location, text, unit);
+  const int64_t time = times.read(location, text);
   const size_t frame = nearest_time(trajectory.times_ns, time);
   const int64_t difference = std::abs(trajectory.times_ns[frame] - time);
   if (difference > max_difference_ns)
@@ -148,14 +148,12 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
     throw Error(ErrorKind::usage,
                 "{}: names frames by time stamps, but {} has none; pass them with --pose-times",
                 path.string(), trajectory.name);
-  std::optional<TimeUnit> unit;
+  TimeReader times;
   for (const LoopLine& line : lines) {
     location.at("line", line.number);
-    if (!unit) unit = unit_of_time(line.query);
     const auto frame = [&](std::string_view text) {
-      if (!are_times) return frame_of_index(location, text, trajectory.poses.size());
-      if (!unit) location.fail("\"{}\" is not a valid time", text);
-      return frame_of_time(location, text, *unit, trajectory, rules.max_difference_ns);
+      return are_times ? frame_of_time(location, text, times, trajectory, rules.max_difference_ns)
+                       : frame_of_index(location, text, trajectory.poses.size());
     };
     ListedLoop loop{frame(line.query), frame(line.match), {}, line.number};
     if (line.score) {

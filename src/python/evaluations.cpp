@@ -58,11 +58,6 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
     visit("format", argument.format);
     visit("tolerance", argument.tolerance_frames);
     visit_fields(argument.options, visit);
-    visit_paths(argument.options, [&](const char* key, std::filesystem::path& file) {
-      visit(key, ReadField{[&](const Fields& fields, const std::string& option) {
-              if (fields.has(option)) file = fields.text(option);
-            }});
-    });
     if (result) return;
     visit_fields(input, visit);
     visit("rows_are_windows_of", settings.window_length);

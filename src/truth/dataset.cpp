@@ -54,10 +54,13 @@ auto truth_field(std::optional<GroundTruthArgument>& truth, const fs::path& fold
     NestedObject object{[&](auto&& visit) {
       visit("path", path_field(argument.path, folder));
       visit("format", argument.format);
-      visit_paths(argument.options,
-                  [&](const char* name, fs::path& file) { visit(name, path_field(file, folder)); });
       visit("tolerance", argument.tolerance_frames);
-      visit_fields(argument.options, visit);
+      visit_fields(argument.options, [&](const char* name, auto& option) {
+        if constexpr (std::is_same_v<decltype(option), fs::path&>)
+          visit(name, path_field(option, folder));
+        else
+          visit(name, option);
+      });
     }};
     const JsonSource source{fields.where() + ", " + key, fields.source().form};
     value_from_json(fields[key], object, source, key);

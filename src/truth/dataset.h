@@ -27,6 +27,18 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<MatrixRows> = {"auto", "query",
                                                                            "reference"};
 
+/// Options of one side of a ground truth: of the query or of the training sequence.
+struct TruthSide {
+  /// Trajectories: the times of frames: a list, a folder of images with times as names, or a video;
+  /// empty: pose i belongs to frame i.
+  std::filesystem::path times = {};
+  std::filesystem::path pose_times = {};  ///< for trajectory files without times
+  std::filesystem::path images = {};      ///< GPS: folder or list with the images named in a CSV
+  std::optional<double> offset_s = {};    ///< added to the times of frames
+
+  bool operator==(const TruthSide&) const = default;
+};
+
 /// Options that some formats of ground truth need in addition to path and tolerance.
 struct GroundTruthOptions {
   std::filesystem::path reference = {};  ///< poses and file names: the training side
@@ -39,39 +51,33 @@ struct GroundTruthOptions {
   /// Aligned: query frame i is training frame `train_step` * i, rounded. Nullopt: 1.
   std::optional<double> train_step = {};
   MatrixRows matrix_rows = MatrixRows::automatic;
-  /// Trajectories: the times of query and training frames: a list, a folder of images with times as
-  /// names, or a video; empty: pose i belongs to frame i.
-  std::filesystem::path query_times = {};
-  std::filesystem::path train_times = {};
-  std::filesystem::path query_pose_times = {};  ///< for trajectory files without times
-  std::filesystem::path train_pose_times = {};
-  /// GPS: folders or lists with the images named in a CSV
-  std::filesystem::path query_images = {};
-  std::filesystem::path train_images = {};
+  TruthSide query = {};
+  TruthSide train = {};
   /// Maximum distance of a frame to its nearest pose in seconds. Nullopt: 0.02, or 1 for GPS.
   std::optional<double> max_difference_s = {};
-  std::optional<double> offset_s = {};        ///< added to the times of the query
-  std::optional<double> train_offset_s = {};  ///< added to the times of the training frames
 
   bool operator==(const GroundTruthOptions&) const = default;
 };
 
-/// The options that are files, with their keys in data set descriptions.
 template <class Visitor>
-void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
+void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference", options.reference);
   visit("soft", options.soft);
-  visit("query_times", options.query_times);
-  visit("train_times", options.train_times);
-  visit("query_pose_times", options.query_pose_times);
-  visit("train_pose_times", options.train_pose_times);
-  visit("query_images", options.query_images);
-  visit("train_images", options.train_images);
+  visit("query_times", options.query.times);
+  visit("train_times", options.train.times);
+  visit("query_pose_times", options.query.pose_times);
+  visit("train_pose_times", options.train.pose_times);
+  visit("query_images", options.query.images);
+  visit("train_images", options.train.images);
+  visit("radius_m", options.radius_m);
+  visit("angle_deg", options.angle_deg);
+  visit("ignore_radius_m", options.ignore_radius_m);
+  visit("train_step", options.train_step);
+  visit("matrix_rows", options.matrix_rows);
+  visit("max_difference_s", options.max_difference_s);
+  visit("offset_s", options.query.offset_s);
+  visit("train_offset_s", options.train.offset_s);
 }
-
-/// The other options, with their keys in data set descriptions.
-VPR_FIELDS(GroundTruthOptions, radius_m, angle_deg, ignore_radius_m, train_step, matrix_rows,
-           max_difference_s, offset_s, train_offset_s)
 
 /// The path and the format of a ground truth, with its options.
 struct GroundTruthArgument {

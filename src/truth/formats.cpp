@@ -187,12 +187,14 @@ void require_options(const GroundTruthFormat& format, const GroundTruthArgument&
   refuse_unused("angle_deg", options.angle_deg.has_value(), "--angle");
   refuse_unused("ignore_radius_m", options.ignore_radius_m.has_value(), "--ignore-radius");
   refuse_unused("train_step", options.train_step.has_value(), "--train-step");
+  const auto has_times = [](TruthSide side) {
+    side.images.clear();
+    return side != TruthSide{};
+  };
   refuse_unused("times",
-                options.max_difference_s || options.offset_s || options.train_offset_s ||
-                    !options.query_times.empty() || !options.train_times.empty() ||
-                    !options.query_pose_times.empty() || !options.train_pose_times.empty(),
+                options.max_difference_s || has_times(options.query) || has_times(options.train),
                 "an option of times (--offset, --max-difference, --query-times, ...)");
-  refuse_unused("images", !options.query_images.empty() || !options.train_images.empty());
+  refuse_unused("images", !options.query.images.empty() || !options.train.images.empty());
   refuse_unused("matrix_rows", options.matrix_rows != MatrixRows::automatic);
 }
 

@@ -324,12 +324,8 @@ std::string read_anchors(GroundTruthBuilder& builder) {
                 "(--ground-truth-train)",
                 builder.argument().path.string());
   // Only the poses of training frames have times.
-  const bool has_query_times =
-      options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();
-  const bool has_reference_times = options.train_offset_s || options.max_difference_s ||
-                                   !options.train_times.empty() ||
-                                   !options.train_pose_times.empty();
-  if (has_query_times || (has_reference_times && !options.radius_m))
+  const bool has_train_times = options.max_difference_s || options.train != TruthSide{};
+  if (options.query != TruthSide{} || (has_train_times && !options.radius_m))
     throw Error(ErrorKind::usage,
                 "with anchors, only the poses of training frames have times. Use --radius with "
                 "--train-times, without times or offset of the query");

@@ -44,7 +44,7 @@ std::string match_sides(GroundTruthBuilder& builder, Read&& read,
     const SideOptions options = side_options(argument, side);
     builder.at_file(options.poses);  // for errors about the whole file
     Poses poses = read(side, frames);
-    if (!options.times.empty()) builder.at_file(options.times);
+    if (!options.files.times.empty()) builder.at_file(options.files.times);
     return poses;
   };
   const Poses query = read_side(PoseSide::query, builder.query());
@@ -163,9 +163,10 @@ std::string read_trajectories(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount&) {
     const SideOptions options = side_options(argument, side);
-    return poses_of_side(argument, side,
-                         read_pose_lines(options.poses, builder.format(), !options.times.empty()),
-                         builder.monitor());
+    return poses_of_side(
+        argument, side,
+        read_pose_lines(options.poses, builder.format(), !options.files.times.empty()),
+        builder.monitor());
   });
   return fmt::format("{} poses{}: {}", builder.format(), describe_times(argument), matched);
 }
@@ -174,11 +175,11 @@ std::string read_gps(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const SideOptions options = side_options(argument, side);
-    Poses poses =
-        poses_of_side(argument, side, read_fixes(options.poses, options.images, count.known()),
-                      builder.monitor());
+    Poses poses = poses_of_side(argument, side,
+                                read_fixes(options.poses, options.files.images, count.known()),
+                                builder.monitor());
     const size_t missing = count_unknown(poses);
-    if (!options.times.empty()) return poses;  // poses_of_side has checked them
+    if (!options.files.times.empty()) return poses;  // poses_of_side has checked them
     if (missing == poses.size())
       throw Error(ErrorKind::data, "{}: has no fix for any frame", options.poses.string());
     if (missing * 2 > poses.size())

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "base/converters.h"
 #include "base/error.h"
@@ -165,6 +166,15 @@ std::array<double, 3> LocalPlane::local(const std::array<double, 3>& earth) cons
   return position;
 }
 
+void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane) {
+  if (!std::exchange(trajectory.is_on_earth, false)) return;
+  for (auto& pose : trajectory.poses) {
+    if (!pose) continue;
+    if (!plane) plane.emplace(pose->position);
+    pose->position = plane->local(pose->position);
+  }
+}
+
 bool is_pose_header(std::string_view line) { return has_columns(line, {"frame", "x", "y"}); }
 
 bool is_gps_header(std::string_view line) {
@@ -258,24 +268,18 @@ Routes read_routes(const std::vector<fs::path>& paths) {
   fs::path meters;  // a file with x and y
   fs::path gps;     // a file with latitudes
   for (const fs::path& path : paths) {
-    Route& route = found.routes.emplace_back();
-    if (path.empty()) continue;
-    const Trajectory read = read_pose_csv(path);
+    Trajectory read = read_pose_csv(path);
     (read.is_on_earth ? gps : meters) = path;
     if (!meters.empty() && !gps.empty())
       throw Error(
           ErrorKind::data,
           "{} has latitudes and longitudes, but {} has x and y in meters. Use one of them for both",
           gps.string(), meters.string());
-    for (size_t frame = 0; frame < read.poses.size(); ++frame) {
+    flatten(read, plane);
+    Route& route = found.routes.emplace_back();
+    for (const auto& pose : read.poses) {
       route.emplace_back();
-      if (!read.poses[frame]) continue;
-      std::array<double, 3> position = read.poses[frame]->position;
-      if (read.is_on_earth) {
-        if (!plane) plane.emplace(position);
-        position = plane->local(position);
-      }
-      route.back() = {position[0], position[1], read.poses[frame]->area};
+      if (pose) route.back() = {pose->position[0], pose->position[1], pose->area};
     }
   }
   found.is_gps = plane.has_value();

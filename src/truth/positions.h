@@ -42,6 +42,10 @@ class LocalPlane {
   std::array<double, 9> axes_;  ///< rows are the directions east, north and up
 };
 
+/// Moves positions on the earth to `plane`, which touches the earth at the first of them unless it
+/// is set. Others stay.
+void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane);
+
 /// Whether the first line of a file is a CSV header with frame, x and y.
 bool is_pose_header(std::string_view line);
 /// Whether it is a CSV header with lat or latitude, and lon, lng, long or longitude, in any case.
@@ -98,8 +102,8 @@ struct Routes {
   bool is_gps = false;  ///< x and y are meters east and north of the first fix of the first file
 };
 
-/// One route per path, empty for an empty path. Throws as read_pose_csv does, and Error(data) if
-/// only some files have latitudes.
+/// One route per path. Throws as read_pose_csv does, and Error(data) if only some files have
+/// latitudes.
 Routes read_routes(const std::vector<std::filesystem::path>& paths);
 
 /// Reads a CSV with columns place, x, y and optionally floor, one view per line: returns the first

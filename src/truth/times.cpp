@@ -193,12 +193,6 @@ std::optional<int64_t> parse_calendar_time(std::string_view text) {
   return utc.time_since_epoch().count() * kSecond + *parse_digits(fraction);
 }
 
-int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit unit) {
-  const auto time = parse_time(text, unit);
-  if (!time) location.fail("\"{}\" is not a valid time", text);
-  return *time;
-}
-
 void refuse_time_order(const FileLocation& location, int64_t before, int64_t time) {
   location.fail("its time {} {}; times must increase", time_text(time),
                 time == before ? "equals the time of the previous frame"
@@ -208,7 +202,9 @@ void refuse_time_order(const FileLocation& location, int64_t before, int64_t tim
 
 int64_t TimeReader::read(const FileLocation& location, std::string_view text) {
   if (!unit_) unit_ = unit_of_time(text);
-  return read_time(location, text, unit_.value_or(TimeUnit::seconds));
+  const auto time = unit_ ? parse_time(text, *unit_) : std::nullopt;
+  if (!time) location.fail("\"{}\" is not a valid time", text);
+  return *time;
 }
 
 int64_t TimeReader::read_next(const FileLocation& location, std::string_view text) {

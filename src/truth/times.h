@@ -46,17 +46,15 @@ size_t nearest_time(std::span<const int64_t> times, int64_t time);
 /// Nullopt for other text and for times before 1900 or after 2200.
 std::optional<int64_t> parse_calendar_time(std::string_view text);
 
-/// A time of a file in nanoseconds. Throws Error(data), with the line, for an invalid time.
-int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit unit);
-
 /// Throws Error(data): times must increase, but `time` is not after `before`.
 [[noreturn]] void refuse_time_order(const FileLocation& location, int64_t before, int64_t time);
 
-/// Reads the times of one file as read_time does. Without `unit`, the first time determines it.
+/// Reads the times of one file in nanoseconds. Without `unit`, the first valid time determines it.
 class TimeReader {
  public:
   explicit TimeReader(std::optional<TimeUnit> unit = {}) : unit_(unit) {}
 
+  /// Throws Error(data), with the line, for an invalid time.
   int64_t read(const FileLocation& location, std::string_view text);
   /// Also throws Error(data) for a time that is not after the last one.
   int64_t read_next(const FileLocation& location, std::string_view text);

@@ -185,7 +185,7 @@ AssociationRules rules_of(const GroundTruthArgument& argument, const SideOptions
       nanoseconds(argument.options.max_difference_s.value_or(default_s), "--max-difference");
   if (rules.max_difference_ns < 0)
     throw Error(ErrorKind::usage, "--max-difference must not be negative");
-  rules.offset_ns = nanoseconds(side.offset_s.value_or(0), side.offset_flag);
+  rules.offset_ns = nanoseconds(side.files.offset_s.value_or(0), side.offset_flag);
   return rules;
 }
 
@@ -317,12 +317,7 @@ Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view f
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times) {
   Trajectory found = read_any(path);
   std::optional<LocalPlane> plane;
-  for (auto& pose : found.poses) {
-    if (!pose || !found.is_on_earth) continue;
-    if (!plane) plane.emplace(pose->position);
-    pose->position = plane->local(pose->position);
-  }
-  found.is_on_earth = false;
+  flatten(found, plane);
   require_rising_times(found);
   if (!times.empty()) add_times(found, times, times.string());
   return found;
@@ -366,62 +361,50 @@ Poses associate(const Trajectory& trajectory, std::span<const int64_t> frame_tim
 
 SideOptions side_options(const GroundTruthArgument& argument, PoseSide side) {
   const GroundTruthOptions& options = argument.options;
-  if (side == PoseSide::query)
-    return {"query",
-            "--offset",
-            argument.path,
-            options.query_times,
-            options.query_pose_times,
-            options.query_images,
-            options.offset_s};
-  return {"train",
-          "--train-offset",
-          options.reference,
-          options.train_times,
-          options.train_pose_times,
-          options.train_images,
-          options.train_offset_s};
+  if (side == PoseSide::query) return {"query", "--offset", argument.path, options.query};
+  return {"train", "--train-offset", options.reference, options.train};
 }
 
 std::string describe_times(const GroundTruthArgument& argument, bool are_fixes) {
-  const GroundTruthOptions& options = argument.options;
-  if (options.query_times.empty() && options.train_times.empty()) return "";
+  const TruthSide& query = argument.options.query;
+  const TruthSide& train = argument.options.train;
+  if (query.times.empty() && train.times.empty()) return "";
   const AssociationRules rules =
       rules_of(argument, side_options(argument, PoseSide::query), are_fixes);
   std::string words = fmt::format(" at the times of {}frames, the nearest within {} s",
-                                  options.train_times.empty()   ? "query "
-                                  : options.query_times.empty() ? "training "
-                                                                : "",
+                                  train.times.empty()   ? "query "
+                                  : query.times.empty() ? "training "
+                                                        : "",
                                   time_text(rules.max_difference_ns));
-  if (options.offset_s) words += fmt::format(", query times {:+} s", *options.offset_s);
-  if (options.train_offset_s)
-    words += fmt::format(", training times {:+} s", *options.train_offset_s);
+  if (query.offset_s) words += fmt::format(", query times {:+} s", *query.offset_s);
+  if (train.offset_s) words += fmt::format(", training times {:+} s", *train.offset_s);
   return words;
 }
 
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Trajectory trajectory,
                     const Monitor& monitor) {
   const SideOptions side = side_options(argument, pose_side);
-  if (side.times.empty()) {
+  const TruthSide& files = side.files;
+  if (files.times.empty()) {
     const GroundTruthOptions& options = argument.options;
-    const bool has_times = !options.query_times.empty() || !options.train_times.empty();
-    if (!side.pose_times.empty() || side.offset_s || (options.max_difference_s && !has_times))
+    const bool has_times = !options.query.times.empty() || !options.train.times.empty();
+    if (!files.pose_times.empty() || files.offset_s || (options.max_difference_s && !has_times))
       throw Error(ErrorKind::usage,
                   "{}: pose i belongs to frame i. To associate frames by time, also pass the times "
                   "of frames with --{}-times",
                   trajectory.name, side.name);
     return std::move(trajectory.poses);
   }
-  if (!side.pose_times.empty())
-    add_times(trajectory, side.pose_times, fmt::format("--{}-pose-times", side.name));
+  if (!files.pose_times.empty())
+    add_times(trajectory, files.pose_times, fmt::format("--{}-pose-times", side.name));
   if (trajectory.times_ns.empty() && !trajectory.poses.empty())
     throw Error(ErrorKind::usage,
                 "{}: has no times. Pass the times of its poses with --{}-pose-times",
                 trajectory.name, side.name);
   require_rising_times(trajectory);
   remove_unknown(trajectory);
-  return associate(trajectory, read_frame_times(side.times, monitor),
-                   rules_of(argument, side, trajectory.is_on_earth), side.times.string(), monitor);
+  return associate(trajectory, read_frame_times(files.times, monitor),
+                   rules_of(argument, side, trajectory.is_on_earth), files.times.string(), monitor);
 }
 
 Trajectory read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,

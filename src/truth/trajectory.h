@@ -117,15 +117,12 @@ Poses associate(const Trajectory& trajectory, std::span<const int64_t> frame_tim
 /// A side of a ground truth.
 enum class PoseSide { query, train };
 
-/// The options of one side, as in GroundTruthOptions.
+/// The options of one side, and its poses.
 struct SideOptions {
   const char* name;         ///< as in its flags
   const char* offset_flag;  ///< of the offset
   const std::filesystem::path& poses;
-  const std::filesystem::path& times;
-  const std::filesystem::path& pose_times;
-  const std::filesystem::path& images;
-  std::optional<double> offset_s;
+  const TruthSide& files;
 };
 
 /// References to parts of `argument`, which must outlive the result.

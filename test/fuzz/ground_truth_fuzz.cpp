@@ -51,10 +51,10 @@ void read_as(const GroundTruthFormat& format, const std::filesystem::path& file)
   read(argument, 3, 3);
   read(argument, kUnknownFrames, kUnknownFrames);
   if (!uses("times")) return;
-  argument.options.query_times = argument.options.train_times = file;
+  argument.options.query.times = argument.options.train.times = file;
   argument.options.max_difference_s = 0.5;
   read(argument, kUnknownFrames, kUnknownFrames);
-  argument.options.query_pose_times = argument.options.train_pose_times = file;
+  argument.options.query.pose_times = argument.options.train.pose_times = file;
   read(argument, 3, 3);
 }
 

@@ -73,9 +73,9 @@ TEST_CASE("a tolerance of anchors in meters uses the poses of the training seque
              "12 1.5 0 0 0 0 0 1\n13 4 0 0 0 0 0 1\n15 1.25 0.25 0 0 0 0 1\n");
   write_text("times.txt", "10\n11\n12\n13\n14\n15\n");
   argument.options.reference = "r.tum";
-  argument.options.train_times = "times.txt";
+  argument.options.train.times = "times.txt";
   CHECK(read_labels(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
-  argument.options.train_times.clear();
+  argument.options.train.times.clear();
   argument.options.reference = "r.csv";
   argument.options.radius_m.reset();
   CHECK(test::error_kind([&] { read_labels(argument, 4, 6); }) == ErrorKind::usage);

@@ -161,27 +161,27 @@ TEST_CASE("a trajectory with another rate than the images is ground truth by tim
   write_text("q.times", "# image time\n1000\n1000.25\n1000.5\n1000.75\n");
   write_text("r.times", "0\n0.5\n1\n");
   GroundTruthArgument argument = by_positions("q.txt", "r.txt", 2.5);
-  argument.options.query_times = "q.times";
-  argument.options.train_times = "r.times";
+  argument.options.query.times = "q.times";
+  argument.options.train.times = "r.times";
   argument.options.max_difference_s = 0.05;
-  argument.options.train_offset_s = 4600;
+  argument.options.train.offset_s = 4600;
   // Query frames at 0, 2.5, 5 and 7.5 meters; training frames at 0, 5 and 10.
   CHECK(read_labels(argument, 4, 3) == "S.. SS. .S. .SS");
-  argument.options.train_offset_s = 1e10;
+  argument.options.train.offset_s = 1e10;
   CHECK(test::error_text([&] { read_labels(argument, 4, 3); }).find("--train-offset") == 0);
-  argument.options.train_offset_s = 4600;
+  argument.options.train.offset_s = 4600;
   argument.options.max_difference_s = 0.01;  // 1000.25 and 1000.75 are between poses
   CHECK(read_labels(argument, 4, 3) == "S.. iii .S. iii");
   CHECK(test::error_kind([&] { read_labels(argument, 5, 3); }) == ErrorKind::data);
-  argument.options.train_offset_s.reset();
+  argument.options.train.offset_s.reset();
   CHECK(test::error_kind([&] { read_labels(argument, 4, 3); }) == ErrorKind::data);
-  argument.options.train_times.clear();
-  argument.options.train_offset_s = 1;
+  argument.options.train.times.clear();
+  argument.options.train.offset_s = 1;
   CHECK(test::error_kind([&] { read_labels(argument, 4, 21); }) == ErrorKind::usage);
-  argument.options.train_offset_s.reset();
+  argument.options.train.offset_s.reset();
   argument.options.max_difference_s = -1;
   CHECK(test::error_kind([&] { read_labels(argument, 4, 21); }) == ErrorKind::usage);
-  argument.options.query_times.clear();
+  argument.options.query.times.clear();
   argument.options.max_difference_s = 0.05;  // without any times
   CHECK(test::error_kind([&] { read_labels(argument, 21, 21); }) == ErrorKind::usage);
   argument.options.max_difference_s.reset();
@@ -195,12 +195,12 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   write_text("frames.csv", "time\n1.5\n2\n2.5\n");
   GroundTruthArgument argument = by_positions("k.txt", "k.txt", 4);
   argument.options.max_difference_s = 0.5;
-  argument.options.query_times = "frames.csv";
+  argument.options.query.times = "frames.csv";
   CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 2); }), "--query-pose-times"));
-  argument.options.query_pose_times = "k.times";
-  argument.options.train_times = "frames.csv";
+  argument.options.query.pose_times = "k.times";
+  argument.options.train.times = "frames.csv";
   CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 2); }), "--train-pose-times"));
-  argument.options.train_times.clear();
+  argument.options.train.times.clear();
   CHECK(read_labels(argument, 3, 2) == "S. SS .S");
   write_text("e.csv",
              "#timestamp [ns],x,y,z,qw,qx,qy,qz\n1403636580000000000,0,0,0,1,0,0,0\n"
@@ -208,10 +208,10 @@ TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in na
   write_text("e.times", "1403636580000000000,a.png\n1403636580500000000,b.png\n");
   GroundTruthArgument euroc{"", "e.csv", 0, argument.options};
   euroc.options.reference = "e.csv";
-  euroc.options.query_times = "e.times";
+  euroc.options.query.times = "e.times";
   // two sources of times
   CHECK(test::error_kind([&] { read_labels(euroc, 2, 2); }) == ErrorKind::usage);
-  euroc.options.query_pose_times.clear();
+  euroc.options.query.pose_times.clear();
   CHECK(read_labels(euroc, 2, 2) == "S. SS");
 }
 

@@ -50,10 +50,10 @@ TEST_CASE("a ground truth has the options of its format") {
   CHECK(argument.options.angle_deg == 40);
   CHECK(argument.options.train_step == 2);
   CHECK(argument.options.matrix_rows == MatrixRows::reference);
-  CHECK(argument.options.query_times == "t.txt");
-  CHECK(argument.options.train_pose_times == "p.txt");
+  CHECK(argument.options.query.times == "t.txt");
+  CHECK(argument.options.train.pose_times == "p.txt");
   CHECK(argument.options.max_difference_s == 0.1);
-  CHECK(argument.options.train_offset_s == -3);
+  CHECK(argument.options.train.offset_s == -3);
 }
 
 TEST_CASE("errors in a data set description are usage errors") {

@@ -41,7 +41,7 @@ TEST_CASE("with fixes by image names, other images have no place") {
   write_text("r.csv", "lat,lon,heading\n52.001,13,10\n52,13,270\n,,\n");
   GroundTruthArgument argument = by_positions("q.csv", "r.csv", 2);
   check_refused([&] { read_labels(argument, 3, 3); }, "--query-images", ErrorKind::usage);
-  argument.options.query_images = "walk";
+  argument.options.query.images = "walk";
   CHECK(read_labels(argument, 3, 3) == "S.i iii .Si");
   argument.options.angle_deg = 20;
   CHECK(read_labels(argument, 3, 3) == "S.i iii ..i");
@@ -84,14 +84,14 @@ TEST_CASE("frames are located on a track by time") {
   write_text("r.csv",
              "lat,lon,time\n52.0001,13,2024-05-01T12:00:01Z\n52,13,2024-05-01T12:00:05Z\n");
   GroundTruthArgument argument = by_positions("t.csv", "r.csv", 1);
-  argument.options.query_times = "q.times";
+  argument.options.query.times = "q.times";
   CHECK(read_labels(argument, 3, 2) == ".S S. ii");
   GroundTruthOptions train;
-  train.train_times = "q.times";
+  train.train.times = "q.times";
   CHECK(read_train_poses("t.csv", train, {}).poses[1].has_value());
   argument.options.max_difference_s = 0.5;
   CHECK(read_labels(argument, 3, 2) == ".S ii ii");
-  argument.options.query_times.clear();
+  argument.options.query.times.clear();
   argument.options.max_difference_s.reset();
   CHECK(read_labels(argument, 2, 2) == ".S ..");
 }
@@ -102,7 +102,7 @@ TEST_CASE("times of fixes that decrease, repeat or are missing are refused") {
   const auto refused = [&](const std::string& rows, const std::string& words) {
     write_text("t.csv", "time,lat,lon\n" + rows);
     GroundTruthArgument argument = by_positions("t.csv", "r.csv", 1);
-    argument.options.query_times = "q.times";
+    argument.options.query.times = "q.times";
     check_refused([&] { read_labels(argument, 1, 1); }, words);
   };
   refused("2024-05-01T12:00:02Z,52,13\n2024-05-01T12:00:02Z,52,13\n",
@@ -141,12 +141,11 @@ TEST_CASE("trajectories and maps of fixes are projected to a plane at the first 
   write_text("b.csv", "frame,lat,lon\n0,52.001,13\n");
   write_text("m.csv", "frame,x,y\n0,1,2\n");
   const auto path = [&](const char* name) { return name; };
-  const Routes routes = read_routes({path("a.csv"), "", path("b.csv")});
+  const Routes routes = read_routes({path("a.csv"), path("b.csv")});
   CHECK(routes.is_gps);
   CHECK_FALSE(routes.routes[0][0]);
   CHECK(routes.routes[0][1]->x == 0);
-  CHECK(routes.routes[1].empty());
-  CHECK(routes.routes[2][0]->y == Approx(111.267).margin(0.01));
+  CHECK(routes.routes[1][0]->y == Approx(111.267).margin(0.01));
   CHECK_FALSE(read_routes({path("m.csv")}).is_gps);
   check_refused(
       [&] {
