@@ -119,8 +119,8 @@ std::string pair_words(const Evaluation& evaluation) {
 std::string recognized_words(const Evaluation& evaluation) {
   const Judgment& judgment = evaluation.judgment;
   const Localization& path = judgment.localization;
-  size_t on_map = path.recognized - path.off_map;
-  if (!evaluation.truth.asked.empty())
+  size_t on_map = path.recognized;
+  if (judgment.by == JudgedBy::ground_truth)
     on_map = static_cast<size_t>(
         std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
           return query.has_match && judgment.verdicts[query.frame] != Verdict::none;

@@ -8,18 +8,18 @@ using namespace vpr;
 
 namespace {
 
-/// One letter per query frame: r(ecognized correctly), w(rongly), i(gnored), . none; capital
-/// letters have no match in the ground truth.
+/// One letter per query frame: r(ecognized correctly), w(rongly), i(gnored), . none; W, I and ,
+/// have no match in the ground truth.
 Evaluation evaluation_of(const std::string& letters) {
   Evaluation evaluation;
   Judgment& judgment = evaluation.judgment;
   for (const char letter : letters) {
     QueryOutcome& query = judgment.outcomes.queries.emplace_back();
     query.frame = judgment.outcomes.queries.size() - 1;
-    query.has_match = letter != 'W' && letter != ',';
+    query.has_match = letter != 'W' && letter != 'I' && letter != ',';
     judgment.verdicts.push_back(letter == 'r'                    ? Verdict::correct
                                 : letter == 'w' || letter == 'W' ? Verdict::incorrect
-                                : letter == 'i'                  ? Verdict::ignored
+                                : letter == 'i' || letter == 'I' ? Verdict::ignored
                                                                  : Verdict::none);
   }
   judgment.localization = localize(judgment.verdicts, {});
@@ -48,6 +48,8 @@ TEST_CASE("the headline counts frames with a match, and their errors") {
   CHECK(summary("r.W,,") ==
         "1 of 2 frames with a match recognized, all correctly; 1 of 3 frames without a match "
         "recognized, which is incorrect. The first is confirmed at frame 0.");
+  CHECK(summary("r.III") ==
+        "1 of 2 frames with a match recognized, all correctly. The first is confirmed at frame 0.");
 }
 
 TEST_CASE("the headline counts incorrect pairs next to correct frames") {
