@@ -412,6 +412,7 @@ Outputs::Claim* Outputs::find(const fs::path& path) {
 }
 
 Outputs::Claim& Outputs::claim(const fs::path& path, FolderCheck is_ours) {
+  if (path.empty()) throw Error(ErrorKind::usage, "the path of the output is empty");
   if (find(path) != nullptr) refuse(path, "is written twice; use a different name for each output");
   check_protected(path);
   const auto identity = identity_of(path);

@@ -70,8 +70,11 @@ bool may_be_numbers(const std::vector<int64_t>& times) {
 
 // Times from the names of the frames, which were not made for this purpose: an error is one of
 // usage.
-std::vector<int64_t> times_of_names(const std::string& query, const Monitor& monitor) {
+std::vector<int64_t> times_of_names(const SequenceSource& source, const std::string& query,
+                                    const Monitor& monitor) {
   try {
+    if (source.is_one_array())
+      throw Error(ErrorKind::data, "{}: the rows have no times", source.argument.path.string());
     const std::vector<int64_t> times = read_frame_times(query, monitor);
     if (may_be_numbers(times))
       warn(monitor,
@@ -90,7 +93,9 @@ std::vector<int64_t> times_of_names(const std::string& query, const Monitor& mon
 
 DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySettings& settings,
                            const Monitor& monitor) {
-  const std::string usual(sequence.kind == SequenceKind::descriptors ? kVectorKind : "ldb");
+  const bool is_imported = sequence.kind == SequenceKind::descriptors;
+  const std::string usual(
+      is_imported ? imported_kind(ArrayRows(sequence).type().starts_with('|'), {}) : "ldb");
   const std::string& name = settings.descriptor.empty() ? usual : settings.descriptor;
   SequenceDatabase described;
   described.descriptors.kind = &descriptor_kind(name);
@@ -116,10 +121,11 @@ QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& 
   const std::string& times = inputs.frame_times;
   const std::string path = argument_text(inputs.query.sequence);
   const bool needs_times = settings.loop_gap_s != 0;
+  const SequenceSource source = open_sequence(inputs.query.sequence);
   if (needs_times)
     data.times_ns =
-        times.empty() ? times_of_names(path, monitor) : read_frame_times(times, monitor);
-  data.query = describe_own(open_sequence(inputs.query.sequence), settings, monitor);
+        times.empty() ? times_of_names(source, path, monitor) : read_frame_times(times, monitor);
+  data.query = describe_own(source, settings, monitor);
   const size_t frames = data.query.rows().size();
   if (needs_times && data.times_ns.size() != frames)
     throw Error(ErrorKind::data, "{}: has {}, and {} has {}", times.empty() ? path : times,

@@ -80,6 +80,16 @@ void save(bool force, const std::function<void(Outputs& outputs)>& write) {
   });
 }
 
+py::array array_of(const py::object& values, const std::string& name) {
+  if (py::module_::import("numpy").attr("ma").attr("is_masked")(values).cast<bool>())
+    throw Error(ErrorKind::data, "{}: has masked values. Replace them, as in filled(numpy.nan)",
+                name);
+  py::array array(values);
+  if (array.dtype().kind() == 'O')
+    throw Error(ErrorKind::data, "{}: is not an array of numbers (its type is object)", name);
+  return array;
+}
+
 std::shared_ptr<const NpyArray> view_of(py::array array, const std::string& name) {
   const bool is_fortran = (array.flags() & (py::array::c_style | py::array::f_style)) ==
                           py::array::f_style;  // a vector is in both orders
@@ -108,7 +118,7 @@ std::vector<NamedArgument> arguments_of(const Sources& sources, const std::strin
       throw Error(ErrorKind::usage, "frames are missing: pass images or descriptors");
     const std::string number = sources.size() > 1 ? std::to_string(arguments.size()) : "";
     const std::string name = given.empty() ? array_name + number : given;
-    arguments.push_back({.path = name, .range = {}, .array = view_of(array, name)});
+    arguments.push_back({.path = name, .range = {}, .array = view_of(array_of(array, name), name)});
   }
   const std::vector<std::string> names = sequence_names(arguments);
   std::vector<NamedArgument> named;
@@ -120,7 +130,10 @@ std::vector<NamedArgument> arguments_of(const Sources& sources, const std::strin
 void set_source(ScoreInput& scores, const Source& source) {
   const auto* path = std::get_if<std::filesystem::path>(&source);
   scores.path = path == nullptr ? "scores" : path->string();
-  if (path == nullptr) scores.array = view_of(std::get<py::object>(source), scores.path);
+  if (path == nullptr) {
+    const auto& values = std::get<py::object>(source);
+    scores.array = view_of(array_of(values, scores.path), scores.path);
+  }
 }
 
 py::object fields_of(const Json& json) {
@@ -135,6 +148,8 @@ SequenceDatabase& Database::sequences() {
 namespace {
 
 Database train(Call& call, const Sources& sources, const Sources& other) {
+  constexpr std::array kOfImages = {"descriptor", "illumination_invariant"};
+  constexpr std::array kOfArrays = {"metric", "value_bits"};
   std::vector<NamedArgument> named = arguments_of(sources, "train");
   std::vector<SequenceArgument> pretrain;
   for (const NamedArgument& one : arguments_of(other, "pretrain")) pretrain.push_back(one.sequence);
@@ -147,8 +162,13 @@ Database train(Call& call, const Sources& sources, const Sources& other) {
   call.run([&](const Monitor& monitor) {
     for (NamedArgument& one : named)
       one.sequence = selected(one.sequence, selection, {}, call.process.seed, monitor);
-    const SequenceSource first = open_sequence(named.at(0).sequence);
-    if (first.kind == SequenceKind::descriptors)
+    const SequenceSource first = open_sequence(named.front().sequence);
+    const bool has_arrays = first.kind == SequenceKind::descriptors;
+    for (const char* key : has_arrays ? kOfImages : kOfArrays)
+      if (call.keywords.contains(key))
+        throw Error(ErrorKind::usage, "{} has no effect on {}. Omit it", key,
+                    has_arrays ? "descriptors" : "images");
+    if (has_arrays)
       settings.descriptor_kind = imported_kind(ArrayRows(first).type().starts_with('|'), import);
     if (pretrain.empty())
       made.content = train_sequences(named, settings, monitor);

@@ -178,7 +178,8 @@ py::object array_named(const StoredResult& result, const std::string& name) {
 std::shared_ptr<const cv::Mat> picture_of(const py::object& frame) {
   const auto pixels = py::array_t<uint8_t, py::array::c_style>::ensure(frame);
   const bool is_color = pixels && pixels.ndim() == 3 && pixels.shape(2) == 3;
-  if (!is_color && !(pixels && pixels.ndim() == 2))
+  const bool is_image = pixels && pixels.size() > 0 && (is_color || pixels.ndim() == 2);
+  if (!is_image || array_of(frame, "frame").dtype().kind() == 'b')
     throw Error(ErrorKind::data,
                 "an image has height x width gray levels, or height x width x 3 values (blue, "
                 "green, red), of type uint8");
@@ -208,7 +209,7 @@ struct Live {
       if (name.empty()) image.name = path->filename().string();
     } else if (const auto& values = std::get<py::object>(frame); !values.is_none()) {
       if (by.inputs.database->descriptors.kind->is_imported)
-        image.array = view_of(py::array(values).attr("reshape")(1, -1), name);
+        image.array = view_of(array_of(values, "frame").attr("reshape")(1, -1), name);
       else
         image.picture = picture_of(values);
     }

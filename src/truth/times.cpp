@@ -71,7 +71,9 @@ std::string text_of(const SequenceArgument& argument) {
 size_t count_frames(const SequenceSource& sequence) {
   if (!sequence.is_one_array()) return sequence.files.size();
   SequenceArgument argument = sequence.argument;
-  argument.range.last = argument.range.last.value_or(NpyArray(argument.path).shape().at(0));
+  const auto array =
+      argument.array ? argument.array : std::make_shared<const NpyArray>(argument.path);
+  argument.range.last = argument.range.last.value_or(array->shape().at(0));
   return frame_count(argument.range).value_or(0);
 }
 

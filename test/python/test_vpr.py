@@ -260,6 +260,12 @@ def test_ground_truths_may_be_arrays(walks):
     assert vpr.evaluate(result, np.eye(200, dtype=bool)).counts == aligned
     positions = np.column_stack([1.5 * frames, np.zeros(200)])
     assert vpr.evaluate(result, positions, reference=positions.copy(), radius_m=1).counts == aligned
+    pandas = pytest.importorskip("pandas")
+    named = pandas.DataFrame({"reference": frames[:150], "query": frames[:150] + 50})
+    swapped = vpr.evaluate(result, named).counts
+    assert swapped == vpr.evaluate(result, np.column_stack([frames[50:], frames[:150]])).counts
+    table = pandas.DataFrame({"y": 1.5 * frames, "x": 0})
+    assert vpr.evaluate(result, table, reference=table, radius_m=1).counts == aligned
     unjudged = vpr.evaluate(result)
     assert unjudged.judged == "nothing"
     with pytest.raises(vpr.DataError, match="^ground_truth.csv, line 2: query 200 is out of range"):
@@ -306,8 +312,17 @@ def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
         assert live.add(pixels, name=path.name) == line
     assert live.add(None)["readable"] is False
     assert live.finish() is None
-    with pytest.raises(vpr.DataError, match="an image has"):
-        live.add(np.zeros((4, 4, 2), np.uint8))
+    for other in (np.zeros((4, 4, 2), np.uint8), np.zeros((0, 4), np.uint8), np.zeros((4, 4), bool)):
+        with pytest.raises(vpr.DataError, match="an image has"):
+            live.add(other)
+
+
+def test_bits_have_loops_and_arrays_are_selected(walks):
+    bits = np.load(walks / "monday_bits.npy")
+    loops = vpr.loops(descriptors=np.concatenate([bits, bits]), loop_gap=100, c_l=5)
+    assert loops.best[-1]["train"] == 195
+    half = vpr.query(vpr.train(descriptors=bits), descriptors=bits.copy(), fps=2, recorded_fps=4)
+    assert len(half.json.query) and half.json.query.frames == 100
 
 
 def test_live_descriptors_are_matched_as_in_a_query(walks):
@@ -321,12 +336,31 @@ def test_live_descriptors_are_matched_as_in_a_query(walks):
     assert live.add(None)["readable"] is False
 
 
+def masked():
+    return np.ma.masked_greater(np.eye(64), 0)
+
+
 @pytest.mark.parametrize("call, kind", [
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_L=5), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l=0), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l="a"), "UsageError"),
     (lambda db, walks: vpr.query(db), "UsageError"),
     (lambda db, walks: vpr.train(), "UsageError"),
+    (lambda db, walks: vpr.train([]), "UsageError"),
+    (lambda db, walks: vpr.train(descriptors={}), "UsageError"),
+    (lambda db, walks: vpr.train([np.zeros((64, 96), np.uint8)] * 3), "UsageError"),
+    (lambda db, walks: vpr.train(walks / "monday", metric="l2"), "UsageError"),
+    (lambda db, walks: vpr.train(descriptors=np.eye(64), descriptor="hog"), "UsageError"),
+    (lambda db, walks: vpr.query(db, "x", descriptors=np.eye(64)), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=np.eye(64), c_l=5, t_r=np.nan), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), None), "UsageError"),
+    (lambda db, walks: vpr.loops(descriptors=np.eye(64), loop_gap_s=9, c_l=5), "UsageError"),
+    (lambda db, walks: db.save(""), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=masked()), "DataError"),
+    (lambda db, walks: vpr.evaluate_scores(masked(), "aligned"), "DataError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(64), masked()), "DataError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(64), zip([0], [0])), "DataError"),
+    (lambda db, walks: vpr.query(db, descriptors=(row for row in np.eye(64))), "DataError"),
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", frame_times="x"),
      "UsageError"),
     (lambda db, walks: vpr.loops(walks / "tuesday", loop_gap=9, fuse="x"), "UsageError"),
@@ -382,6 +416,15 @@ def test_progress_is_reported_and_may_stop_the_work(walks):
         raise RuntimeError(step)
     with pytest.raises(RuntimeError):
         vpr.query(db, descriptors=bits, c_l=10, t_r=0.1, progress=refuse)
+
+
+def test_arguments_of_other_types_are_errors(walks):
+    db = vpr.train(descriptors=walks / "monday.npy")
+    for call in (lambda: vpr.query(None, descriptors=walks / "tuesday.npy"), lambda: vpr.Live("db"),
+                 lambda: vpr.distances(None, "x"), lambda: vpr.loops("x", db="db", loop_gap=9),
+                 lambda: vpr.evaluate(db, "aligned")):
+        with pytest.raises(TypeError, match="expected a vpr"):
+            call()
 
 
 def test_other_threads_run_and_interrupts_stop_the_work():

@@ -18,7 +18,7 @@ import html as _html
 import json as _json
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -77,18 +77,41 @@ def _read(text: str) -> Any:
 
 
 def _call(function: str, settings: Mapping[str, object], progress: Progress = None) -> Any:
-    def plain(value: object) -> object:
-        is_array = isinstance(value, (np.generic, np.ndarray))
-        return value.tolist() if is_array else os.fspath(value)  # type: ignore
+    def plain(value: Any) -> object:
+        if isinstance(value, (np.generic, np.ndarray)):
+            return value.tolist()
+        return list(value) if isinstance(value, Iterable) else os.fspath(value)
     given = {key: value for key, value in settings.items() if value is not None}
-    return _vpr.Call("vpr." + function, _json.dumps(given, default=plain), progress)
+    try:
+        return _vpr.Call("vpr." + function, _json.dumps(given, default=plain, allow_nan=False),
+                         progress)
+    except ValueError:
+        raise UsageError(f"vpr.{function}: a setting is not a finite number") from None
+
+
+def _opened(value: Any, kind: type) -> Any:
+    if not isinstance(value, kind):
+        raise TypeError(f"expected a vpr.{kind.__name__}, as from vpr.load, found {value!r:.60}")
+    return value
 
 
 def _sources(value: Any) -> list[tuple[str, Any]]:
     """The names, as far as there are any, and sources of one sequence, a list or a mapping."""
     if isinstance(value, Mapping):
-        return list(value.items())
-    return [("", item) for item in (value if isinstance(value, (list, tuple)) else [value])]
+        return [(str(name), item) for name, item in value.items()] or [("", None)]
+    many = value if isinstance(value, (list, tuple)) else [value]
+    return [("", item) for item in many] or [("", None)]
+
+
+def _frames(images: Any, descriptors: Any) -> Any:
+    """The only one of the two, in which images are paths."""
+    if images is not None and descriptors is not None:
+        raise UsageError("there are images and descriptors. Pass one of them")
+    for _, image in _sources(images):
+        if not isinstance(image, (str, bytes, os.PathLike, type(None))):
+            raise UsageError("images are paths of folders, lists or videos. Pass arrays as "
+                             "descriptors")
+    return images if descriptors is None else descriptors
 
 
 class Report(Fields):
@@ -133,7 +156,7 @@ class Live:
     """
 
     def __init__(self, db: Database, **settings: object) -> None:
-        self._live = _vpr.Live(_call("Live", settings), db)
+        self._live = _vpr.Live(_call("Live", settings), _opened(db, Database))
 
     def add(self, frame: Source, name: str = "") -> Fields:
         """Matches the next frame: an image file; an image (uint8), height x width gray levels or
@@ -163,13 +186,14 @@ def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
     (['train'], dtype('int16'), (200, 64))
     """
     return _vpr.train(_call("train", settings, progress),
-                      _sources(images if descriptors is None else descriptors),
+                      _sources(_frames(images, descriptors)),
                       [] if pretrain is None else _sources(pretrain))
 
 
 def load(path: Path) -> Any:
     """Opens a folder of vpr-train as a Database, or a result file (.json) as a Result."""
-    load = _vpr.load_result if os.fspath(path).endswith(".json") else _vpr.load_database
+    is_result = os.path.isfile(path) or os.fspath(path).endswith(".json")
+    load = _vpr.load_result if is_result else _vpr.load_database
     return load(_call("load", {}), path)
 
 
@@ -187,8 +211,8 @@ def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = 
     >>> result.best[7], len(result.recognitions)
     ((7, 0, 7), 196)
     """
-    return _vpr.query(_call("query", settings, progress), db, name,
-                      images if descriptors is None else descriptors)
+    return _vpr.query(_call("query", settings, progress), _opened(db, Database), name,
+                      _frames(images, descriptors))
 
 
 def loops(images: Optional[Path] = None, *, descriptors: Source = None,
@@ -205,8 +229,9 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
     >>> result.recognitions[-1]
     (395, 0, 195)
     """
-    return _vpr.loops(_call("loops", settings, progress), db, name,
-                      images if descriptors is None else descriptors)
+    return _vpr.loops(_call("loops", settings, progress),
+                      db if db is None else _opened(db, Database), name,
+                      _frames(images, descriptors))
 
 
 def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
@@ -232,7 +257,18 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
         for name, value in files.items():
             if value is None or isinstance(value, (str, os.PathLike)):
                 continue
+            if np.ma.is_masked(value):
+                raise DataError(f"{name}: has masked values. Replace them")
+            named = getattr(value, "columns", ())
+            if {"query", "x", "lat", "latitude"}.intersection(named):
+                files[name] = f"{folder}/{name}.csv"
+                is_numbered = {"query", "frame", "image", "time"}.intersection(named)
+                table = value if is_numbered else value.assign(frame=range(len(value)))
+                table.to_csv(files[name], index=False)
+                continue
             array = np.asarray(value)
+            if array.dtype.kind not in "biuf":
+                raise DataError(f"{name}: is not an array of numbers, but of {array.dtype}")
             columns = ["query", "reference"]
             if has_positions:
                 array = np.column_stack([np.arange(len(array)), array])
@@ -267,7 +303,7 @@ def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress 
     >>> report.counts.recognitions.correct, report.recall_at[1]
     (196, 0.98)
     """
-    return _evaluate("evaluate", result, None, ground_truth, settings, progress)
+    return _evaluate("evaluate", _opened(result, Result), None, ground_truth, settings, progress)
 
 
 def evaluate_scores(scores: Source, ground_truth: Source, *, progress: Progress = None,
@@ -281,6 +317,8 @@ def evaluate_scores(scores: Source, ground_truth: Source, *, progress: Progress 
     >>> vpr.evaluate_scores(tuesday @ monday.T, "aligned").recall_at[1]
     1.0
     """
+    if ground_truth is None:
+        raise UsageError("there is no ground truth")
     settings.setdefault("similarity", not settings.get("distance"))
     return _evaluate("evaluate_scores", None, scores, ground_truth, settings, progress)
 
@@ -293,4 +331,4 @@ def distances(db: Database, query: Source, *, progress: Progress = None,
     >>> d.shape, d[0].argmin(), np.asarray(d).dtype
     ((200, 200), 0, dtype('uint16'))
     """
-    return _vpr.distances(_call("distances", settings, progress), db, query)
+    return _vpr.distances(_call("distances", settings, progress), _opened(db, Database), query)
