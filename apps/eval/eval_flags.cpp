@@ -131,7 +131,7 @@ void check_scores(const ScoreInputs& inputs) {
          "is for descriptors. Pass them with --query-npy");
   if (inputs.query_frames) check_range("--query-frames", *inputs.query_frames, kMaxFrames);
   if (inputs.train_frames) check_range("--train-frames", *inputs.train_frames, kMaxFrames);
-  refuse(inputs.train_frames && !inputs.is_list(), "--train-frames", "is for lists of numbers");
+  refuse(inputs.train_frames && has_descriptors, "--train-frames", "is for lists of numbers");
   check_range(kWindowFlag, inputs.window_length, kMaxWindow);
   if (inputs.speed.empty()) return;
   check_speed(inputs.speed);

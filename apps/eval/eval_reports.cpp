@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
@@ -295,6 +296,15 @@ std::string tables_of(std::span<const Report> grid, TableFormat format) {
   return text;
 }
 
+void warn_about_truths(const Monitor& monitor, const std::vector<Report>& reports) {
+  std::map<std::string, std::set<std::string>> truths;  // by query
+  for (const Report& report : reports) truths[report.query].insert(report.protocol.ground_truth);
+  for (const auto& [query, of_query] : truths)
+    if (of_query.size() > 1)
+      warn(monitor, "{}: the reports have different ground truths: {}", query,
+           fmt::join(of_query, "; "));
+}
+
 void run_report(Session& session, const ReportInputs& inputs) {
   session.claim_output();
   if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
@@ -306,6 +316,7 @@ void run_report(Session& session, const ReportInputs& inputs) {
                                 ? fs::path(inputs.folder).lexically_normal().filename().string()
                                 : read_dataset(inputs.truth.dataset).name;
   const std::vector<Report> shown = with_common_queries(grid.reports);
+  warn_about_truths(session.monitor, shown);
   if (!inputs.html.empty()) session.outputs.file(inputs.html).write(grid_page(title, shown));
   session.print_result(
       output_text(session, inputs.format, overview_texts(shown), tables_of(shown, inputs.format)),

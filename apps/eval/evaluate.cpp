@@ -86,12 +86,15 @@ ScoreMatrix open_scores(const EvalInputs& inputs) {
   for (const auto& names : train_names(inputs))
     references.insert(references.end(), names.begin(), names.end());
   if (!scores.is_list()) {
-    if (!references.empty() && is_index_array(scores.path, references.size())) {
+    const size_t train_frames =
+        references.empty() ? scores.train_frames.value_or(0) : references.size();
+    if (is_index_array(scores.path, train_frames)) {
       refuse(scores.matrix.is_similarity || scores.matrix.train_first ||
                  scores.matrix.missing.has_value(),
              scores.path, "has indices of references, without scores; omit the flags of scores");
-      return index_scores(scores.path, references.size());
+      return index_scores(scores.path, train_frames);
     }
+    refuse(scores.train_frames.has_value(), "--train-frames", "is for lists of numbers");
     require_order(scores.matrix);
     return {scores.path, scores.matrix.format()};
   }
@@ -105,8 +108,10 @@ std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const Store
                                              const EvalInputs& inputs) {
   const std::string& path = inputs.matrix;
   if (path.empty()) return std::nullopt;
-  if (stored.result.places)
-    throw Error(ErrorKind::usage, "a FAB-MAP result has no matrix. Use vpr-eval matrix SCORES");
+  if (stored.result.places || stored.result.path)
+    throw Error(ErrorKind::usage,
+                "a result of {} has no matrix of its best matches. Use vpr-eval matrix SCORES",
+                stored.result.places ? "FAB-MAP" : "the filter");
   ScoreMatrix matrix(path, {false, false, stored.result.score().missing});
   const auto saved = stored.context.files.find("matrix");
   if (saved == stored.context.files.end())

@@ -77,10 +77,14 @@ void JsonSource::refuse(const std::string& key, std::string_view expected,
 }
 
 void JsonSource::refuse_unknown(const Json& json, const std::vector<std::string>& known) const {
-  for (const auto& item : json.items())
-    if (std::ranges::find(known, item.key()) == known.end())
-      fail(fmt::format("unknown key \"{}\"; did you mean \"{}\"?", item.key(),
-                       nearest(item.key(), known)));
+  for (const auto& item : json.items()) {
+    const std::string& key = item.key();
+    if (std::ranges::find(known, key) != known.end()) continue;
+    const std::string near = nearest(key, known);
+    const bool is_typo = edit_distance(key, near) <= std::max<size_t>(1, (key.size() - 1) / 3);
+    fail(fmt::format("unknown key \"{}\"{}", key,
+                     is_typo ? fmt::format("; did you mean \"{}\"?", near) : ""));
+  }
 }
 
 Fields::Fields(const Json& json, JsonSource source, const std::string& key)

@@ -123,6 +123,8 @@ std::string read_file_start(const std::filesystem::path& path, size_t most) {
     if (got < 0 && errno != EINTR) fail(path, errno);
   }
   bytes.resize(done);
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+    throw Error(ErrorKind::input, "{}: is encoded in UTF-16. Save it as UTF-8", path.string());
   return bytes;
 }
 

@@ -262,9 +262,8 @@ std::string wrapped_command(const std::vector<std::string>& words) {
 
 std::string shortened(std::string_view text) {
   constexpr size_t kShown = 60;
-  return text.size() <= kShown
-             ? std::string(text)
-             : fmt::format("{}... ({} characters)", text.substr(0, kShown), text.size());
+  const std::string shown = printable_line(text.substr(0, kShown));
+  return text.size() <= kShown ? shown : fmt::format("{}... ({} characters)", shown, text.size());
 }
 
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural) {

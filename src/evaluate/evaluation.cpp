@@ -83,7 +83,7 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
     });
     noun = "incorrect " + noun;
   }
-  if (matches.empty()) return;
+  if (matches.size() < 2) return;
   std::optional<std::string> warning = tolerance_warning(truth, matches, noun);
   if (!warning && most_are_incorrect) warning = length_warning(evaluation, by);
   if (!warning) return;

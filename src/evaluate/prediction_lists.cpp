@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -46,6 +47,8 @@ using Fields = std::pair<std::vector<std::string>, FileLocation>;
 std::vector<Fields> read_fields(const fs::path& path) {
   const std::string text = read_whole_file(path);
   FileLocation location{path.string()};
+  if (text.find('\0') != std::string::npos)
+    location.fail("is neither a list of matches nor a .npy file. Save arrays with numpy.save");
   std::vector<Fields> all;
   bool is_csv = false;
   size_t number = 0;
@@ -76,7 +79,12 @@ bool is_number(const std::string& field) {
 // Pairs with or without a score, or one line per query: its name and its references, best first.
 std::vector<Prediction> read_list(const fs::path& path) {
   std::vector<Fields> lines = read_fields(path);
-  if (!lines.empty() && lines.front().first.front() == "query") lines.erase(lines.begin());
+  if (!lines.empty() && std::ranges::count(lines.front().first, "query") > 0) {
+    if (lines.front().first.front() != "query")
+      lines.front().second.fail(
+          "the columns are query, reference and optionally score, in this order");
+    lines.erase(lines.begin());
+  }
   const bool has_rankings = std::ranges::all_of(lines, [](const Fields& line) {
     const auto& fields = line.first;
     return fields.size() > 3 || (fields.size() == 3 && !is_number(fields[2]));
@@ -84,6 +92,8 @@ std::vector<Prediction> read_list(const fs::path& path) {
   std::vector<Prediction> all;
   for (const auto& [fields, location] : lines) {
     if (has_rankings) {
+      if (std::set<std::string_view>(fields.begin() + 1, fields.end()).size() + 1 < fields.size())
+        location.fail("a reference is listed twice. If these are scores, save them as .npy");
       for (size_t i = 1; i < fields.size(); ++i)
         all.push_back({fields[0], fields[i], std::nullopt, location});
       continue;
@@ -270,7 +280,9 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
                 name);
   if (!has_scores && kind == ScoreOrder::similarity)
     throw Error(ErrorKind::usage,
-                "{}: the list has no scores, and ranks are distances. Omit --similarity", name);
+                "{}: the list has no scores, and ranks are distances. Omit --similarity, or save a "
+                "matrix as .npy",
+                name);
   return scores_of(std::make_shared<const ScoredLists>(collect(all, queries, references, stated)),
                    kind, has_scores, files);
 }

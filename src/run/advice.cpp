@@ -13,7 +13,8 @@ namespace vpr {
 
 namespace {
 
-constexpr size_t kFewest = 4;  // one recognized frame in four is enough
+constexpr size_t kFewest = 4;     // one recognized frame in four is enough
+constexpr size_t kSlowStart = 4;  // paths of keyframes before the first decision, at most
 
 // The median speed of the recognized frames; nullopt if no speed is known.
 std::optional<double> recognized_rate(const Result& result) {
@@ -117,12 +118,17 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
   const Result forward = filtered(database, query, settings, resources, monitor);
   if (needs_advice(forward)) {
     const size_t keyframes = forward.keyframes ? forward.keyframes->query.size() : 0;
+    size_t trained = 0;  // keyframes of the longest training sequence
+    if (forward.keyframes)
+      for (const auto& of_sequence : forward.keyframes->train)
+        trained = std::max(trained, of_sequence.size());
     const uint64_t needed = settings.filter.path_keyframes;
-    if (keyframes < needed)
+    if (std::min(keyframes, trained) < needed)
       return wrapped(fmt::format(
-          "The query has {} (frames that differ clearly), and the filter needs a path of {}: "
+          "The {} has {} (frames that differ clearly), and the filter needs a path of {}: "
           "record a longer walk, or use windows (--c-l).",
-          counted(keyframes, "keyframe"), needed));
+          keyframes < needed ? "query" : "training sequence",
+          counted(std::min(keyframes, trained), "keyframe"), needed));
     const size_t frames = query.rows().size();
     if (const size_t reversed = *forward.path->reversed_frames; kFewest * reversed >= frames)
       return wrapped(fmt::format(
@@ -146,8 +152,13 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
           found(slower)));
     return wrapped(fmt::format(
         "At 0.5 to 2 times the trained speed, {} are recognized, and no more in the "
-        "opposite direction, or with every third frame of either side: {} may show another place.",
-        found(forward), forward.recognitions.empty() ? "the query" : "the others"));
+        "opposite direction, or with every third frame of either side: {} may show another "
+        "place{}.",
+        found(forward), forward.recognitions.empty() ? "the query" : "the others",
+        keyframes < kSlowStart * needed
+            ? fmt::format(", or its {} keyframes are too few for a decision, which needs up to {}",
+                          keyframes, kSlowStart * needed)
+            : ""));
   }
   const auto rate = recognized_rate(forward);
   const bool is_same_speed = !rate || (*rate <= kSameSpeed && *rate >= 1 / kSameSpeed);

@@ -163,11 +163,10 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
   if (settings.decision == Decision::threshold)
     return plan_thresholds(plan, database, settings, monitor);
   plan_margins(plan, database, settings.margin, monitor);
-  if (plan.match.method->has_paths)
-    plan.decision = ByPath{
-        static_cast<uint32_t>(std::ceil(*settings.margin / plan.result.score().frame_value(1, 1)))};
-  else
-    plan.decision = ByMargin{};
+  plan.decision = ByMargin{};
+  if (!plan.match.method->has_paths) return;
+  const double units = std::ceil(*settings.margin / plan.result.score().frame_value(1, 1));
+  plan.decision = ByPath{static_cast<uint32_t>(std::max(units, 1.0))};  // 0: no margin yet
 }
 
 // The plan without windows, sequences and limits. `query`: described like the database.

@@ -134,7 +134,8 @@ bool is_array(const fs::path& path) { return has_extension(path, kArrayExtension
 std::vector<std::string> read_list(const fs::path& list) {
   std::vector<std::string> names;
   const std::string file = read_whole_file(list);
-  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
+  for (std::string_view line : split_lines(without_byte_order_mark(file))) {
+    line = line.substr(0, line.find_last_not_of(" \t") + 1);
     if (line.empty() || line.starts_with('#')) continue;
     if (line.find('\0') != std::string_view::npos)
       throw Error(ErrorKind::input, "{}: is not a text file with one image path per line",
@@ -401,8 +402,7 @@ std::optional<size_t> FrameNames::find(std::string_view path) const {
   size_t most = 0;
   bool is_tied = false;
   for (const size_t i : found->second) {
-    if (names_[i] == path) return i;
-    const size_t shared = shared_components(names_[i], path);
+    const size_t shared = names_[i] == path ? path.size() + 1 : shared_components(names_[i], path);
     is_tied = shared == most || (shared < most && is_tied);
     if (shared <= most) continue;
     most = shared;

@@ -29,6 +29,17 @@ TEST_CASE("a benchmark writes JSON, tables and plots") {
   CHECK(run(kSmall + "-o b.json").exit_code == 2);
 }
 
+TEST_CASE("features of a frame count in frames per second, and images may be given") {
+  const Json fabmap = printed_json(
+      "vpr-bench fabmap --places 10 --words 30 --words-per-frame 9 --count 0 --frame-ms 500 "
+      "--variants fabmap2 --seconds 0.001 --json");
+  CHECK(fabmap["rows"][1]["values"]["fps"].get<double>() == Approx(2).margin(0.1));
+  write_walk("walk", 3, 0);
+  const Json describe =
+      printed_json("vpr-bench describe --images walk --features orb --seconds 0.001 --json");
+  CHECK(describe["rows"].back()["parameters"]["files"] == 3);
+}
+
 TEST_CASE("a comparison exits with 5 if the new run is slower") {
   run_ok(kSmall + "-o a.json --quiet");
   Json json = file_json("a.json");

@@ -102,11 +102,13 @@ TEST_CASE("frames without features keep their index and are counted, with a warn
 
 TEST_CASE(
     "a query without recognitions states the highest probability, but suggests no smaller t_p") {
-  const auto nothing = run_ok("vpr-query $fabmap --query $back --t-p 0.9999 --speed 0.5");
+  const std::string words = "vpr-query $fabmap --query $back --t-p 0.9999 --speed 0.5";
+  const auto nothing = run_ok(words);
   INFO(nothing.out);
   CHECK(has(nothing.out, "back, at speed 0.5"));
   CHECK(has(nothing.out, "no probability is above t_p 0.9999. The highest is 0."));
   CHECK_FALSE(has(nothing.out, "--t-p"));
+  CHECK(run_ok(words + " --new-place-samples 2").out != nothing.out);  // of fewer frames
 }
 
 TEST_CASE("an undecodable frame never matches, as a view or in a loop") {

@@ -50,6 +50,13 @@ def columns_of_poses():
     assert (loops()["correct"], loops()["incorrect"]) == (2, 1)
     assert (loops("--angle", 45)["correct"], loops("--angle", 45)["incorrect"]) == (1, 2)
     assert loops("--ignore-radius", 4)["ignored"] == 1
+    # Poses without times of their own, and frames of loops that are times.
+    write("line.kitti", "".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(6)))
+    write("line.times", "".join(f"{10 * i}\n" for i in range(6)))
+    write("times.csv", "query,match\n50,10\n20,10\n")
+    timed = printed_json("vpr-eval", "loops", "times.csv", "--poses", "line.kitti", "--pose-times", "line.times",
+                         "--frames-by", "time", "--radius", 2.5, "--gap", "5s")["loops"]
+    assert (timed["correct"], timed["incorrect"]) == (1, 1)
 
 
 def headers():
@@ -61,6 +68,9 @@ def headers():
     run("vpr-eval", "check", write("long.csv", "query,reference\n0,0\n"))
     refused(4, "... (5000 characters)", "vpr-eval", "check", write("long.csv", "query,reference\n" + "9" * 5000 + ",0\n"),
             "--query-frames", 5, "--train-frames", 5)
+    (folder / "wide.csv").write_bytes("query,reference\n0,0\n".encode("utf-16"))
+    refused(3, "wide.csv: is encoded in UTF-16", "vpr-eval", "check", "wide.csv")
+    refused(4, 'query "\\x001"', "vpr-eval", "check", write("nul.csv", "query,reference\n\x001,0\n"))
 
 
 def images(name, seed, count=40, shift=0, size=(96, 72), start=0):
@@ -84,14 +94,37 @@ def recordings():
     assert said(*query, "again", "-o", "again.json") == ""
     assert "images are 72 x 96, those of walk are 96 x 72" in said(*query, "tall")
     short = " ".join(run(*query, "tall@0:8").split())
-    assert "keyframe" in short and "needs a path of 16" in short, short
+    assert "The query has" in short and "needs a path of 16" in short, short
+    run("vpr-train", "fastable", "--train", "walk@0:8", "-o", "eight.vprdb", "--quiet")
+    assert "The training sequence has" in run("vpr-query", "eight.vprdb", "--query", "again")
+    assert "too few for a decision" in " ".join(run(*query, "tall@0:30").split())
+    assert "Recognized none" not in run(*query, "again", "--margin", 0)
     # Digits that are names: 000005.png is frame 4.
     truth = ("again.json", "--ground-truth")
+    refused(2, "the filter has no matrix of its best matches", "vpr-eval", *truth, "aligned", "--matrix", "m.npy")
     rows = "query,reference\n" + "".join(f"{i:06d},{i:06d}\n" for i in range(1, 41))
     by_name = printed_json("vpr-eval", *truth, write("names.csv", rows))
     numbers = "query,reference\n" + "".join(f"{i},{i}\n" for i in range(40))
     by_number = printed_json("vpr-eval", *truth, write("numbers.csv", numbers))
     assert by_name["provenance"]["ground_truth"] == by_number["provenance"]["ground_truth"]
+    # Lists with blanks at the ends of lines, and a frame that is listed twice.
+    run(*query, write("blanks.txt", "".join(f"walk/{i:06d}.png \n" for i in range(1, 41))))
+    write("twice.txt", "walk/000001.png\n" * 2)
+    refused(4, "name of exactly one of 2 frames", "vpr-eval", "check", write("name.csv", "query,reference\nwalk/000001.png,0\n"),
+            "--query", "twice.txt", "--train", "walk")
+    # Fixes of images, pairs to ignore, and reports that do not belong into one table.
+    write("fix.csv", "image,lat,lon\n000001.png,52,13\n000040.png,53,13\n")
+    assert same_pairs("fix.csv", "--ground-truth-train", "fix.csv", "--radius", 2, "--query-images", "walk", "--train-images",
+                      "walk") == 2
+    np.save(folder / "same.npy", np.eye(40))
+    np.save(folder / "soft.npy", np.eye(40) + np.eye(40, k=1))
+    soft = printed_json("vpr-eval", *truth, "same.npy", "--soft", "soft.npy", "--stretch", 10)
+    assert soft["metrics"]["recall_achievement"]["stretches"] == 4
+    assert soft["provenance"]["ground_truth"] != printed_json("vpr-eval", *truth, "same.npy")["provenance"]["ground_truth"]
+    (folder / "mixed").mkdir()
+    for name in ("same.npy", "numbers.csv"):
+        run("vpr-eval", *truth, name, "--name", name, "-o", f"mixed/{name}.json")
+    assert "again: the reports have different ground truths" in said("vpr-eval", "report", "mixed")
     # 16-bit gray in a narrow range, and frames that look alike.
     for name, low in (("thermal", 27000), ("dark", None)):
         (folder / name).mkdir()
@@ -141,7 +174,13 @@ def lists():
                               "gt.csv")["metrics"]["recall_at"]
         assert np.allclose((recall["1"], recall["5"]), expected) and recall["10"] is None, (name, recall)
     stated = ("--query-frames", 20, "--train-frames", 30, "--ground-truth", "gt.csv")
-    run("vpr-eval", "matrix", "numbers.txt", *stated)
+    for name in ("numbers.txt", "top5.npy"):
+        run("vpr-eval", "matrix", name, *stated)
+    np.savez(folder / "scores.npz", scores)
+    np.savetxt(folder / "grid.csv", 9 * scores, "%d", ",")
+    for part, name in {"neither a list of matches nor": "scores.npz", "a reference is listed twice": "grid.csv",
+                       "in this order": write("order.csv", "reference,query\n3,0\n")}.items():
+        refused(4, part, "vpr-eval", "matrix", name, *stated)
     # Names with blanks, written and read.
     (folder / "spaces").mkdir()
     for i, path in enumerate(sorted((folder / "walk").iterdir())):
@@ -157,6 +196,13 @@ def flags_without_effect():
         train = ("vpr-train", "fastable", "--train", "walk", flag, value, "-o", "one.vprdb", "--force")
         assert f"{flag} has no effect yet" in said(*train)
     assert "--order has no effect" in said("vpr-eval", "check", "numbers.csv", "--order", "name")
+
+
+def loops_of_arrays():
+    np.save(folder / "bits.npy", np.random.default_rng(1).random((40, 64)) > 0.5)
+    loops = ("vpr-query", "loops", "--query-npy", "bits.npy", "--c-l", 2, "--gap")
+    assert "40 frames of bits" in run(*loops, 9)
+    refused(2, "bits.npy: the rows have no times", *loops, "9s")
 
 
 def shrinking_array():
@@ -181,4 +227,5 @@ recordings()
 utm_names()
 lists()
 flags_without_effect()
+loops_of_arrays()
 shrinking_array()

@@ -74,6 +74,7 @@ TEST_CASE("the choice has the frames of vpr-query and vpr-eval with the printed 
     if (one["incorrect"] == 0) CHECK(one["correct"] <= chosen["correct"]);
   CHECK(tuning["settings"] == chosen["settings"]);
   check_screen(run_ok(kTrial).out);
+  CHECK(printed_json(kTrial + "--max-incorrect 7 --json")["max_incorrect"] == 7);
 }
 
 TEST_CASE("the choice is a configuration") {

@@ -86,6 +86,6 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
         "At 0.5 to 2 times the trained speed, 0 of 100 frames are recognized, and no more\nin "
         "the opposite direction, or with every third frame of either side: the query\nmay show "
-        "another place.");
+        "another place, or its 28 keyframes are too few for a decision, which\nneeds up to 64.");
   CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
 }
