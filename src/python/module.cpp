@@ -85,8 +85,9 @@ py::array array_of(const py::object& values, const std::string& name) {
     throw Error(ErrorKind::data, "{}: has masked values. Replace them, as in filled(numpy.nan)",
                 name);
   py::array array(values);
-  if (array.dtype().kind() == 'O')
-    throw Error(ErrorKind::data, "{}: is not an array of numbers (its type is object)", name);
+  if (std::string_view("biuf").find(array.dtype().kind()) == std::string_view::npos)
+    throw Error(ErrorKind::data, "{}: is not an array of numbers, but of {}", name,
+                std::string(py::str(array.dtype())));
   return array;
 }
 
@@ -217,6 +218,7 @@ void add_databases(py::module_& module) {
           "descriptors", descriptors_of,
           "Stored descriptors, one row per frame of all sequences, as a read-only view: bits (8 "
           "per\nvalue) and images are uint8, vectors int16 or int8. Not for FAB-MAP.");
+  module.def("array_of", array_of);
   module.def("train", train);
   module.def("load_database", [](const Call& call, const std::filesystem::path& path) {
     Database database{{}, path.string()};

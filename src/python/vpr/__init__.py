@@ -257,8 +257,6 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
         for name, value in files.items():
             if value is None or isinstance(value, (str, os.PathLike)):
                 continue
-            if np.ma.is_masked(value):
-                raise DataError(f"{name}: has masked values. Replace them")
             named = getattr(value, "columns", ())
             if {"query", "x", "lat", "latitude"}.intersection(named):
                 files[name] = f"{folder}/{name}.csv"
@@ -266,9 +264,7 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
                 table = value if is_numbered else value.assign(frame=range(len(value)))
                 table.to_csv(files[name], index=False)
                 continue
-            array = np.asarray(value)
-            if array.dtype.kind not in "biuf":
-                raise DataError(f"{name}: is not an array of numbers, but of {array.dtype}")
+            array = _vpr.array_of(value, name)
             columns = ["query", "reference"]
             if has_positions:
                 array = np.column_stack([np.arange(len(array)), array])
