@@ -126,11 +126,8 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
 std::string tables_of(const ComparisonReport& comparison, TableFormat format) {
   if (format == TableFormat::csv) return render_table(comparison_rows(comparison), format);
   if (format == TableFormat::latex) return render_table(short_table(comparison), format);
-  std::string text = render_table(paper_table(comparison), format) + "\n" +
-                     render_table(comparison_table(comparison), format);
-  const Table paired = paired_table(comparison);
-  if (!paired.rows.empty()) text += "\n" + render_table(paired, format);
-  return text;
+  return render_table(paper_table(comparison), format) + "\n" +
+         render_table(comparison_table(comparison), format);
 }
 
 ComparisonSettings settings_of(const Session& session, const CompareInputs& inputs,

@@ -78,20 +78,6 @@ std::vector<MetricAt> compared_metrics(bool has_ranks) {
   return all;
 }
 
-PairedCounts count_pairs(const Outcomes& first, const Outcomes& method) {
-  PairedCounts counts;
-  for (size_t q = 0; q < method.queries.size(); ++q) {
-    if (!method.queries[q].has_match) continue;
-    const bool here = method.queries[q].verdict == Verdict::correct;
-    const bool there = first.queries[q].verdict == Verdict::correct;
-    ++(here && there ? counts.both_correct
-       : here        ? counts.only_this
-       : there       ? counts.only_first
-                     : counts.neither);
-  }
-  return counts;
-}
-
 /// Differences from the first method, by method, metric and resample.
 using Differences = std::vector<std::vector<std::vector<double>>>;
 
@@ -127,9 +113,6 @@ Comparison compare_outcomes(std::span<const NamedOutcomes> methods,
     throw Error(ErrorKind::data, "the reports have no query frame in common");
   comparison.block = std::clamp<size_t>(settings.block, 1, comparison.frames.size());
   comparison.with_match = frames_with_match(compared.front());
-  for (size_t m = 0; m < methods.size(); ++m)
-    comparison.paired.push_back(methods[m].is_paired ? count_pairs(compared.front(), compared[m])
-                                                     : PairedCounts{});
   for (Outcomes& method : compared)  // each resample then sorts what is sorted
     std::ranges::stable_sort(method.queries, {}, [&](const QueryOutcome& query) {
       return confidence_key(query, method.confidence);

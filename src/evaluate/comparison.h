@@ -30,21 +30,12 @@ struct ComparedValue {
   std::optional<Interval> interval;  ///< 95 %, of the difference
 };
 
-/// Best matches of a method and of the first method, over compared frames with a match.
-struct PairedCounts {
-  uint64_t both_correct = 0;
-  uint64_t only_this = 0;
-  uint64_t only_first = 0;
-  uint64_t neither = 0;
-};
-
 struct Comparison {
   std::vector<size_t> frames;  ///< query frames of paired methods that are compared
   size_t with_match = 0;       ///< of these
   size_t disputed = 0;         ///< omitted: the ground truths disagree on whether there is a match
   size_t block = 0;
   std::vector<ComparedValue> values;  ///< by metric, then method
-  std::vector<PairedCounts> paired;   ///< per method; zeros for an unpaired one
 };
 
 struct ComparisonSettings {

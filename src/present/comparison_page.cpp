@@ -129,9 +129,7 @@ std::string comparison_page(const ComparisonReport& comparison) {
   made.update(json["provenance"]);
   std::string numbers = table_html(paper_table(comparison));
   const Table differences = difference_table(comparison);
-  if (!differences.rows.empty())
-    numbers += table_html(differences) +
-               folded_html("Best matches by method", table_html(paired_table(comparison)));
+  if (!differences.rows.empty()) numbers += table_html(differences);
   return sections_page(title_of(comparison), sentence_of(comparison),
                        "Ground truth: " + comparison.reports.front().protocol.ground_truth,
                        section_html("Paths and curves", methods_html(comparison.reports)) +

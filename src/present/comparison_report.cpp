@@ -217,16 +217,6 @@ Json comparison_json(const ComparisonReport& comparison) {
                                {"low", or_null(low)},
                                {"high", or_null(high)}});
   }
-  json["paired"] = Json::array();
-  for (size_t r = 1; r < comparison.reports.size(); ++r) {
-    if (!comparison.is_paired(r)) continue;
-    const PairedCounts& counts = found.paired[r];
-    json["paired"].push_back({{"report", comparison.reports[r].row_name},
-                              {"both_correct", counts.both_correct},
-                              {"only_this", counts.only_this},
-                              {"only_first", counts.only_first},
-                              {"neither", counts.neither}});
-  }
   json["protocol"] = {
       {"frames",
        comparison.settings.only_common
@@ -337,19 +327,6 @@ Table comparison_table(const ComparisonReport& comparison) {
     for (const Value& number : differences(value))
       row.push_back(number ? fmt::format("{:+.4f}", *number) : "-");
     row.push_back(verdict_of(value));
-  }
-  return table;
-}
-
-Table paired_table(const ComparisonReport& comparison) {
-  Table table;
-  table.title = fmt::format("Best matches compared with {}", comparison.reports.front().row_name);
-  table.columns = {"of", "both correct", "only this", "only the first", "neither"};
-  for (size_t r = 1; r < comparison.reports.size(); ++r) {
-    if (!comparison.is_paired(r)) continue;
-    const PairedCounts& counts = comparison.found.paired[r];
-    add_row(table, comparison.reports[r].row_name, counts.both_correct, counts.only_this,
-            counts.only_first, counts.neither);
   }
   return table;
 }

@@ -66,8 +66,6 @@ std::string comparison_text(const ComparisonReport& comparison);
 
 /// Differences to the first report with their intervals: a row per metric and report.
 Table comparison_table(const ComparisonReport& comparison);
-/// Counts of correct best matches by report, for reports that are paired with the first.
-Table paired_table(const ComparisonReport& comparison);
 
 /// A row per report and metric for data frames, in full precision; unknown values are empty.
 Table comparison_rows(const ComparisonReport& comparison);

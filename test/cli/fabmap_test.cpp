@@ -203,8 +203,11 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   CHECK(all["frames"]["compared"] == frames);
   CHECK(all["frames"]["with_match"] == frames);
   CHECK(all["frames"]["disputed"] == 0);
-  // A sequence against itself: both methods have every frame correct at which a window ends.
-  CHECK(all["paired"][0]["both_correct"] == frames - 3);
+  // A sequence against itself: FAB-MAP has every frame correct, windows those at which one ends.
+  CHECK(all["metrics"][0]["value"] == 1);
+  CHECK(all["metrics"][1]["metric"] == "recall_at_1");
+  CHECK(all["metrics"][1]["value"].get<double>() ==
+        Approx(static_cast<double>(frames - 3) / static_cast<double>(frames)));
   const Json fewer = compare(5);
   CHECK(fewer["frames"]["compared"] == frames - 5);
   CHECK(fewer["frames"]["disputed"] == 5);

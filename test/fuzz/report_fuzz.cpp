@@ -24,7 +24,6 @@ void compare(std::vector<Report> reports) {
       compare_reports(comparison, {});
       comparison_json(comparison);
       render_table(comparison_table(comparison), TableFormat::text);
-      render_table(paired_table(comparison), TableFormat::text);
       render_table(paper_table(comparison), TableFormat::latex);
       render_table(comparison_rows(comparison), TableFormat::csv);
       comparison_page(comparison);
