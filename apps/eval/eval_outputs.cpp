@@ -72,8 +72,7 @@ FrameTimes times_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   }
   FrameTimes times{{}, !times_ns.empty() || frames_per_second};
   for (size_t frame = 0; frame < query.frames; ++frame) {
-    const size_t source =
-        is_recorded && !query.selection.is_all() ? query.selection.sources[frame] : frame;
+    const size_t source = is_recorded ? query.selection.source_of(frame) : frame;
     times.texts.push_back(
         times_ns.empty()
             ? fmt::format("{:.6f}", static_cast<double>(source) / frames_per_second.value_or(1))

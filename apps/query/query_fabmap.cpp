@@ -125,10 +125,8 @@ std::string explain(size_t frame, std::span<const double> posterior, const Query
   if (!query.images || output.empty() || explanation.places.empty()) return text;
   std::map<size_t, SequenceArgument> images = images_by_group(options, searched);
   if (settings.loop) images[searched.groups.size() - 1] = *query.images;
-  const Selection& selection = query.words.sequence.selection;
-  draw_explanation(explanation, *query.images,
-                   selection.is_all() ? frame : selection.sources[frame], searched, images,
-                   session);
+  draw_explanation(explanation, *query.images, query.words.sequence.selection.source_of(frame),
+                   searched, images, session);
   return text + fmt::format("Drawn in {}\n", companion_path(output, "explain.png").string());
 }
 

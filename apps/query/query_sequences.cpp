@@ -70,7 +70,7 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
   }
   if (saved.pixels)
     session.outputs.file(path).write(
-        chart_png({result_matrix_chart(result, *saved.pixels, nullptr, session.monitor)}));
+        chart_png({result_matrix_chart(result, *saved.pixels, session.monitor)}));
 }
 
 std::string summary(const QueryRun& run, const Session& session) {

@@ -37,8 +37,7 @@ std::vector<NamedArgument> group_arguments(const TrainOptions& options,
 void claim_database(const Session& session);
 
 /// Writes a database to --output and prints its contents.
-void store_database(const Session& session, const SequenceDatabase& database);
-void store_database(const Session& session, const FabmapDatabase& database);
+void store_database(const Session& session, const AnyDatabase& database);
 
 /// vpr-train descriptors, vpr-train export and vpr-train fabmap.
 void add_descriptors(Program& program);

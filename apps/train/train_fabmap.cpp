@@ -1,7 +1,6 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of all views.
 
 #include "base/error.h"
-#include "present/database_report.h"
 #include "sequence/sequence_source.h"
 #include "train.h"
 #include "words/word_training.h"
@@ -78,12 +77,6 @@ std::vector<NamedArgument> group_arguments(const TrainOptions& options,
   if (groups.empty() || has_sequences(options))
     for (const NamedArgument& named : named_arguments(options, taken)) groups.push_back(named);
   return groups;
-}
-
-void store_database(const Session& session, const FabmapDatabase& database) {
-  write_fabmap_database(session.options.output, database, session.outputs);
-  session.print_result(database_text(database, session.options.output),
-                       database_json(database, session.run));
 }
 
 void add_place_option(const Command& command, std::vector<std::string>& places) {

@@ -10,6 +10,14 @@
 namespace vpr {
 namespace {
 
+void print_database(const Session& session, const AnyDatabase& database, const std::string& path,
+                    const std::string& note = "") {
+  const auto print = [&](const auto& one) {
+    session.print_result(database_text(one, path) + note, database_json(one, session.run));
+  };
+  std::visit(print, database);
+}
+
 // The sequences with their rates and selections.
 std::vector<NamedArgument> selected_arguments(const TrainOptions& options, const Session& session,
                                               const std::vector<std::string>& taken = {}) {
@@ -66,16 +74,11 @@ void add_fastable(Program& program) {
 
 void add_info(Program& program) {
   const auto path = std::make_shared<std::string>();
-  const Command command =
-      program.add_command("info", "List a database and verify its checksums.",
-                          "  vpr-train info corridor.vprdb", [path](Session& session) {
-                            const std::string verified = "All checksums are right.\n";
-                            const auto print = [&](const auto& database) {
-                              session.print_result(database_text(database, *path) + verified,
-                                                   database_json(database, session.run));
-                            };
-                            std::visit(print, read_database(*path));
-                          });
+  const Command command = program.add_command(
+      "info", "List a database and verify its checksums.", "  vpr-train info corridor.vprdb",
+      [path](Session& session) {
+        print_database(session, read_database(*path), *path, "All checksums are right.\n");
+      });
   program.add_config(command);
   command.remove_flag("--output");
   command.add_option("DB", *path, "database").required();
@@ -165,16 +168,16 @@ void claim_database(const Session& session) {
   session.outputs.claim_folder(session.options.output, is_database_folder);
 }
 
-void store_database(const Session& session, const SequenceDatabase& database) {
+void store_database(const Session& session, const AnyDatabase& database) {
+  const auto* windows = std::get_if<SequenceDatabase>(&database);
   for (const char* flag : {"--c-l", "--safety-factor"})
-    if (database.sequences.size() == 1 && session.command.is_given(flag))
+    if (windows != nullptr && windows->sequences.size() == 1 && session.command.is_given(flag))
       warn(session.monitor,
            "{} has no effect yet: it is for the automatic t_r, which needs two training sequences. "
            "vpr-train add appends another",
            flag);
-  write_sequence_database(session.options.output, database, session.outputs);
-  session.print_result(database_text(database, session.options.output),
-                       database_json(database, session.run));
+  write_database(session.options.output, database, session.outputs);
+  print_database(session, database, session.options.output);
 }
 
 }  // namespace vpr

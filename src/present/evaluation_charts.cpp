@@ -116,9 +116,8 @@ ScoreUnit threshold_unit(const Report& report, const Judgment& judgment) {
   return unit;
 }
 
-size_t accepted_as(const QueryOutcome& query) {
-  return query.verdict == Verdict::correct ? 0 : query.verdict == Verdict::incorrect ? 1 : 2;
-}
+// An index of kAccepted. The verdict of a best match is not none.
+size_t accepted_as(const QueryOutcome& query) { return static_cast<size_t>(query.verdict); }
 
 struct RankedMatch {
   double value = 0;  ///< score or margin, by the outcomes' confidence

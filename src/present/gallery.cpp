@@ -97,37 +97,21 @@ std::vector<TrainSequence> recorded_training(const ResultContext& context) {
   return {};
 }
 
-struct GalleryImages {
-  std::map<size_t, Thumbnail> query;
-  std::vector<std::map<size_t, Thumbnail>> references;  ///< by sequence
-};
-
-GalleryImages read_images(const std::vector<GalleryItem>& items, const Judgment& judgment,
-                          const FrameSources& sources, size_t strip_length,
-                          const Monitor& monitor) {
-  const GroundTruthScope& scope = judgment.layout.scope;
-  std::set<size_t> query;
-  std::vector<std::set<size_t>> references(scope.sequences.size());
+ShownFrames frames_of(const std::vector<GalleryItem>& items, const Judgment& judgment,
+                      size_t strip_length) {
+  ShownFrames shown;
+  shown.references.resize(judgment.layout.scope.sequences.size());
   const auto add = [&](std::set<size_t>& frames, size_t anchor) {
     const auto strip = strip_frames(anchor, judgment.layout.window_length, strip_length);
     frames.insert(strip.begin(), strip.end());
   };
   for (const GalleryItem& item : items) {
     const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
-    add(query, outcome.frame);
-    add(references[outcome.best->sequence], outcome.best->reference);
-    if (item.truth) add(references[item.truth->sequence], item.truth->reference);
+    add(shown.query, outcome.frame);
+    add(shown.references[outcome.best->sequence], outcome.best->reference);
+    if (item.truth) add(shown.references[item.truth->sequence], item.truth->reference);
   }
-  GalleryImages images{{}, std::vector<std::map<size_t, Thumbnail>>(references.size())};
-  if (sources.query)
-    images.query =
-        make_thumbnails(*sources.query, scope.query.selection, query, kThumbnailSide, monitor);
-  for (size_t s = 0; s < sources.references.size(); ++s)
-    if (sources.references[s])
-      images.references[s] =
-          make_thumbnails(*sources.references[s], scope.sequences[s].sequence.selection,
-                          references[s], kThumbnailSide, monitor);
-  return images;
+  return shown;
 }
 
 /// Each kind with its number of items, and of all queries from which they were chosen. The first
@@ -204,8 +188,7 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
                                             const std::set<size_t>& wanted, int side,
                                             const Monitor& monitor) {
   std::map<size_t, std::vector<size_t>> frames;  // by frame of the recording
-  for (const size_t frame : wanted)
-    frames[selection.is_all() ? frame : selection.sources[frame]].push_back(frame);
+  for (const size_t frame : wanted) frames[selection.source_of(frame)].push_back(frame);
   std::map<size_t, Thumbnail> found;
   if (frames.empty()) return found;
   std::mutex mutex;
@@ -237,6 +220,21 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
   return found;
 }
 
+FrameImages read_images(const ShownFrames& frames, const GroundTruthScope& scope,
+                        const FrameSources& sources, int side, const Monitor& monitor) {
+  FrameImages images;
+  images.references.resize(frames.references.size());
+  if (sources.query)
+    images.query =
+        make_thumbnails(*sources.query, scope.query.selection, frames.query, side, monitor);
+  for (size_t s = 0; s < sources.references.size(); ++s)
+    if (sources.references[s])
+      images.references[s] =
+          make_thumbnails(*sources.references[s], scope.sequences[s].sequence.selection,
+                          frames.references[s], side, monitor);
+  return images;
+}
+
 FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* stored) {
   FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
   if (stored == nullptr) return sources;
@@ -260,8 +258,9 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   if (items.size() > size.cards) items.resize(size.cards);
   if (!size.has_true_place)
     for (GalleryItem& item : items) item.truth.reset();
-  const GalleryImages images = read_images(items, judgment, sources, size.strip_frames, monitor);
   const ScoreLayout& layout = judgment.layout;
+  const FrameImages images = read_images(frames_of(items, judgment, size.strip_frames),
+                                         layout.scope, sources, kThumbnailSide, monitor);
   const auto frames_at = [&](size_t anchor) {
     return strip_frames(anchor, layout.window_length, size.strip_frames);
   };

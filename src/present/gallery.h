@@ -59,6 +59,22 @@ struct FrameSources {
   std::vector<std::optional<SequenceSource>> references;
 };
 
+/// Thumbnails by frame: of the query, and of each reference.
+struct FrameImages {
+  std::map<size_t, Thumbnail> query;
+  std::vector<std::map<size_t, Thumbnail>> references;
+};
+
+/// The frames of an evaluation that are shown.
+struct ShownFrames {
+  std::set<size_t> query;
+  std::vector<std::set<size_t>> references;  ///< by sequence of the scope
+};
+
+/// Missing sequences have no images. Throws as make_thumbnails does.
+FrameImages read_images(const ShownFrames& frames, const GroundTruthScope& scope,
+                        const FrameSources& sources, int side, const Monitor& monitor);
+
 /// The sequences of a result, as far as their frames are still the same; none if it is null, and no
 /// training sequences of FAB-MAP, whose references are places.
 FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* stored);

@@ -249,13 +249,13 @@ Chart matrix_chart(const Judgment& judgment, const GroundTruth& truth, const Pix
   return chart;
 }
 
-Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
-                          const Monitor& monitor) {
-  const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
-  const Judgment judgment = judge(result, known, {}, monitor);
-  Chart chart = matrix_chart(
-      judgment, known, pixels.grid(), pixels.scores(result.score().offset(result.window_length())),
-      "training frame", score_unit(result.settings, result.window_length()), monitor);
+Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const Monitor& monitor) {
+  const GroundTruth unknown = unknown_ground_truth(scope_of(result));
+  const Judgment judgment = judge(result, unknown, {}, monitor);
+  Chart chart =
+      matrix_chart(judgment, unknown, pixels.grid(),
+                   pixels.scores(result.score().offset(result.window_length())), "training frame",
+                   score_unit(result.settings, result.window_length()), monitor);
   chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query.name,
                             result.window_length());
   return chart;

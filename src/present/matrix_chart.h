@@ -95,8 +95,7 @@ Chart matrix_chart(const Judgment& judgment, const GroundTruth& truth, const Pix
                    const std::vector<double>& scores, const std::string& reference,
                    const ScoreUnit& unit, const Monitor& monitor);
 
-/// The matrix of a result from its collected rows. Null `truth`: recognitions are not judged.
-Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
-                          const Monitor& monitor);
+/// The matrix of a result from its collected rows. Recognitions are not judged.
+Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const Monitor& monitor);
 
 }  // namespace vpr

@@ -62,29 +62,25 @@ std::vector<std::vector<FramePair>> pairs_of(const Result& result) {
 }
 
 /// By "query frame", and "sequence frame": a data URL, empty for an unreadable frame, and a name.
-void add_images(Json& images, const std::string& prefix, const SequenceSource& source,
-                const Selection& selection, const std::set<size_t>& frames, int side,
-                const Monitor& monitor) {
-  for (const auto& [frame, image] : make_thumbnails(source, selection, frames, side, monitor))
-    images[fmt::format("{} {}", prefix, frame)] = {
-        image.jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(image.jpeg), image.name};
-}
-
 Json images_of(const std::vector<Question>& questions, const GroundTruthScope& scope,
                const FrameSources& sources, const Monitor& monitor) {
-  std::set<size_t> query;
-  std::vector<std::set<size_t>> train(scope.sequences.size());
+  ShownFrames shown;
+  shown.references.resize(scope.sequences.size());
   for (const Question& one : questions)
     for (const auto& [query_frame, train_frame] : one.pairs) {
-      query.insert(query_frame);
-      train[one.sequence].insert(train_frame);
+      shown.query.insert(query_frame);
+      shown.references[one.sequence].insert(train_frame);
     }
   const int side = questions.size() > kManyQuestions ? kSmallSide : kImageSide;
+  const FrameImages found = read_images(shown, scope, sources, side, monitor);
   Json images = Json::object();
-  add_images(images, "query", *sources.query, scope.query.selection, query, side, monitor);
-  for (size_t s = 0; s < train.size(); ++s)
-    add_images(images, std::to_string(s), *sources.references[s],
-               scope.sequences[s].sequence.selection, train[s], side, monitor);
+  const auto add = [&](const std::string& prefix, const std::map<size_t, Thumbnail>& thumbnails) {
+    for (const auto& [frame, image] : thumbnails)
+      images[fmt::format("{} {}", prefix, frame)] = {
+          image.jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(image.jpeg), image.name};
+  };
+  add("query", found.query);
+  for (size_t s = 0; s < found.references.size(); ++s) add(std::to_string(s), found.references[s]);
   return images;
 }
 
@@ -98,10 +94,6 @@ std::string page_of(Json data, const std::vector<Question>& questions, const Eva
   return fill_page(kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
                                     {"style", palette_css() + std::string(kStyle)},
                                     {"data", script_json(data)}});
-}
-
-size_t recorded(const Selection& selection, size_t frame) {
-  return selection.is_all() ? frame : selection.sources[frame];
 }
 
 /// The queries to ask about, as indices of outcomes: spread evenly, then by their distance to the
@@ -175,9 +167,9 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
     const size_t query = judgment.outcomes.queries[q].frame;
     const auto [s, reference] = *judgment.outcomes.queries[q].best;
     const Sequence& train = scope.sequences[s].sequence;
-    questions.push_back({fmt::format("{},{}{}", recorded(scope.query.selection, query),
+    questions.push_back({fmt::format("{},{}{}", scope.query.selection.source_of(query),
                                      is_one ? "" : csv_field(train.name) + ",",
-                                     recorded(train.selection, reference)),
+                                     train.selection.source_of(reference)),
                          train.name,
                          "",
                          s,

@@ -30,6 +30,8 @@ struct Selection {
   /// Whether frames are selected, also before `sources` has been read.
   bool is_selected() const { return !speed.empty() || selected_fps > 0; }
   size_t frames() const { return sources.size(); }
+  /// The frame of the recording for a selected frame.
+  size_t source_of(size_t frame) const { return is_all() ? frame : sources[frame]; }
 };
 
 /// "resampled to 5 frames per second", "at speed varying, seed 1" (without the seed for a speed),
