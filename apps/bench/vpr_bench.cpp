@@ -48,8 +48,7 @@ std::pair<Command, Bench<Settings>&> add_bench(
     std::function<BenchResult(const Bench<Settings>&, const Session&)> run) {
   const auto bench = std::make_shared<Bench<Settings>>();
   const auto run_bench = [bench, run](Session& session) {
-    session.claim_output();
-    if (!bench->plots.empty()) session.outputs.claim_folder(bench->plots, is_marked_folder);
+    session.claim_output({}, bench->plots);
     pin_to_cores(session.run.threads);
     const BenchResult result = run(*bench, session);
     const Json json = bench_json(result, session.run);

@@ -228,8 +228,11 @@ void refuse_empty(const std::vector<GivenFlag>& given) {
 
 void Session::print_line(const Json& json) const { print_json(progress, to_line(json) + "\n"); }
 
-void Session::claim_output() const {
+void Session::claim_output(const std::vector<std::string>& files, const std::string& plots) const {
   if (!options.output.empty()) outputs.claim_file(options.output);
+  for (const std::string& file : files)
+    if (!file.empty()) outputs.claim_file(file);
+  if (!plots.empty()) outputs.claim_folder(plots, is_marked_folder);
 }
 
 void Session::write_output(const Json& json) const {

@@ -120,8 +120,9 @@ struct Session {
   ProgressLine& progress;
   Outputs& outputs;
 
-  /// Claims the file of --output, if any.
-  void claim_output() const;
+  /// Claims the file of --output, then those other files and the folder of plots that have a name.
+  void claim_output(const std::vector<std::string>& files = {},
+                    const std::string& plots = "") const;
   /// Writes the file of --output, if any.
   void write_output(const Json& json) const;
   /// Prints a JSON value as one line on stdout. Throws Error(output) if that fails.

@@ -272,7 +272,6 @@ void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> qu
 }
 
 void claim_outputs(const Session& session, const EvalInputs& inputs) {
-  session.claim_output();
   check_inputs(inputs);
   refuse(!inputs.map.empty() && inputs.truth.dataset.empty(), "--map",
          "needs --dataset, whose \"poses\" have the positions of frames");
@@ -290,12 +289,11 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
   if (inputs.expected.empty() && inputs.has_expectation())
     throw Error(ErrorKind::usage, "{} needs --expect, the file of expected values",
                 inputs.update ? "--update" : "--junit");
-  for (const std::string* file :
-       {&inputs.html, &inputs.frame_questions, &inputs.place_questions, &inputs.outcomes_csv,
-        &inputs.recognitions_csv, &inputs.saved_trajectory, &inputs.pairs, &inputs.junit})
-    if (!file->empty()) session.outputs.claim_file(*file);
-  for (const std::string* folder : {&inputs.plots, &inputs.map})
-    if (!folder->empty()) session.outputs.claim_folder(*folder, is_marked_folder);
+  session.claim_output(
+      {inputs.html, inputs.frame_questions, inputs.place_questions, inputs.outcomes_csv,
+       inputs.recognitions_csv, inputs.saved_trajectory, inputs.pairs, inputs.junit},
+      inputs.plots);
+  if (!inputs.map.empty()) session.outputs.claim_folder(inputs.map, is_marked_folder);
 }
 
 }  // namespace vpr

@@ -68,9 +68,7 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
 }
 
 void run_loops(Session& session, const LoopInputs& inputs) {
-  session.claim_output();
-  if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
-  if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
+  session.claim_output({inputs.html}, inputs.plots);
   const Stopwatch watch;
   const LoopsEvaluation evaluation = evaluate(inputs);
   Json report = loops_json(evaluation, session.run);

@@ -118,9 +118,7 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
         ErrorKind::usage,
         "--name is needed for each report, in their order: there are {} reports and {} names",
         inputs.reports.size(), inputs.names.size());
-  session.claim_output();
-  if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
-  if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
+  session.claim_output({inputs.html}, inputs.plots);
 }
 
 std::string tables_of(const ComparisonReport& comparison, TableFormat format) {
@@ -303,8 +301,7 @@ void warn_about_truths(const Monitor& monitor, const std::vector<Report>& report
 }
 
 void run_report(Session& session, const ReportInputs& inputs) {
-  session.claim_output();
-  if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
+  session.claim_output({inputs.html});
   const Stopwatch watch;
   const Grid grid = read_grid(session, inputs);
   const Json json = reports_json("reports", grid.reports, session.run, watch.elapsed_s());

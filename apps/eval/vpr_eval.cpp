@@ -210,9 +210,7 @@ void run_table(Session& session, const EvalInputs& inputs, const std::vector<Eva
                const RunInfo& info) {
   const bool has_protocols = !inputs.protocols.empty();
   check_inputs(inputs);
-  session.claim_output();
-  for (const std::string& file : {inputs.outcomes_csv, inputs.recognitions_csv})
-    if (!file.empty()) session.outputs.claim_file(file);
+  session.claim_output({inputs.outcomes_csv, inputs.recognitions_csv});
   const Stopwatch watch;
   std::vector<Report> reports;
   CsvTables csv;

@@ -153,9 +153,7 @@ std::vector<Sweep> sweep_all(const std::vector<Source>& queries,
 }
 
 void claim_outputs(const TuneOptions& options, const Session& session) {
-  for (const std::string& file : {session.options.output, options.heat_map, options.save_config})
-    if (!file.empty()) session.outputs.claim_file(file);
-  if (!options.plots.empty()) session.outputs.claim_folder(options.plots, is_marked_folder);
+  session.claim_output({options.heat_map, options.save_config}, options.plots);
   if (!options.save_config.empty() && options.datasets.size() > 1)
     throw Error(ErrorKind::usage,
                 "--save-config writes one recommendation, but each of {} data sets has its own; "

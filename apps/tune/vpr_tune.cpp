@@ -65,8 +65,7 @@ void try_all(Session& session, const Try& command) {
   const Monitor& monitor = session.monitor;
   if (options.database.empty())
     throw Error(ErrorKind::usage, "the database is missing, as in vpr-tune DB --query FOLDER");
-  session.claim_output();
-  if (!options.save_config.empty()) session.outputs.claim_file(options.save_config);
+  session.claim_output({options.save_config});
   const std::vector<Source> sources = find_queries(options, DatabaseFamily::sequences, session);
   SequenceQuerySettings filter = command.settings;
   filter.method = "filter";

@@ -41,34 +41,6 @@ struct ScoredLists {
   std::vector<std::vector<ScoredReference>> queries;
 };
 
-using Fields = std::pair<std::vector<std::string>, FileLocation>;
-
-// By commas, semicolons or tabs if the first line has one, otherwise by blanks.
-std::vector<Fields> read_fields(const fs::path& path) {
-  const std::string text = read_whole_file(path);
-  FileLocation location{path.string()};
-  if (text.find('\0') != std::string::npos)
-    location.fail("is neither a list of matches nor a .npy file. Save arrays with numpy.save");
-  std::vector<Fields> all;
-  bool is_csv = false;
-  size_t number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(text))) {
-    ++number;
-    if (line.empty() || line.starts_with('#')) continue;
-    if (all.empty()) is_csv = line.find_first_of(",;\t") != std::string_view::npos;
-    location.at("line", number);
-    if (is_csv) break;
-    const auto words = split_words(line);
-    if (!words.empty()) all.push_back({{words.begin(), words.end()}, location});
-  }
-  if (!is_csv) return all;
-  for (CsvRow& row : parse_csv(text, path.string())) {
-    location.at("line", row.line);
-    if (!row.fields.front().starts_with('#')) all.push_back({std::move(row.fields), location});
-  }
-  return all;
-}
-
 // Also "nan" and "inf", which no score may be.
 bool is_number(const std::string& field) {
   double value = 0;
@@ -78,19 +50,20 @@ bool is_number(const std::string& field) {
 
 // Pairs with or without a score, or one line per query: its name and its references, best first.
 std::vector<Prediction> read_list(const fs::path& path) {
-  std::vector<Fields> lines = read_fields(path);
-  if (!lines.empty() && std::ranges::count(lines.front().first, "query") > 0) {
-    if (lines.front().first.front() != "query")
-      lines.front().second.fail(
-          "the columns are query, reference and optionally score, in this order");
+  std::vector<CsvRow> lines = read_list_rows(path);
+  FileLocation location{path.string()};
+  if (!lines.empty() && std::ranges::count(lines[0].fields, "query", lower_case) > 0) {
+    if (lower_case(lines[0].fields[0]) != "query")
+      location.fail("the columns are query, reference and optionally score, in this order");
     lines.erase(lines.begin());
   }
-  const bool has_rankings = std::ranges::all_of(lines, [](const Fields& line) {
-    const auto& fields = line.first;
+  const bool has_rankings = std::ranges::all_of(lines, [](const CsvRow& line) {
+    const auto& fields = line.fields;
     return fields.size() > 3 || (fields.size() == 3 && !is_number(fields[2]));
   });
   std::vector<Prediction> all;
-  for (const auto& [fields, location] : lines) {
+  for (const auto& [number, fields] : lines) {
+    location.at("line", number);
     if (has_rankings) {
       if (std::set<std::string_view>(fields.begin() + 1, fields.end()).size() + 1 < fields.size())
         location.fail("a reference is listed twice. If these are scores, save them as .npy");
@@ -165,17 +138,13 @@ struct ListSide {
 };
 
 // Cells are numbers if all of them are, and not all of them are names.
-template <class Cell>
 ListSide side_of(const std::vector<Prediction>& all, const FrameNames& names, const char* noun,
-                 std::optional<size_t> stated, Cell cell) {
-  ListSide side{names, noun, names.count() ? names.count() : stated};
-  side.has_numbers =
-      std::ranges::all_of(
-          all, [&](const Prediction& one) { return parse_frame(cell(one)).has_value(); }) &&
-      (!names.count() || !std::ranges::all_of(all, [&](const Prediction& one) {
-        return names.find(cell(one)).has_value();
-      }));
-  return side;
+                 std::optional<size_t> stated, std::string Prediction::*cell) {
+  const auto is_number = [](const std::string& text) { return parse_frame(text).has_value(); };
+  const auto is_name = [&](const std::string& text) { return names.find(text).has_value(); };
+  return {names, noun, names.count() ? names.count() : stated,
+          std::ranges::all_of(all, is_number, cell) &&
+              (!names.count() || !std::ranges::all_of(all, is_name, cell))};
 }
 
 size_t find_frame(const ListSide& side, const std::string& name, const FileLocation& location) {
@@ -199,12 +168,9 @@ size_t find_frame(const ListSide& side, const std::string& name, const FileLocat
 ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& queries,
                     const FrameNames& references, const ListFrames& stated) {
   constexpr uint64_t kMaxScores = uint64_t{1} << 28;  // if only the numbers in the file are known
-  const ListSide query_side = side_of(
-      all, queries, "query", stated.query,
-      [](const Prediction& one) -> auto& { return one.query; });
-  const ListSide train_side = side_of(
-      all, references, "training", stated.train,
-      [](const Prediction& one) -> auto& { return one.reference; });
+  const ListSide query_side = side_of(all, queries, "query", stated.query, &Prediction::query);
+  const ListSide train_side =
+      side_of(all, references, "training", stated.train, &Prediction::reference);
   const bool is_bounded = query_side.frames && train_side.frames;
   ScoredLists lists{train_side.frames.value_or(0), {}};
   lists.queries.resize(query_side.frames.value_or(0));

@@ -20,40 +20,39 @@ namespace vpr {
 namespace {
 
 struct LoopLine {
-  std::string_view query;
-  std::string_view match;
-  std::optional<std::string_view> score;
+  std::string query;
+  std::string match;
+  std::optional<std::string> score;
   size_t number = 0;
 };
 
-std::vector<LoopLine> read_lines(FileLocation& location, std::string_view text) {
-  std::vector<LoopLine> lines;
-  std::vector<std::string_view> names;  // of columns
+std::vector<LoopLine> read_lines(const std::filesystem::path& path, FileLocation& location) {
+  std::vector<CsvRow> rows = read_list_rows(path);
+  if (rows.empty()) return {};
+  std::vector<std::string> names = {"query", "match", "score"};  // of columns
   const auto column = [&](std::string_view name) {
     return static_cast<size_t>(std::ranges::find(names, name) - names.begin());
   };
-  size_t number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(text))) {
-    ++number;
-    const auto cells = cells_of(line);
-    if (cells.empty() || cells[0].starts_with('#')) continue;
+  location.at("line", rows[0].line);
+  if (!parse_real(rows[0].fields[0])) {
+    names.resize(rows[0].fields.size());
+    std::ranges::transform(rows[0].fields, names.begin(), lower_case);
+    if (std::max(column("query"), column("match")) == names.size())
+      location.fail("expected the header query,match[,score], or numbers");
+    rows.erase(rows.begin());
+  } else if (rows[0].fields.size() != 2 && rows[0].fields.size() != 3) {
+    location.fail("expected query, match and optionally a score; found {} columns",
+                  rows[0].fields.size());
+  } else {
+    names.resize(rows[0].fields.size());
+  }
+  std::vector<LoopLine> lines;
+  for (const auto& [number, cells] : rows) {
     location.at("line", number);
-    if (names.empty()) {
-      const bool is_header = !parse_real(cells[0]);
-      names = is_header ? cells : std::vector<std::string_view>{"query", "match", "score"};
-      if (is_header && std::max(column("query"), column("match")) == names.size())
-        location.fail("expected the header query,match[,score], or numbers");
-      if (is_header) continue;
-      if (cells.size() != 2 && cells.size() != 3)
-        location.fail("expected query, match and optionally a score; found {} columns",
-                      cells.size());
-      names.resize(cells.size());
-    }
     if (cells.size() != names.size())
       location.fail("expected {} columns, found {}", names.size(), cells.size());
-    LoopLine& loop = lines.emplace_back();
-    loop = {cells[column("query")], cells[column("match")], {}, number};
-    if (column("score") < cells.size()) loop.score = cells[column("score")];
+    lines.push_back({cells[column("query")], cells[column("match")], {}, number});
+    if (column("score") < cells.size()) lines.back().score = cells[column("score")];
   }
   return lines;
 }
@@ -63,8 +62,8 @@ bool is_by_time(const std::vector<LoopLine>& lines, const Trajectory& trajectory
   if (frames != LoopFrames::automatic) return frames == LoopFrames::time;
   bool are_beyond = !lines.empty() && !trajectory.times_ns.empty();
   for (const LoopLine& line : lines)
-    for (const std::string_view text : {line.query, line.match}) {
-      if (text.find_first_of(".eE") != std::string_view::npos) return true;
+    for (const std::string& text : {line.query, line.match}) {
+      if (text.find_first_of(".eE") != std::string::npos) return true;
       const auto frame = parse_frame(text);
       if (frame && frame->in_range && frame->value < trajectory.poses.size()) are_beyond = false;
     }
@@ -139,9 +138,8 @@ PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
 
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
                         const LoopListRules& rules) {
-  const std::string file = read_whole_file(path);
   FileLocation location{path.string()};
-  const std::vector<LoopLine> lines = read_lines(location, file);
+  const std::vector<LoopLine> lines = read_lines(path, location);
   LoopList list;
   const bool are_times = is_by_time(lines, trajectory, rules.frames);
   if (are_times && trajectory.times_ns.empty())

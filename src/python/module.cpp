@@ -86,7 +86,7 @@ py::array array_of(const py::object& values, const std::string& name) {
                 name);
   py::array array(values);
   if (std::string_view("biuf").find(array.dtype().kind()) == std::string_view::npos)
-    throw Error(ErrorKind::data, "{}: is not an array of numbers, but of {}", name,
+    throw Error(ErrorKind::data, "{}: is not an array of numbers (its type is {})", name,
                 std::string(py::str(array.dtype())));
   return array;
 }
@@ -218,7 +218,6 @@ void add_databases(py::module_& module) {
           "descriptors", descriptors_of,
           "Stored descriptors, one row per frame of all sequences, as a read-only view: bits (8 "
           "per\nvalue) and images are uint8, vectors int16 or int8. Not for FAB-MAP.");
-  module.def("array_of", array_of);
   module.def("train", train);
   module.def("load_database", [](const Call& call, const std::filesystem::path& path) {
     Database database{{}, path.string()};
@@ -258,6 +257,7 @@ PYBIND11_MODULE(_vpr, module) {
           [](const std::string& function, const std::string& keywords, const py::object& progress) {
             return Call{function, parse_json(keywords).value(), progress};
           }));
+  module.def("array_of", array_of);
   add_databases(module);
   add_queries(module);
   add_evaluations(module);

@@ -57,8 +57,8 @@ using Source = std::variant<std::filesystem::path, pybind11::object>;
 /// Their names may be empty.
 using Sources = std::vector<std::pair<std::string, Source>>;
 
-/// The array that NumPy makes of the values. Throws Error(data) if it has masked values, or none
-/// that are numbers.
+/// The array that NumPy makes of the values. Throws Error(data) for masked values, and for values
+/// other than numbers.
 pybind11::array array_of(const pybind11::object& values, const std::string& name);
 
 /// A view of an array, which it keeps. Only an array in neither C nor Fortran order is copied.

@@ -104,16 +104,17 @@ ResultPointer query_places(Call& call, const DatabasePointer& database, NamedArg
   });
 }
 
-bool is_fabmap(const Database& database) {
-  return std::holds_alternative<FabmapDatabase>(database.content);
-}
-
+// Without a database: windows of loops.
 ResultPointer query(Call& call, const DatabasePointer& database, const std::string& name,
-                    const Source& source) {
+                    const Source& source, bool is_loop) {
   const NamedArgument query = arguments_of({{name, source}}, "query").front();
-  if (is_fabmap(*database)) return query_places(call, database, query, false);
-  SequenceQuery by(call, Feature::query);
+  if (database && std::holds_alternative<FabmapDatabase>(database->content))
+    return query_places(call, database, query, is_loop);
+  if (database && is_loop)
+    throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
+  SequenceQuery by(call, is_loop ? Feature::loops : Feature::query);
   by.inputs.query = query;
+  if (is_loop) return result_of(call, nullptr, std::bind_front(&SequenceQuery::run, &by));
   return result_of(call, database, [&](ResultContext& context, const Monitor& monitor) {
     SequenceArgument& sequence = by.inputs.query.sequence;
     sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
@@ -123,16 +124,6 @@ ResultPointer query(Call& call, const DatabasePointer& database, const std::stri
         std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
     return by.run(context, monitor);
   });
-}
-
-ResultPointer loops(Call& call, const DatabasePointer& database, const std::string& name,
-                    const Source& source) {
-  const NamedArgument query = arguments_of({{name, source}}, "query").front();
-  if (database && is_fabmap(*database)) return query_places(call, database, query, true);
-  if (database) throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
-  SequenceQuery by(call, Feature::loops);
-  by.inputs.query = query;
-  return result_of(call, nullptr, std::bind_front(&SequenceQuery::run, &by));
 }
 
 ResultPointer query_scores(Call& call, const std::string& name, const Source& scores) {
@@ -303,7 +294,6 @@ void add_queries(py::module_& module) {
       .def("add", &Live::add)
       .def("finish", &Live::finish);
   module.def("query", query);
-  module.def("loops", loops);
   module.def("query_scores", query_scores);
   module.def("load_result", load);
   module.def("distances", distances);

@@ -48,6 +48,27 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   return cells;
 }
 
+std::vector<CsvRow> read_list_rows(const std::filesystem::path& path) {
+  const std::string text = read_whole_file(path);
+  if (text.find('\0') != std::string::npos)
+    FileLocation{path.string()}.fail("is not a list: it is not text. Save arrays as .npy");
+  const std::vector<std::string_view> lines = split_lines(without_byte_order_mark(text));
+  const auto is_empty = [](std::string_view line) { return line.empty() || line.starts_with('#'); };
+  const auto first = std::ranges::find_if_not(lines, is_empty);
+  std::vector<CsvRow> rows;
+  if (first != lines.end() && first->find_first_of(",;\t") != std::string_view::npos) {
+    rows = parse_csv(text, path.string());
+    std::erase_if(rows, [](const CsvRow& row) { return row.fields[0].starts_with('#'); });
+    return rows;
+  }
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const std::vector<std::string_view> words = split_words(lines[i]);
+    if (!is_empty(lines[i]) && !words.empty())
+      rows.push_back({i + 1, {words.begin(), words.end()}});
+  }
+  return rows;
+}
+
 std::vector<std::string> header_names(std::string_view line) {
   try {
     std::vector<CsvRow> rows = parse_csv(line, "");

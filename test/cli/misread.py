@@ -44,7 +44,7 @@ def columns_of_poses():
     write("line.csv", "frame,x,y,heading\n" + "".join(f"{i},{i},0,{180 * (i % 2)}\n" for i in range(6)))
     near = ("line.csv", "--ground-truth-train", "line.csv", "--radius", 1)
     assert same_pairs(*near, "--ignore-radius", 2) == 16
-    write("loops.csv", "query,match\n2,0\n3,0\n1,0\n")
+    write("loops.csv", "Match;Query\n0;2\n0;3\n0;1\n")
     loops = lambda *more: printed_json("vpr-eval", "loops", "loops.csv", "--poses", "line.csv", "--radius", 2.5, "--gap",
                                        1, *more)["loops"]
     assert (loops()["correct"], loops()["incorrect"]) == (2, 1)
@@ -52,10 +52,9 @@ def columns_of_poses():
     assert loops("--ignore-radius", 4)["ignored"] == 1
     # Poses without times of their own, and frames of loops that are times.
     write("line.kitti", "".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(6)))
-    write("line.times", "".join(f"{10 * i}\n" for i in range(6)))
-    write("times.csv", "query,match\n50,10\n20,10\n")
-    timed = printed_json("vpr-eval", "loops", "times.csv", "--poses", "line.kitti", "--pose-times", "line.times",
-                         "--frames-by", "time", "--radius", 2.5, "--gap", "5s")["loops"]
+    times = ("--pose-times", write("line.times", "0\n10\n20\n30\n40\n50\n"), "--frames-by", "time")
+    timed = printed_json("vpr-eval", "loops", write("times.csv", "query,match\n50,10\n20,10\n"), "--poses", "line.kitti",
+                         *times, "--radius", 2.5, "--gap", "5s")["loops"]
     assert (timed["correct"], timed["incorrect"]) == (1, 1)
 
 
@@ -97,7 +96,6 @@ def recordings():
     assert "The query has" in short and "needs a path of 16" in short, short
     run("vpr-train", "fastable", "--train", "walk@0:8", "-o", "eight.vprdb", "--quiet")
     assert "The training sequence has" in run("vpr-query", "eight.vprdb", "--query", "again")
-    assert "too few for a decision" in " ".join(run(*query, "tall@0:30").split())
     assert "Recognized none" not in run(*query, "again", "--margin", 0)
     # Digits that are names: 000005.png is frame 4.
     truth = ("again.json", "--ground-truth")
@@ -178,7 +176,7 @@ def lists():
         run("vpr-eval", "matrix", name, *stated)
     np.savez(folder / "scores.npz", scores)
     np.savetxt(folder / "grid.csv", 9 * scores, "%d", ",")
-    for part, name in {"neither a list of matches nor": "scores.npz", "a reference is listed twice": "grid.csv",
+    for part, name in {"it is not text": "scores.npz", "a reference is listed twice": "grid.csv",
                        "in this order": write("order.csv", "reference,query\n3,0\n")}.items():
         refused(4, part, "vpr-eval", "matrix", name, *stated)
     # Names with blanks, written and read.

@@ -107,10 +107,8 @@ def _frames(images: Any, descriptors: Any) -> Any:
     """The only one of the two, in which images are paths."""
     if images is not None and descriptors is not None:
         raise UsageError("there are images and descriptors. Pass one of them")
-    for _, image in _sources(images):
-        if not isinstance(image, (str, bytes, os.PathLike, type(None))):
-            raise UsageError("images are paths of folders, lists or videos. Pass arrays as "
-                             "descriptors")
+    if any(np.ndim(image) > 0 for _, image in _sources(images)):
+        raise UsageError("images are paths. Pass arrays as descriptors")
     return images if descriptors is None else descriptors
 
 
@@ -212,7 +210,7 @@ def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = 
     ((7, 0, 7), 196)
     """
     return _vpr.query(_call("query", settings, progress), _opened(db, Database), name,
-                      _frames(images, descriptors))
+                      _frames(images, descriptors), False)
 
 
 def loops(images: Optional[Path] = None, *, descriptors: Source = None,
@@ -229,9 +227,9 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
     >>> result.recognitions[-1]
     (395, 0, 195)
     """
-    return _vpr.loops(_call("loops", settings, progress),
-                      db if db is None else _opened(db, Database), name,
-                      _frames(images, descriptors))
+    opened = None if db is None else _opened(db, Database)
+    return _vpr.query(_call("loops", settings, progress), opened, name,
+                      _frames(images, descriptors), True)
 
 
 def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
@@ -289,7 +287,7 @@ def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress 
     ground_truth: a file or folder of any format, "aligned", or an array: pairs (n x 2 integers,
         query and training frame); a matrix of labels (query x training frames, bool or uint8); or
         positions in meters (x, y and optionally the heading in degrees) with reference (those of
-        the training frames) and radius_m.
+        the training frames) and radius_m. Columns of a DataFrame are those of a CSV file.
     Settings: tolerance, format, reference, radius_m, ... as in data set descriptions; confidence,
         recall_at, stretch, poses, places and name as in vpr-eval.
 
