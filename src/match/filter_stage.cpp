@@ -108,7 +108,7 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   apply_passes(query.filter.cells, settings.passes);
   query.track.settings = settings.filter;
   query.track.overlapping = settings.overlapping_sequences;
-  query.track.farthest = kFarthest * distances.typical_distance;
+  query.track.typical_distance = distances.typical_distance;
   query.reversed = query.track;
   query.reversed.follows_decoys = true;
   query.scores.resize(distances.train_frames + kBlockFrames);

@@ -8,6 +8,10 @@
 namespace vpr {
 namespace {
 
+// A mean distance of paths that must advance steadily, as a share of the typical distance: paths in
+// other buildings are seldom closer (docs/experiments/filter.md).
+constexpr double kFar = 0.7;
+
 constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 
 // Evidence by which another pass must be better, in units of values.
@@ -23,20 +27,33 @@ uint32_t least_of(const FilterState& state, size_t first, size_t last) {
   return first < last ? minimum_of(std::span(state.values).subspan(first, last - first)) : kNoValue;
 }
 
-// The same without other passes of the place of `cell`.
+/// The other passes of the place of a cell. Passes are at least 2 path_keyframes apart.
+struct OtherPasses {
+  CellRange first_passes;
+  CellRange own;  ///< trained cells of the pass of the cell
+};
+
+OtherPasses other_passes(const PathTrack& track, const FilterCells& cells, size_t cell) {
+  const size_t near = 2 * track.settings.near_keyframes;  // first passes are noisy
+  const size_t own = cells.trained_cell(cell);
+  return {same_place(cells, cell, near), {own - std::min(own, near), own + near + 1}};
+}
+
+bool contains(const OtherPasses& passes, const FilterCells& cells, size_t cell) {
+  const size_t trained = cells.trained_cell(cell);
+  return passes.first_passes.contains(cells.first_passes[trained]) && !passes.own.contains(trained);
+}
+
+// The same without other passes of the place of `cell` in its direction.
 uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_t cell,
                          size_t first, size_t last) {
   const FilterCells& cells = state.cells;
-  if (cells.first_passes.empty()) return least_of(state, first, last);
-  const size_t near = track.settings.near_keyframes;
-  const size_t own = cells.trained_cell(cell);
-  const CellRange same = same_place(cells, cell, near);
+  if (cells.first_passes.empty() || cells.is_decoy(first) != cells.is_decoy(cell))
+    return least_of(state, first, last);
+  const OtherPasses passes = other_passes(track, cells, cell);
   uint32_t least = kNoValue;
-  for (size_t other = first; other < last; ++other) {
-    const size_t trained = cells.trained_cell(other);
-    if (!same.contains(cells.first_passes[trained]) || difference(trained, own) <= near)
-      least = std::min(least, state.values[other]);
-  }
+  for (size_t other = first; other < last; ++other)
+    if (!contains(passes, cells, other)) least = std::min(least, state.values[other]);
   return least;
 }
 
@@ -52,8 +69,7 @@ bool is_in_pass(const PathTrack& track, const FilterCells& cells, size_t cell, s
 }
 
 bool is_other_pass(const PathTrack& track, const FilterCells& cells, size_t cell, size_t last) {
-  return !cells.first_passes.empty() && same_place(cells, last, track.settings.near_keyframes)
-                                            .contains(cells.first_passes[cells.trained_cell(cell)]);
+  return !cells.first_passes.empty() && contains(other_passes(track, cells, last), cells, cell);
 }
 
 // The best place in the pass of the path, or, with much more evidence, in another one.
@@ -146,21 +162,22 @@ uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_
   return least;
 }
 
-// Whether the last path_keyframes of the path move, and are close to their places. Changes of the
-// pass are not motion.
+// Whether the last path_keyframes of the path advance, and are close to their places. Changes of
+// the pass do not advance.
 bool is_plausible(const PathTrack& track) {
   const size_t count = std::max<size_t>(track.settings.path_keyframes, 1);
   const auto first = track.recent.end() - static_cast<ptrdiff_t>(count);
   uint64_t distances = first->distance;
-  int64_t moved = 0;
+  size_t advanced = 0;
   for (auto keyframe = first + 1; keyframe != track.recent.end(); ++keyframe) {
     distances += keyframe->distance;
     const size_t before = (keyframe - 1)->cell;
-    if (difference(before, keyframe->cell) <= track.settings.near_keyframes)
-      moved += static_cast<int64_t>(keyframe->cell) - static_cast<int64_t>(before);
+    if (keyframe->cell > before && keyframe->cell - before <= track.settings.near_keyframes)
+      ++advanced;
   }
-  return moved >= static_cast<int64_t>(count / 4) &&
-         static_cast<double>(distances) <= track.farthest * static_cast<double>(count);
+  const double distance = static_cast<double>(distances) / static_cast<double>(count);
+  return distance <= kFarthest * track.typical_distance &&
+         advanced >= (distance > kFar * track.typical_distance ? count * 3 / 4 : count / 4);
 }
 
 void trace_back(PathTrack& track, const FilterState& state) {

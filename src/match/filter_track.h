@@ -30,7 +30,7 @@ struct PathKeyframe {
 /// The path that ends at the best place of the last keyframe.
 struct PathTrack {
   bool follows_decoys = false;  ///< against the direction of the training sequences
-  double farthest = 0;          ///< largest mean distance of a path with a margin
+  double typical_distance = 0;  ///< of training frames
   FilterSettings settings;
   std::vector<std::vector<uint8_t>> overlapping;  ///< MatchSettings::overlapping_sequences
   uint32_t paths = 0;                             ///< the largest number of a path
@@ -42,20 +42,21 @@ struct PathTrack {
 /// Adds the filter's state for the next keyframe; distance_to(cell) is its distance to a place. The
 /// best place has the smallest value in the direction of the track (ties: the first cell). It
 /// continues the path if it is at most near_keyframes from the last place, in the same sequence, or
-/// the same place (same_place) in another pass. There the path stays in its pass if that has a
-/// place near the last one of at most 5 deviations less evidence; otherwise the path gets a new
-/// number. If the best place is elsewhere, it is traced back over path_keyframes / 2 keyframes: it
-/// resumes the last path with a place that it reaches in the same sense, unless that path is
-/// established (once it has a margin of 5 deviations), and otherwise begins a path. A resumed path
-/// includes the keyframes since then.
+/// in another pass of the same place: first passes are at most 2 near_keyframes apart (same_place),
+/// the places themselves are not. There the path stays in its pass if that has a place near the
+/// last one of at most 5 deviations less evidence; otherwise the path gets a new number. If the
+/// best place is elsewhere, it is traced back over path_keyframes / 2 keyframes: it resumes the
+/// last path with a place that it reaches in the same sense, unless that path is established (once
+/// it has a margin of 5 deviations without what its distance adds), and otherwise begins a path. A
+/// resumed path includes the keyframes since then.
 ///
 /// The path is then traced back over path_keyframes / 2 keyframes: each place is the best one
 /// (ties: the first cell) of those from which a step leads to the next. The margin is the smallest
 /// value of a runner-up and of a new path, minus the value of the path. Runners-up are all places
-/// in both directions, except for those within near_keyframes in this direction and sequence, in
-/// this direction in sequences of the same place, and in other passes of the same place. It is 0
-/// unless the path, over its last path_keyframes, passes path_keyframes / 4 places and has a mean
-/// distance of at most `farthest`.
+/// in both directions, except for those in this direction that are within near_keyframes in this
+/// sequence, in sequences of the same place, or in other passes of the same place. It is 0 unless
+/// path_keyframes / 4 of the last path_keyframes advance to a later place, or three quarters of
+/// them if their mean distance is above 0.7 typical distances, and if it is above kFarthest.
 ///
 /// The path may recognize its frames in the last path_keyframes * 3 / 2 + 1 keyframes; until it has
 /// been established for as many, in all of `recent`.
@@ -90,7 +91,7 @@ WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t
 /// The training sequences as queries of their own past, one after the other: keyframes at least 32
 /// keyframes earlier, and all earlier sequences. A keyframe that the filter recognizes by
 /// `least_margin`, in units of PathTrack, is another pass through its match; keyframes between two
-/// such ones at most 32 apart are too if their matches fit. Earlier passes do not compete with each
+/// such ones at most 64 apart are too if their matches fit. Earlier passes do not compete with each
 /// other. Increasing by frame. None for more than 2^32 pairs of frames. `statistics`: of the
 /// training frames, with components. Throws Error(interrupted) on a stop.
 std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "match/filter_track.h"
 #include "match/zscores.h"
@@ -15,27 +16,28 @@ constexpr size_t kMostPairs = size_t{1} << 32;
 struct PassSearch {
   FilterState state;
   PathTrack track;
-  size_t least_gap = 0;  ///< of a pass from the earlier one, and most keyframes of a gap
+  size_t least_gap = 0;  ///< of a pass from the earlier one
   uint32_t least_margin = 0;
-  std::optional<size_t> last;  ///< the last recognized cell
+  std::optional<std::pair<size_t, size_t>> last;  ///< the last recognized cell, and its match
 
   uint32_t& first_pass(size_t cell) { return state.cells.first_passes[cell]; }
 };
 
-// Recognized cells of one run, at most least_gap apart, whose matches fit speeds of 1/2 to 2.
-void fill_gap(PassSearch& search, size_t first, size_t last) {
+// Links the cells between two recognized ones to those between their matches `from` and `to`.
+// False unless they are of one run, at most 2 least_gap apart, and fit speeds of 1/4 to 4.
+bool fill_gap(PassSearch& search, size_t first, size_t last, size_t from, size_t to) {
   const auto near = static_cast<int64_t>(search.track.settings.near_keyframes);
   const auto cells = static_cast<int64_t>(last - first);
   const FilterCells& all = search.state.cells;
-  const uint32_t from = search.first_pass(first);
-  const uint32_t to = search.first_pass(last);
-  const int64_t passed = int64_t{to} - int64_t{from};
-  if (last - first > search.least_gap || passed < cells / 2 - near || passed > 2 * cells + near ||
-      &run_of(all, first) != &run_of(all, last) || &run_of(all, from) != &run_of(all, to))
-    return;
+  const int64_t passed = static_cast<int64_t>(to) - static_cast<int64_t>(from);
+  if (last - first > 2 * search.least_gap || passed < cells / 4 - near ||
+      passed > 4 * cells + near || &run_of(all, first) != &run_of(all, last) ||
+      &run_of(all, from) != &run_of(all, to))
+    return false;
   for (int64_t k = 1; k < cells; ++k)
     search.first_pass(first + static_cast<size_t>(k)) =
-        static_cast<uint32_t>(int64_t{from} + passed * k / cells);
+        search.first_pass(static_cast<size_t>(static_cast<int64_t>(from) + passed * k / cells));
+  return true;
 }
 
 // Adds the recognized keyframes of the path. PathKeyframe::frame is the cell of the keyframe.
@@ -46,9 +48,14 @@ void add_recognized(PassSearch& search, bool is_end) {
   for (size_t k = track.recent.size() - path_size(track); k < settled; ++k) {
     const size_t cell = track.recent[k].frame;
     if (search.first_pass(cell) != cell) continue;
-    search.first_pass(cell) = search.first_pass(track.recent[k].cell);
-    if (search.last) fill_gap(search, *search.last, cell);
-    search.last = cell;
+    const size_t match = track.recent[k].cell;
+    search.first_pass(cell) = search.first_pass(match);
+    if (search.last) {
+      const auto [last, last_match] = *search.last;
+      if (!fill_gap(search, last, cell, last_match, match))
+        fill_gap(search, last, cell, search.first_pass(last), search.first_pass(cell));
+    }
+    search.last = {cell, match};
   }
 }
 
@@ -97,7 +104,7 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
   search.least_margin = least_margin;
   search.state = start_filter(raw, settings, settings.keyframe_change * typical);
   search.track.settings = settings;
-  search.track.farthest = kFarthest * typical;
+  search.track.typical_distance = typical;
   FilterCells& cells = search.state.cells;
   if (cells.places == 0) return {};
   cells.first_passes.resize(cells.decoys);

@@ -17,27 +17,26 @@ namespace {
 
 constexpr uint32_t kUnit = kScoreUnit;
 
-// The distance of a keyframe to any place.
+// The distance of a keyframe to any place; 0 if it is unknown.
 auto at(uint32_t distance) {
   return [distance](size_t) { return distance; };
 }
 
-/// Two sequences of 40 and 30 places, two frames each.
+/// Two sequences of 80 and 30 places, two frames each.
 struct Places {
   FilterState state;
   PathTrack track;
 
   Places() {
-    for (const auto& [sequence, count] : {std::pair<size_t, size_t>{0, 40}, {1, 30}}) {
+    for (const auto& [sequence, count] : {std::pair<size_t, size_t>{0, 80}, {1, 30}}) {
       state.cells.frames.resize(state.cells.size() + kLongestStep, 0);
-      const size_t first_frame = sequence * 80;
+      const size_t first_frame = sequence * 160;
       state.cells.runs.push_back({state.cells.size(), count, sequence, first_frame + 2 * count});
       for (size_t i = 0; i < count; ++i)
         state.cells.frames.push_back(static_cast<uint32_t>(first_frame + 2 * i));
     }
     add_decoys(state.cells);
     state.values.assign(state.cells.size(), kNoValue);
-    track.farthest = 100;
     state.earlier.assign(track.settings.path_keyframes / 2, state.values);
   }
 
@@ -50,12 +49,12 @@ struct Places {
     return state.cells.size() - 1 - cell(sequence, place) + kLongestStep;
   }
 
-  // Places 20 to 39 of the first sequence are another pass through places 0 to 19.
+  // Places 40 to 79 of the first sequence are another pass through places 0 to 39.
   void add_second_pass() {
     state.cells.first_passes.resize(state.cells.decoys);
     std::iota(state.cells.first_passes.begin(), state.cells.first_passes.end(), 0U);
-    for (size_t place = 20; place < 40; ++place)
-      state.cells.first_passes[cell(0, place)] = static_cast<uint32_t>(cell(0, place - 20));
+    for (size_t place = 40; place < 80; ++place)
+      state.cells.first_passes[cell(0, place)] = static_cast<uint32_t>(cell(0, place - 40));
   }
 
   // The next keyframe, without evidence.
@@ -68,7 +67,7 @@ struct Places {
   }
 
   void see(size_t sequence, size_t place, size_t query_frame, uint32_t evidence = 24 * kUnit,
-           uint32_t distance = 50) {
+           uint32_t distance = 0) {
     advance();
     state.values[cell(sequence, place)] = kNewPathValue - evidence;
     follow_keyframe(track, state, query_frame, at(distance));
@@ -100,24 +99,28 @@ TEST_CASE("a place with less evidence than a new path has no margin") {
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
   places.advance();
   places.state.values[places.cell(0, 20)] = kNewPathValue + kUnit;
-  follow_keyframe(places.track, places.state, 20, at(50));
+  follow_keyframe(places.track, places.state, 20, at(0));
   CHECK(places.length() == 21);
   CHECK(places.track.margin == 0);
 }
 
-TEST_CASE("a path without motion, or farther than unrelated frames, has no margin") {
-  Places moving;
-  Places standing;
-  Places far;
-  for (size_t view = 0; view < 32; ++view) {
-    moving.see(0, (view + 1) / 4, view, 24 * kUnit, 100);  // 4 places in 16 keyframes
-    standing.see(0, view / 6, view);
-    far.see(0, view, view, 24 * kUnit, view == 31 ? 101 : 100);
-    INFO(view);
-    CHECK(standing.track.margin == 0);
-    CHECK(far.track.margin == (view >= 15 && view < 31 ? 24 * kUnit : 0));
-  }
-  CHECK(moving.track.margin == 24 * kUnit);
+TEST_CASE("a path has a margin if 4 of 16 keyframes advance, 12 of them if it is far") {
+  const auto margin_at = [](size_t advancing, uint32_t distance) {
+    Places places;
+    places.track.typical_distance = 100;
+    size_t place = 5;
+    for (size_t view = 0; view < 16; ++view) {
+      if (view > 0 && view <= advancing) ++place;
+      places.see(0, place, view, 10 * kUnit, distance);
+    }
+    return places.track.margin;
+  };
+  CHECK(margin_at(3, 70) == 0);
+  CHECK(margin_at(4, 70) == 10 * kUnit);
+  CHECK(margin_at(11, 71) == 0);
+  CHECK(margin_at(12, 80) == 10 * kUnit);
+  CHECK(margin_at(15, 105) == 10 * kUnit);
+  CHECK(margin_at(15, 106) == 0);
 }
 
 TEST_CASE("the same places in the other direction compete, however near, and have a path as well") {
@@ -129,7 +132,7 @@ TEST_CASE("the same places in the other direction compete, however near, and hav
     places.state.values[places.cell(0, 10 + view)] = kNewPathValue - 9 * kUnit;
     places.state.values[places.decoy(0, 29 - view)] = kNewPathValue - 24 * kUnit;
     for (PathTrack* track : {&places.track, &reversed})
-      follow_keyframe(*track, places.state, view, at(50));
+      follow_keyframe(*track, places.state, view, at(0));
   }
   CHECK(places.track.recent.back().cell == places.cell(0, 29));
   CHECK(places.track.margin == 0);
@@ -145,7 +148,7 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
   places.advance();
   places.state.values[places.cell(0, 18)] = kNewPathValue - 25 * kUnit;
   places.state.values[places.cell(0, 10)] = kNewPathValue - 24 * kUnit;
-  follow_keyframe(places.track, places.state, 10, at(50));
+  follow_keyframe(places.track, places.state, 10, at(0));
   CHECK(places.track.recent.back().cell == places.cell(0, 18));
   for (size_t view = 11; view < 18; ++view) {
     places.see(0, view, view);
@@ -165,7 +168,7 @@ TEST_CASE("a path that is not established resumes after another one led for a wh
       places.advance();
       places.state.values[places.cell(0, view)] = kNewPathValue - 2 * kUnit;
       places.state.values[places.cell(1, view)] = kNewPathValue - 3 * kUnit;
-      follow_keyframe(places.track, places.state, view, at(50));
+      follow_keyframe(places.track, places.state, view, at(0));
       CHECK(places.length() == view - seen + 1);
       CHECK(places.number() == 2);
     }
@@ -208,6 +211,7 @@ TEST_CASE("paths equal the reference implementation") {
     RandomEngine engine(seed);
     places.track.follows_decoys = seed % 2 == 0;
     if (seed % 3 > 0) places.add_second_pass();
+    places.track.typical_distance = 100;
     const PathTrack start = places.track;
     const auto followed = [&](size_t sequence, size_t place) {
       return places.track.follows_decoys ? places.decoy(sequence, 29 - place)
@@ -234,7 +238,7 @@ TEST_CASE("paths equal the reference implementation") {
       places.state.values[followed(sequence, place)] = kNewPathValue - 9;
       places.state.values[followed(sequence, std::min<size_t>(place + wrong, 29))] =
           kNewPathValue - 9 - static_cast<uint32_t>(uniform_below(engine, 9));
-      distances.push_back(static_cast<uint32_t>(uniform_below(engine, 196)));
+      distances.push_back(static_cast<uint32_t>(uniform_below(engine, 140)));
       follow_keyframe(places.track, places.state, view, at(distances.back()));
       values.push_back(places.state.values);
       found.push_back({places.number(), places.track.margin, 0});
@@ -261,31 +265,51 @@ TEST_CASE("paths equal the reference implementation") {
   CHECK(resumed > 50);
 }
 
-TEST_CASE("passes of one place do not compete, and the path stays in its pass") {
+TEST_CASE("passes of one place do not compete, except for decoys, and the path stays in its pass") {
   const auto follow = [](uint32_t evidence, bool has_passes) {
     Places places;
     if (has_passes) places.add_second_pass();
     for (size_t view = 0; view < 20; ++view) {
       places.advance();
       places.state.values[places.cell(0, view)] = kNewPathValue - 20 * kUnit;
-      places.state.values[places.cell(0, 20 + view)] =
+      places.state.values[places.cell(0, 40 + view)] =
           kNewPathValue - (view < 17 ? 19 * kUnit : evidence);
-      places.state.values[places.decoy(0, 20 + view)] = kNewPathValue - 12 * kUnit;
-      follow_keyframe(places.track, places.state, view, at(50));
+      places.state.values[places.decoy(0, 40 + view)] = kNewPathValue - 12 * kUnit;
+      follow_keyframe(places.track, places.state, view, at(0));
     }
     return places;
   };
   CHECK(follow(25 * kUnit, false).track.margin == 0);  // of a new path
   const Places same = follow(25 * kUnit, true);
   CHECK(same.track.recent.back().cell == same.cell(0, 19));
-  CHECK(same.track.margin == 20 * kUnit);
+  CHECK(same.track.margin == 8 * kUnit);
   CHECK(same.number() == 1);
   const Places other = follow(25 * kUnit + 1, true);
-  CHECK(other.track.recent.back().cell == other.cell(0, 39));
+  CHECK(other.track.recent.back().cell == other.cell(0, 59));
   CHECK(other.track.margin == 13 * kUnit + 1);  // its own decoy
   CHECK(other.number() == 2);
   CHECK(other.length() == 20);
   CHECK(*recent_rate(other.track, other.state.cells) == 2);  // 9 keyframes, traced back
+}
+
+TEST_CASE("other passes of a place end 20 keyframes away, its own one 10 keyframes away") {
+  const auto margin_with = [](size_t best, size_t place) {
+    Places places;
+    places.add_second_pass();
+    for (size_t view = 0; view < 16; ++view) {
+      places.advance();
+      places.state.values[places.cell(0, best + view - 15)] = kNewPathValue - 24 * kUnit;
+      places.state.values[places.cell(0, place)] = kNewPathValue - 14 * kUnit;
+      follow_keyframe(places.track, places.state, view, at(0));
+    }
+    return places.track.margin;
+  };
+  CHECK(margin_with(60, 0) == 24 * kUnit);
+  CHECK(margin_with(61, 0) == 10 * kUnit);
+  CHECK(margin_with(20, 79) == 24 * kUnit);
+  CHECK(margin_with(18, 79) == 10 * kUnit);
+  CHECK(margin_with(60, 50) == 24 * kUnit);
+  CHECK(margin_with(60, 49) == 10 * kUnit);
 }
 
 TEST_CASE("places near the best one, or of an overlapping sequence, are in the exclusion zone") {
@@ -295,7 +319,7 @@ TEST_CASE("places near the best one, or of an overlapping sequence, are in the e
     places.advance();
     places.state.values[places.cell(0, 20)] = kNewPathValue - 24 * kUnit;
     places.state.values[places.cell(sequence, place)] = kNewPathValue - 14 * kUnit;
-    follow_keyframe(places.track, places.state, 20, at(50));
+    follow_keyframe(places.track, places.state, 20, at(0));
     return places.track.margin;
   };
   CHECK(margin_with(0, 10) == 24 * kUnit);
@@ -319,6 +343,6 @@ TEST_CASE("within a keyframe, the position advances at the rate, up to its end")
   CHECK(position_at(cells, keyframe, 50, 0.25) == 13);
   CHECK(position_at(cells, keyframe, 58, 0.25) == 13);
   const PathKeyframe last{60, places.cell(1, 29), 0};  // the last keyframe of all
-  CHECK(position_at(cells, last, 60, 1) == 138);
-  CHECK(position_at(cells, last, 90, 1) == 139);
+  CHECK(position_at(cells, last, 60, 1) == 218);
+  CHECK(position_at(cells, last, 90, 1) == 219);
 }

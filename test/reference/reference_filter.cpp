@@ -48,8 +48,8 @@ size_t first_pass(const FilterCells& cells, size_t cell) {
 
 // The same place in another pass, in either direction.
 bool is_other_pass(const FilterCells& cells, size_t a, size_t b, size_t near) {
-  return is_near(cells, first_pass(cells, a), first_pass(cells, b), near) &&
-         !is_near(cells, cells.trained_cell(a), cells.trained_cell(b), near);
+  return is_near(cells, first_pass(cells, a), first_pass(cells, b), 2 * near) &&
+         !is_near(cells, cells.trained_cell(a), cells.trained_cell(b), 2 * near);
 }
 
 uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>& values,
@@ -57,7 +57,8 @@ uint32_t reference_margin(const FilterCells& cells, const std::vector<uint32_t>&
   uint32_t least = kNewPathValue;
   for (const CellStretch& run : cells.runs)
     for (size_t cell = run.first; cell < run.first + run.count; ++cell)
-      if (!is_near(cells, cell, best, near) && !is_other_pass(cells, cell, best, near))
+      if (!is_near(cells, cell, best, near) &&
+          (cells.is_decoy(cell) != cells.is_decoy(best) || !is_other_pass(cells, cell, best, near)))
         least = std::min(least, values[cell]);
   return least - std::min(least, values[best]);
 }
@@ -175,26 +176,27 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
   std::vector<Led> led;
   std::vector<ReferenceKeyframe> keyframes(values.size());
   size_t paths = 0;
-  const auto margin_at = [&](size_t k) -> uint32_t {
+  const auto is_plausible = [&](size_t k) {
     const size_t start = k + 1 - settings.path_keyframes;
     double distance = distances[start];
-    double moved = 0;
+    double advanced = 0;
     for (size_t view = start + 1; view <= k; ++view) {
       distance += distances[view];
       const double step = static_cast<double>(traced(led, values, view, settings)) -
                           static_cast<double>(traced(led, values, view - 1, settings));
-      if (std::abs(step) <= static_cast<double>(settings.near_keyframes)) moved += step;
+      if (step > 0 && step <= static_cast<double>(settings.near_keyframes)) ++advanced;
     }
     const auto count = static_cast<double>(settings.path_keyframes);
-    return moved >= std::floor(count / 4) && distance <= track.farthest * count
-               ? reference_margin(cells, values[k], led[k].cell, settings.near_keyframes)
-               : 0;
+    const double share = distance / count / track.typical_distance;
+    return advanced >= std::floor(count * (share > 0.7 ? 12 : 4) / 16) && share <= 1.05;
   };
   for (size_t k = 0; k < values.size(); ++k) {
     lead(led, paths, cells, values, track);
     paths = std::max(paths, led[k].path);
     keyframes[k].path = led[k].path;
-    if (k + 1 - led[k].first >= settings.path_keyframes) keyframes[k].margin = margin_at(k);
+    if (k + 1 - led[k].first >= settings.path_keyframes && is_plausible(k))
+      keyframes[k].margin =
+          reference_margin(cells, values[k], led[k].cell, settings.near_keyframes);
     if (keyframes[k].margin >= 5 * kScoreUnit) led[k].is_established = true;
   }
   for (size_t k = 0; k < values.size(); ++k) keyframes[k].cell = traced(led, values, k, settings);
