@@ -106,7 +106,7 @@ void ensure_exclusion_zones(SequenceDatabase& database, const Monitor& monitor) 
 std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
                                            const Monitor& monitor) {
   if (database.repeated_places) return *database.repeated_places;
-  constexpr auto kLeastMargin = static_cast<uint32_t>(kFilterMargin * kScoreUnit);
+  constexpr uint32_t kLeastMargin = 12 * kScoreUnit;  // links recognize nothing by themselves
   return find_passes(descriptor_spans(database), *database.statistics, kLeastMargin, monitor);
 }
 
