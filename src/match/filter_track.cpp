@@ -8,9 +8,11 @@
 namespace vpr {
 namespace {
 
-// A mean distance of paths that must advance steadily, as a share of the typical distance: paths in
-// other buildings are seldom closer (docs/experiments/filter.md).
+// Mean distances of paths as shares of the typical distance of training frames: above kFar, a path
+// must advance steadily, because paths in other buildings are seldom closer; above kFarthest, it
+// has no margin (docs/experiments/filter.md).
 constexpr double kFar = 0.7;
+constexpr double kFarthest = 1.05;
 
 constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 

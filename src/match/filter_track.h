@@ -12,10 +12,6 @@
 
 namespace vpr {
 
-/// Largest mean distance of a recognized path, as a share of the typical distance of unrelated
-/// training frames: paths of other buildings are farther (docs/experiments/filter.md).
-inline constexpr double kFarthest = 1.05;
-
 /// A keyframe of the query on a path.
 struct PathKeyframe {
   size_t frame = 0;  ///< its first frame
@@ -47,16 +43,16 @@ struct PathTrack {
 /// last one of at most 5 deviations less evidence; otherwise the path gets a new number. If the
 /// best place is elsewhere, it is traced back over path_keyframes / 2 keyframes: it resumes the
 /// last path with a place that it reaches in the same sense, unless that path is established (once
-/// it has a margin of 5 deviations without what its distance adds), and otherwise begins a path. A
-/// resumed path includes the keyframes since then.
+/// it has a margin of 5 deviations), and otherwise begins a path. A resumed path includes the
+/// keyframes since then.
 ///
 /// The path is then traced back over path_keyframes / 2 keyframes: each place is the best one
 /// (ties: the first cell) of those from which a step leads to the next. The margin is the smallest
 /// value of a runner-up and of a new path, minus the value of the path. Runners-up are all places
 /// in both directions, except for those in this direction that are within near_keyframes in this
-/// sequence, in sequences of the same place, or in other passes of the same place. It is 0 unless
-/// path_keyframes / 4 of the last path_keyframes advance to a later place, or three quarters of
-/// them if their mean distance is above 0.7 typical distances, and if it is above kFarthest.
+/// sequence, in sequences of the same place, or in other passes of the same place. It is 0 if less
+/// than a quarter of the last path_keyframes advance to a later place, or less than three quarters
+/// in a path whose mean distance is above 0.7 typical distances, and for a distance above 1.05.
 ///
 /// The path may recognize its frames in the last path_keyframes * 3 / 2 + 1 keyframes; until it has
 /// been established for as many, in all of `recent`.
