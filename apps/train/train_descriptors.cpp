@@ -1,6 +1,7 @@
 // vpr-train descriptors and vpr-train export: descriptors from and for other programs.
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -78,7 +79,7 @@ void import_descriptors(Session& session, const ImportOptions& options) {
   const std::vector<NamedArgument> sequences = find_sequences(options);
   SequenceDatabase database = train_sequences(sequences, settings, session.monitor);
   name_frames(database, sequences, options);
-  store_database(session, database);
+  store_database(session, std::move(database));
 }
 
 template <class T>

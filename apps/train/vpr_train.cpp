@@ -1,4 +1,6 @@
 // vpr-train: builds, lists, verifies and extends databases.
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -103,7 +105,7 @@ void extend_fabmap(Session& session, const std::string& path, const TrainOptions
   FabmapDatabase database = read_fabmap_database(path);
   add_views(database, group_arguments(options, names_of(database)), options.skip_unreadable,
             session.monitor);
-  store_database(session, database);
+  store_database(session, std::move(database));
 }
 
 void add_add(Program& program) {
