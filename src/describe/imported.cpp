@@ -191,6 +191,10 @@ std::string_view imported_kind(bool are_bits, const ImportSettings& settings) {
   return value_bits == 16 ? kVectorKind : kNarrowVectorKind;
 }
 
+std::string_view imported_kind(const SequenceSource& sequence, const ImportSettings& settings) {
+  return imported_kind(ArrayRows(sequence).type().starts_with('|'), settings);
+}
+
 size_t rows_in_range(const SequenceArgument& argument, size_t all) {
   const uint64_t last = argument.range.last.value_or(all);
   if (argument.range.first >= all || last > all)

@@ -85,6 +85,9 @@ VPR_FIELDS(ImportSettings, metric, value_bits)
 /// another number of bits, and for settings without effect.
 std::string_view imported_kind(bool are_bits, const ImportSettings& settings);
 
+/// The same for the arrays of a sequence: uint8 and bool are bits. Throws also as ArrayRows does.
+std::string_view imported_kind(const SequenceSource& sequence, const ImportSettings& settings);
+
 /// Upper bound of the squared length of a vector of 16-bit integers: scalar products of two vectors
 /// fit 32 bits, for any order of summation.
 inline constexpr int64_t kMaxSquaredLength = int64_t{46340} * 46340;

@@ -170,7 +170,7 @@ Database train(Call& call, const Sources& sources, const Sources& other) {
         throw Error(ErrorKind::usage, "{} has no effect on {}. Omit it", key,
                     has_arrays ? "descriptors" : "images");
     if (has_arrays)
-      settings.descriptor_kind = imported_kind(ArrayRows(first).type().starts_with('|'), import);
+      settings.descriptor_kind = imported_kind(first, import);
     if (pretrain.empty())
       made.content = train_sequences(named, settings, monitor);
     else
