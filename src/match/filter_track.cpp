@@ -8,11 +8,17 @@
 namespace vpr {
 namespace {
 
-// Mean distances of paths as shares of the typical distance of training frames: above kFar, a path
-// must advance steadily, because paths in other buildings are seldom closer; above kFarthest, it
-// has no margin (docs/experiments/filter.md).
-constexpr double kFar = 0.7;
+// Mean distances of paths as shares of the typical distance of training frames: paths in other
+// buildings are seldom closer than kFar; a path above kFarthest has no margin
+// (docs/experiments/filter.md).
+constexpr double kNear = 0.5;
+constexpr double kFar = 0.8;
 constexpr double kFarthest = 1.05;
+
+// What a path at kFar must have more than one at kNear; in between, in proportion.
+constexpr double kFarAdvances = 0.5;             // of the keyframes
+constexpr double kFarMargin = 3.0 * kScoreUnit;  // of evidence
+constexpr double kLeastAdvances = 0.25;          // of the keyframes, at kNear
 
 constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 
@@ -164,9 +170,8 @@ uint32_t runner_up_value(const PathTrack& track, const FilterState& state, size_
   return least;
 }
 
-// Whether the last path_keyframes of the path advance, and are close to their places. Changes of
-// the pass do not advance.
-bool is_plausible(const PathTrack& track) {
+// The margin of the path if it has at least path_keyframes. Changes of the pass do not advance.
+uint32_t margin_of(const PathTrack& track, const FilterState& state) {
   const size_t count = std::max<size_t>(track.settings.path_keyframes, 1);
   const auto first = track.recent.end() - static_cast<ptrdiff_t>(count);
   uint64_t distances = first->distance;
@@ -177,9 +182,16 @@ bool is_plausible(const PathTrack& track) {
     if (keyframe->cell > before && keyframe->cell - before <= track.settings.near_keyframes)
       ++advanced;
   }
-  const double distance = static_cast<double>(distances) / static_cast<double>(count);
-  return distance <= kFarthest * track.typical_distance &&
-         advanced >= (distance > kFar * track.typical_distance ? count * 3 / 4 : count / 4);
+  const auto keyframes = static_cast<double>(count);
+  const double share = static_cast<double>(distances) / keyframes / track.typical_distance;
+  if (!(share <= kFarthest)) return 0;  // or equal training frames
+  const double far = std::clamp((share - kNear) / (kFar - kNear), 0.0, 1.0);
+  if (static_cast<double>(advanced) < std::floor(keyframes * (kLeastAdvances + kFarAdvances * far)))
+    return 0;
+  const PathKeyframe& last = track.recent.back();
+  const uint32_t runner_up = runner_up_value(track, state, last.cell);
+  const uint32_t lead = runner_up - std::min(runner_up, last.value);
+  return lead - std::min(lead, static_cast<uint32_t>(kFarMargin * far));
 }
 
 void trace_back(PathTrack& track, const FilterState& state) {
@@ -223,11 +235,7 @@ void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_fr
   last.frame = query_frame;
   last.distance = distance_to(last.cell);
   trace_back(track, state);
-  track.margin = 0;
-  if (last.length >= track.settings.path_keyframes && is_plausible(track)) {
-    const uint32_t runner_up = runner_up_value(track, state, last.cell);
-    track.margin = runner_up - std::min(runner_up, last.value);
-  }
+  track.margin = last.length >= track.settings.path_keyframes ? margin_of(track, state) : 0;
   if (last.established == 0 && track.margin >= kEstablished) last.established = 1;
   track.first_frame = std::max(track.first_frame, track.recent[first_open(track)].frame);
 }

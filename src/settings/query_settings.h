@@ -142,7 +142,7 @@ void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
 using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 
 /// The default margin of the filter, in standard deviations.
-inline constexpr double kFilterMargin = 16;
+inline constexpr double kFilterMargin = 14;
 
 /// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
 void check_window_length(uint64_t window_length);

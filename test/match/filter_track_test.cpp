@@ -28,6 +28,7 @@ struct Places {
   PathTrack track;
 
   Places() {
+    track.typical_distance = 100;
     for (const auto& [sequence, count] : {std::pair<size_t, size_t>{0, 80}, {1, 30}}) {
       state.cells.frames.resize(state.cells.size() + kLongestStep, 0);
       const size_t first_frame = sequence * 160;
@@ -104,10 +105,9 @@ TEST_CASE("a place with less evidence than a new path has no margin") {
   CHECK(places.track.margin == 0);
 }
 
-TEST_CASE("a path has a margin if 4 of 16 keyframes advance, 12 of them if it is far") {
+TEST_CASE("the farther a path, the more keyframes must advance, and the smaller its margin") {
   const auto margin_at = [](size_t advancing, uint32_t distance) {
     Places places;
-    places.track.typical_distance = 100;
     size_t place = 5;
     for (size_t view = 0; view < 16; ++view) {
       if (view > 0 && view <= advancing) ++place;
@@ -115,11 +115,13 @@ TEST_CASE("a path has a margin if 4 of 16 keyframes advance, 12 of them if it is
     }
     return places.track.margin;
   };
-  CHECK(margin_at(3, 70) == 0);
-  CHECK(margin_at(4, 70) == 10 * kUnit);
-  CHECK(margin_at(11, 71) == 0);
-  CHECK(margin_at(12, 80) == 10 * kUnit);
-  CHECK(margin_at(15, 105) == 10 * kUnit);
+  CHECK(margin_at(3, 50) == 0);
+  CHECK(margin_at(4, 50) == 10 * kUnit);
+  CHECK(margin_at(7, 66) == 0);
+  CHECK(margin_at(8, 65) == 10 * kUnit - 3 * kUnit / 2);
+  CHECK(margin_at(11, 80) == 0);
+  CHECK(margin_at(12, 80) == 7 * kUnit);
+  CHECK(margin_at(15, 105) == 7 * kUnit);
   CHECK(margin_at(15, 106) == 0);
 }
 
@@ -211,7 +213,6 @@ TEST_CASE("paths equal the reference implementation") {
     RandomEngine engine(seed);
     places.track.follows_decoys = seed % 2 == 0;
     if (seed % 3 > 0) places.add_second_pass();
-    places.track.typical_distance = 100;
     const PathTrack start = places.track;
     const auto followed = [&](size_t sequence, size_t place) {
       return places.track.follows_decoys ? places.decoy(sequence, 29 - place)
@@ -233,11 +234,11 @@ TEST_CASE("paths equal the reference implementation") {
       for (const CellStretch& run : places.state.cells.runs)
         for (size_t cell = run.first; cell < run.first + run.count; ++cell)
           places.state.values[cell] =
-              kNewPathValue + static_cast<uint32_t>(uniform_below(engine, 6)) - 2;
+              kNewPathValue + static_cast<uint32_t>(uniform_below(engine, 6)) * kUnit - 2 * kUnit;
       const size_t wrong = uniform_below(engine, 4);
-      places.state.values[followed(sequence, place)] = kNewPathValue - 9;
+      places.state.values[followed(sequence, place)] = kNewPathValue - 9 * kUnit;
       places.state.values[followed(sequence, std::min<size_t>(place + wrong, 29))] =
-          kNewPathValue - 9 - static_cast<uint32_t>(uniform_below(engine, 9));
+          kNewPathValue - (9 + static_cast<uint32_t>(uniform_below(engine, 9))) * kUnit;
       distances.push_back(static_cast<uint32_t>(uniform_below(engine, 140)));
       follow_keyframe(places.track, places.state, view, at(distances.back()));
       values.push_back(places.state.values);

@@ -176,7 +176,7 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
   std::vector<Led> led;
   std::vector<ReferenceKeyframe> keyframes(values.size());
   size_t paths = 0;
-  const auto is_plausible = [&](size_t k) {
+  const auto margin_of = [&](size_t k) -> uint32_t {
     const size_t start = k + 1 - settings.path_keyframes;
     double distance = distances[start];
     double advanced = 0;
@@ -188,15 +188,17 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
     }
     const auto count = static_cast<double>(settings.path_keyframes);
     const double share = distance / count / track.typical_distance;
-    return advanced >= std::floor(count * (share > 0.7 ? 12 : 4) / 16) && share <= 1.05;
+    const double far = std::clamp((share - 0.5) / (0.8 - 0.5), 0.0, 1.0);
+    if (advanced < std::floor(count * (4 + 8 * far) / 16) || !(share <= 1.05)) return 0;
+    const double margin =
+        reference_margin(cells, values[k], led[k].cell, settings.near_keyframes);
+    return static_cast<uint32_t>(std::max(margin - std::floor(3 * far * kScoreUnit), 0.0));
   };
   for (size_t k = 0; k < values.size(); ++k) {
     lead(led, paths, cells, values, track);
     paths = std::max(paths, led[k].path);
     keyframes[k].path = led[k].path;
-    if (k + 1 - led[k].first >= settings.path_keyframes && is_plausible(k))
-      keyframes[k].margin =
-          reference_margin(cells, values[k], led[k].cell, settings.near_keyframes);
+    if (k + 1 - led[k].first >= settings.path_keyframes) keyframes[k].margin = margin_of(k);
     if (keyframes[k].margin >= 5 * kScoreUnit) led[k].is_established = true;
   }
   for (size_t k = 0; k < values.size(); ++k) keyframes[k].cell = traced(led, values, k, settings);
