@@ -20,11 +20,8 @@ std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthS
   return read_traveled(by.poses, scope.query, monitor);
 }
 
-// The recognitions of a result, or the best matches if there are none.
-std::vector<MatchedFrame> matched_frames(const Evaluation& evaluation) {
+std::vector<MatchedFrame> best_matches(const Evaluation& evaluation) {
   std::vector<MatchedFrame> all;
-  if (evaluation.result) all = recognized_frames(evaluation);
-  if (!all.empty()) return all;
   for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)
     if (query.best && query.has_match) all.push_back({query.frame, *query.best});
   return all;
@@ -74,8 +71,10 @@ std::optional<std::string> tolerance_warning(const GroundTruth& truth,
 void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const Monitor& monitor) {
   const GroundTruth& truth = evaluation.truth;
   if (!truth.is_known || !by.ground_truth) return;
-  std::vector<MatchedFrame> matches = matched_frames(evaluation);
-  std::string noun = evaluation.result ? "recognitions" : "best matches";
+  std::vector<MatchedFrame> matches;
+  if (evaluation.result) matches = recognized_frames(evaluation);
+  std::string noun = matches.empty() ? "best matches" : "recognitions";
+  if (matches.empty()) matches = best_matches(evaluation);
   const bool most_are_incorrect = 2 * count_correct(truth, matches) < matches.size();
   if (!most_are_incorrect) {
     std::erase_if(matches, [&](const MatchedFrame& one) {

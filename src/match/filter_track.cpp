@@ -17,7 +17,7 @@ constexpr double kFarthest = 1.05;
 
 // What a path at kFar must have more than one at kNear; in between, in proportion.
 constexpr double kFarAdvances = 0.5;             // of the keyframes
-constexpr double kFarMargin = 3.0 * kScoreUnit;  // of evidence
+constexpr double kFarMargin = 4.0 * kScoreUnit;  // of evidence
 constexpr double kLeastAdvances = 0.25;          // of the keyframes, at kNear
 
 constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate

@@ -167,7 +167,7 @@ TEST_CASE(
   };
   const auto is_answer = [&](const std::string& text, const std::string& part) {
     CHECK(has(text, part));
-    CHECK(has(text, "\nSettings: filter, margin 16\n"));
+    CHECK(has(text, "\nSettings: filter, margin 14\n"));
     check_screen(text);
   };
   is_answer(query("one"), ", 1.0x\n");

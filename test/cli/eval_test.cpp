@@ -102,7 +102,7 @@ TEST_CASE("a result is summed up in 12 lines of 80 columns, with its incorrect r
     CHECK(has(text, part));
 }
 
-TEST_CASE("incorrect recognitions within a larger tolerance are named") {
+TEST_CASE("incorrect matches within a larger tolerance are named, by what they are") {
   std::vector<float> scores(400, 50);
   for (size_t q = 0; q < 20; ++q) scores[20 * q + (q < 18 ? q : q - 2)] = float(q + 1);
   write_array("s.npy", scores, {20, 20});
@@ -110,6 +110,9 @@ TEST_CASE("incorrect recognitions within a larger tolerance are named") {
   CHECK(run_ok(eval).err ==
         "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
   CHECK(run_ok(eval + "--tolerance 2").err.empty());
+  run_ok("vpr-query matrix s.npy --distance --c-l 1 -o none.json");
+  CHECK(run_ok("vpr-eval none.json --ground-truth aligned").err ==
+        "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
 }
 
 TEST_CASE("reports of one query with several names are in one table") {

@@ -104,7 +104,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     INFO(range);
     const std::string path = "r" + std::to_string(range.size()) + ".json";
     const Json json = printed_json(query(back + range + " -o " + path + " --json"));
-    CHECK(json["settings"]["margin"] == 16);
+    CHECK(json["settings"]["margin"] == 14);
     CHECK(json["totals"]["recognitions"] > 0);
     CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
     CHECK(json["clusters"].size() == 1);  // one path at any rate

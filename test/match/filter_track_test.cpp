@@ -118,10 +118,10 @@ TEST_CASE("the farther a path, the more keyframes must advance, and the smaller 
   CHECK(margin_at(3, 50) == 0);
   CHECK(margin_at(4, 50) == 10 * kUnit);
   CHECK(margin_at(7, 66) == 0);
-  CHECK(margin_at(8, 65) == 10 * kUnit - 3 * kUnit / 2);
+  CHECK(margin_at(8, 65) == 8 * kUnit);
   CHECK(margin_at(11, 80) == 0);
-  CHECK(margin_at(12, 80) == 7 * kUnit);
-  CHECK(margin_at(15, 105) == 7 * kUnit);
+  CHECK(margin_at(12, 80) == 6 * kUnit);
+  CHECK(margin_at(15, 105) == 6 * kUnit);
   CHECK(margin_at(15, 106) == 0);
 }
 
