@@ -190,8 +190,7 @@ std::vector<ReferenceKeyframe> reference_paths(const FilterCells& cells,
     const double share = distance / count / track.typical_distance;
     const double far = std::clamp((share - 0.5) / (0.8 - 0.5), 0.0, 1.0);
     if (advanced < std::floor(count * (4 + 8 * far) / 16) || !(share <= 1.05)) return 0;
-    const double margin =
-        reference_margin(cells, values[k], led[k].cell, settings.near_keyframes);
+    const double margin = reference_margin(cells, values[k], led[k].cell, settings.near_keyframes);
     return static_cast<uint32_t>(std::max(margin - std::floor(4 * far * kScoreUnit), 0.0));
   };
   for (size_t k = 0; k < values.size(); ++k) {
