@@ -15,10 +15,12 @@ constexpr double kNear = 0.5;
 constexpr double kFar = 0.8;
 constexpr double kFarthest = 1.05;
 
-// What a path at kFar must have more than one at kNear; in between, in proportion.
-constexpr double kFarAdvances = 0.5;             // of the keyframes
-constexpr double kFarMargin = 4.0 * kScoreUnit;  // of evidence
-constexpr double kLeastAdvances = 0.25;          // of the keyframes, at kNear
+// The share of the keyframes that must advance.
+constexpr double kLeastAdvances = 0.25;
+
+// Added to that share, and subtracted from the margin, of a path at kFar; in proportion from kNear.
+constexpr double kFarAdvances = 0.5;
+constexpr double kFarMargin = 4.0 * kScoreUnit;
 
 constexpr size_t kFewKeyframes = 6;  // fewer do not determine the rate
 

@@ -51,9 +51,9 @@ struct PathTrack {
 /// value of a runner-up and of a new path, minus the value of the path. Runners-up are all places
 /// in both directions, except for those in this direction that are within near_keyframes in this
 /// sequence, in sequences of the same place, or in other passes of the same place. It is 0 if less
-/// than a quarter of the last path_keyframes advance to a later place, and for a mean distance above
-/// 1.05 typical distances. From 0.5 to 0.8 of them, the keyframes that must advance increase to three
-/// quarters, and the margin decreases by up to 4 deviations.
+/// than a quarter of the last path_keyframes advance to a later place, and for a mean distance
+/// above 1.05 typical distances. From 0.5 to 0.8 of them, the keyframes that must advance increase
+/// to three quarters, and the margin decreases by up to 4 deviations.
 ///
 /// The path may recognize its frames in the last path_keyframes * 3 / 2 + 1 keyframes; until it has
 /// been established for as many, in all of `recent`.

@@ -102,7 +102,7 @@ TEST_CASE("a result is summed up in 12 lines of 80 columns, with its incorrect r
     CHECK(has(text, part));
 }
 
-TEST_CASE("incorrect matches within a larger tolerance are named, by what they are") {
+TEST_CASE("incorrect recognitions or best matches within a larger tolerance are named") {
   std::vector<float> scores(400, 50);
   for (size_t q = 0; q < 20; ++q) scores[20 * q + (q < 18 ? q : q - 2)] = float(q + 1);
   write_array("s.npy", scores, {20, 20});
