@@ -49,6 +49,7 @@ GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument, std:
 }
 
 size_t GroundTruthBuilder::find_sequence(const std::string& name) {
+  if (name.empty()) fail("has no sequence. Name it, or omit the column sequence in all rows");
   for (size_t s = 0; s < scope_.sequences.size(); ++s)
     if (scope_.sequences[s].sequence.name == name) return s;
   if (query_.grows && scope_.sequences.size() < kMaxGrownSequences) {  // their number is unknown

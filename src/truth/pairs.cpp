@@ -253,6 +253,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
           ? 0
           : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
   const auto sequence_of_row = [&] {
+    builder.at("line", rows.line());
     return rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence;
   };
   std::vector<std::string> queries;
@@ -271,7 +272,6 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   }
   size_t pairs = 0;
   while (rows.next()) {
-    builder.at("line", rows.line());
     const size_t sequence = sequence_of_row();
     pairs += read_row(builder, rows, source.range, query, sequence, train.at(sequence)) ? 1 : 0;
   }

@@ -55,7 +55,7 @@ class GroundTruthBuilder {
 
   /// As only_searched_sequence.
   size_t only_searched(std::string_view what) const { return only_searched_sequence(scope_, what); }
-  /// Throws Error(data) if no sequence has this name.
+  /// Throws Error(data) if the name is empty, or if no sequence has it.
   size_t find_sequence(const std::string& name);
   /// Checks the number of frames that the file states. Throws Error(data) if it differs.
   void require_query_frames(size_t frames);

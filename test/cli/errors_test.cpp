@@ -42,6 +42,7 @@ void make_inputs() {
            {"g.csv", "query,reference\n0,0\n5,3\n"},
            {"named.csv", "query,reference\na.png,b.png\n"},
            {"unnamed.csv", "query,sequence,reference\nnone.png,one,1\n"},
+           {"blank.csv", "query,sequence,reference\n0,,3\n1,b,1\n2,a,0\n"},
            {"ignored.csv", "query,sequence,reference,label\n0,one,0,ignore\n"},
            {"flat.csv", "frame,x,y\n0,0,0\n"},
            {"z.csv", "frame,x,y,z\n0,0,0,1\n"},
