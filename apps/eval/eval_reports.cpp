@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -260,15 +261,20 @@ std::vector<Report> with_common_queries(std::vector<Report> reports) {
   return reports;
 }
 
-std::string overview_texts(std::span<const Report> grid) {
-  std::vector<std::vector<Report>> queries;  // in the order of the reports
+/// The reports on each query, in their order.
+std::vector<std::vector<Report>> by_query(std::span<const Report> grid) {
+  std::vector<std::vector<Report>> queries;
   for (const Report& report : grid) {
     const auto known = std::ranges::find(
         queries, report.query, [](const auto& of_query) { return of_query.front().query; });
     (known == queries.end() ? queries.emplace_back() : *known).push_back(report);
   }
+  return queries;
+}
+
+std::string overview_texts(std::span<const Report> grid) {
   std::string text;
-  for (const std::vector<Report>& reports : queries)
+  for (const std::vector<Report>& reports : by_query(grid))
     text += (text.empty() ? "" : "\n") + short_text(overview_table(reports, "method"));
   return text;
 }
@@ -291,13 +297,16 @@ std::string tables_of(std::span<const Report> grid, TableFormat format) {
   return text;
 }
 
-void warn_about_truths(const Monitor& monitor, const std::vector<Report>& reports) {
-  std::map<std::string, std::set<std::string>> truths;  // by query
-  for (const Report& report : reports) truths[report.query].insert(report.protocol.ground_truth);
-  for (const auto& [query, of_query] : truths)
-    if (of_query.size() > 1)
-      warn(monitor, "{}: the reports have different ground truths: {}", query,
-           fmt::join(of_query, "; "));
+void warn_about_truths(const Monitor& monitor, std::span<const Report> grid) {
+  for (const std::vector<Report>& reports : by_query(grid)) {
+    if (compare_ground_truths(reports) == GroundTruths::same) continue;
+    std::map<std::string, std::string> truths;  // by fingerprint, with a report
+    for (const Report& report : reports)
+      truths.emplace(report.provenance.ground_truth,
+                     fmt::format("\"{}\" of {}", report.protocol.ground_truth, report.row_name));
+    warn(monitor, "{}: the reports have different ground truths: {}", reports.front().query,
+         fmt::join(std::views::values(truths), ", "));
+  }
 }
 
 void run_report(Session& session, const ReportInputs& inputs) {

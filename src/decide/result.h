@@ -78,8 +78,8 @@ struct Result {
                                            ///< unreadable frame, or a frame without words
   /// For windows of several rates: training frames per query frame of each best match.
   std::vector<std::optional<double>> best_rates;
-  /// By query window: the score of the runner-up minus the best score; nullopt without a runner-up.
-  /// Empty: unknown, as for approximate methods and FAB-MAP.
+  /// By query window: the score of the runner-up minus the best score, which the filter reduces for
+  /// far paths; nullopt without a runner-up. Empty: unknown, as for approximate methods and FAB-MAP.
   std::vector<std::optional<double>> margins;
   std::optional<Clusters> clusters;    ///< of the recognitions: by sequence, first recognition;
                                        ///< paths by first recognition

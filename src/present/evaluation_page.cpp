@@ -141,8 +141,11 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   const GroundTruth& truth = evaluation.truth;
   const Gallery gallery = make_gallery(judgment, truth, score_unit(report), sources, monitor);
   const Chart timeline = path_chart(evaluation, report, monitor);
+  const bool has_path = evaluation.result && evaluation.result->result->path;
   Chart margins = sized(margin_chart(report, judgment),
-                        "Margin of every best match: difference to the runner-up", kPageWidth, 240);
+                        fmt::format("Margin of every best match: difference to the runner-up{}",
+                                    has_path ? ", reduced for far paths" : ""),
+                        kPageWidth, 240);
   margins.right = layout_of(timeline, true).names_width;
   Chart matrix = matrix_chart(evaluation, report, kMatrixSide, monitor);
   matrix.title = "Query frames against training frames";

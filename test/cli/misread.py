@@ -120,9 +120,10 @@ def recordings():
     assert soft["metrics"]["recall_achievement"]["stretches"] == 4
     assert soft["provenance"]["ground_truth"] != printed_json("vpr-eval", *truth, "same.npy")["provenance"]["ground_truth"]
     (folder / "mixed").mkdir()
-    for name in ("same.npy", "numbers.csv"):
+    shifted = write("shifted.csv", "query,reference\n" + "".join(f"{i},{39 - i}\n" for i in range(40)))
+    for name, differ in (("same.npy", False), ("numbers.csv", False), (shifted, True)):
         run("vpr-eval", *truth, name, "--name", name, "-o", f"mixed/{name}.json")
-    assert "again: the reports have different ground truths" in said("vpr-eval", "report", "mixed")
+        assert ("again: the reports have different ground truths" in said("vpr-eval", "report", "mixed")) == differ
     # 16-bit gray in a narrow range, and frames that look alike.
     for name, low in (("thermal", 27000), ("dark", None)):
         (folder / name).mkdir()
