@@ -59,11 +59,12 @@ bool ring_fits(size_t train_frames, size_t window_length, size_t memory_limit);
 WindowStage fastable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                            const MatchSettings& settings);
 
-/// The whole query at once, two to three times as fast as frame by frame. Strips of diagonals
-/// (train frame - query frame) are independent: their running sums stay in place, and each strip
-/// has a ring of the longest window length in its thread's cache. Strips are narrow enough for the
-/// memory limit, but at least 64 diagonals wide. Any tile of `distances` must be computable at any
-/// time; at least one of the two sequences has a window.
+/// The whole query at once, for searches without margins (maxima, sweeps of thresholds): up to
+/// twice as fast as frame by frame. Strips of diagonals (train frame - query frame) are
+/// independent: their running sums stay in place, and each strip has a ring of the longest window
+/// length in its thread's cache. Strips are narrow enough for the memory limit, but at least 64
+/// diagonals wide. Any tile of `distances` must be computable at any time; at least one of the two
+/// sequences has a window.
 void match_strips(const FrameDistances& distances, std::span<const size_t> window_lengths,
                   const MatchSettings& settings, const Monitor& monitor,
                   const LengthRowConsumer& consume);

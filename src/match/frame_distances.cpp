@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <memory>
+#include <numeric>
 
 #include "base/error.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kChunkFrames = 2048;
+constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the second-level cache
+constexpr size_t kRowsAhead = 16;
 constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
 constexpr std::array kKinds = {&kHammingDistance,    &kCosineDistance, &kWideCosineDistance,
@@ -153,6 +156,40 @@ void compute_row(const FrameDistances& distances, size_t query, std::vector<uint
     const size_t last = std::min(first + kChunkFrames, distances.train_frames);
     distances.tile({&asked, 1}, first, last, row.data() + first, 0);
   });
+}
+
+FrameDistances read_ahead(FrameDistances distances) {
+  /// The rows of query frames [first, last).
+  struct Rows {
+    size_t first = 0;
+    size_t last = 0;
+    size_t stride = 0;
+    std::vector<uint16_t> values;
+  };
+  const auto rows = std::make_shared<Rows>();
+  rows->stride = round_up(distances.train_frames, 64) + 32;  // rows must not share cache sets
+  rows->values.resize(kRowsAhead * rows->stride);
+  distances.start_row = [rows, of = distances](size_t query) {
+    if (query >= rows->first && query < rows->last) return;
+    rows->first = query;
+    rows->last = std::min(query + kRowsAhead, of.query_frames);
+    std::array<uint32_t, kRowsAhead> numbers;
+    std::iota(numbers.begin(), numbers.end(), static_cast<uint32_t>(query));
+    const std::span queries = std::span(numbers).first(rows->last - query);
+    const size_t compared = of.past.empty() ? of.train_frames : rows->last;
+    parallel_for(divide_up(compared, kChunkFrames), {}, [&](size_t chunk) {
+      const size_t first = chunk * kChunkFrames;
+      of.tile(queries, first, std::min(first + kChunkFrames, compared), rows->values.data() + first,
+              rows->stride);
+    });
+  };
+  distances.tile = [rows](std::span<const uint32_t> queries, size_t first, size_t last,
+                          uint16_t* out, size_t) {
+    assert(queries.size() == 1 && queries[0] >= rows->first && queries[0] < rows->last);
+    const uint16_t* row = rows->values.data() + (queries[0] - rows->first) * rows->stride;
+    std::copy(row + first, row + last, out);
+  };
+  return distances;
 }
 
 uint64_t row_sum(const FrameDistances& distances, std::span<const uint16_t> row) {

@@ -72,10 +72,9 @@ void match_by_hashes(const FrameDistances& distances, std::span<const size_t>,
 }
 
 constexpr std::array<SequenceMethod, 5> kMethods = {{
-    {"fastable", "reuses distances between rows, for the whole query at once", false, match_strips,
-     fastable_stage},
-    {"fastable-online", "as fastable, one query frame after the other as on a phone", false,
-     nullptr, fastable_stage},
+    {"fastable", "reuses distances between rows", false, match_strips, fastable_stage},
+    {"fastable-online", "as fastable, and always one query frame after the other, as on a phone",
+     false, nullptr, fastable_stage},
     {"openable", "every window distance by definition (slow)", false, nullptr, openable_stage},
     {"filter",
      "follows a path at 0.5 to 2 times the trained speed; accepts matches that the path confirms",

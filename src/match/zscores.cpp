@@ -65,6 +65,7 @@ void learn_query(ZScoreState& state, const Monitor& monitor) {
       counter.add();
       if (!is_new_keyframe(state.keyframes, rows, f)) continue;
       push_keyframe(state.keyframes, f);
+      if (state.distances.start_row) state.distances.start_row(f);
       find_terms(state, f);
       plan_update(state, f);
       const auto query = static_cast<uint32_t>(f);
@@ -83,6 +84,7 @@ void learn_query(ZScoreState& state, const Monitor& monitor) {
 // Determines what is learned before the frame is scored.
 void begin_frame(ZScoreState& state, size_t frame) {
   state.frame = frame;
+  if (state.distances.start_row) state.distances.start_row(frame);
   state.row.clear();
   find_terms(state, frame);
   state.update.reset();
@@ -192,7 +194,7 @@ std::vector<uint32_t> keyframe_starts(const DescribedFrames& sequence, double ty
 
 std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const ScoreBasis& basis,
                                            const Monitor& monitor) {
-  assert(basis.mean.size() == distances.train_frames && !distances.is_in_order());
+  assert(basis.mean.size() == distances.train_frames);
   const ZScoreSettings& settings = basis.settings;
   auto state = std::make_shared<ZScoreState>();
   state->basis = basis;

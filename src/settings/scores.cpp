@@ -204,6 +204,7 @@ ScoreStages stages_of(const SequenceQuerySettings& settings, const TrainStatisti
 }
 
 FrameDistances scored(FrameDistances distances, const ScoreStages& stages, const Monitor& monitor) {
+  if (!stages.rows.empty() && distances.past.empty()) distances = read_ahead(std::move(distances));
   for (const StartedStage& stage : stages.start())
     distances = stage.scores(std::move(distances), {}, monitor);
   return distances;
