@@ -11,6 +11,7 @@
 #include <new>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -51,13 +52,21 @@ void on_bus_error(int, siginfo_t* info, void*) {
   ::_exit(exit_code(ErrorKind::input));
 }
 
+// An output would get the number of a closed standard stream, and its messages.
+void open_standard_streams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream)
+    if (::fcntl(stream, F_GETFD) < 0) (void)::open("/dev/null", O_RDONLY);
+}
+
 void set_up_process() {
+  open_standard_streams();
   struct sigaction bus_error {};
   bus_error.sa_sigaction = on_bus_error;
   bus_error.sa_flags = SA_SIGINFO | SA_RESETHAND;
   ::sigaction(SIGBUS, &bus_error, nullptr);
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   std::cerr.rdbuf(nullptr);  // only OpenCV's codecs write to it
@@ -104,7 +113,7 @@ void print_error(const std::string& program, const std::string& sentence) {
             with_short_words(printable_line(sentence.substr(begin, end - begin)));
     begin = end + 1;
   }
-  fmt::print(stderr, "{}: {}\n", program, text);
+  write_to_stderr(fmt::format("{}: {}\n", program, text));
 }
 
 std::string last_sections(const std::string& example) {

@@ -83,6 +83,11 @@ double ProgressLine::seconds_left(double share) const {
   return elapsed_s / gone * (1 - share);
 }
 
+void write_to_stderr(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
 void ProgressLine::show(const std::string& step, size_t done, size_t total) {
   if (!enabled_) return;
   const std::lock_guard lock(mutex_);
@@ -97,16 +102,14 @@ void ProgressLine::show(const std::string& step, size_t done, size_t total) {
   since_drawn_ = {};
   drawn_ = true;
   // A line that fills the last column wraps, and its first row is not erased.
-  fmt::print(stderr, "\r\x1b[K{}",
-             progress_text(step, done, total, seconds_left(share), terminal_width() - 1));
-  std::fflush(stderr);
+  write_to_stderr("\r\x1b[K" +
+                  progress_text(step, done, total, seconds_left(share), terminal_width() - 1));
 }
 
 void ProgressLine::clear() {
   if (!enabled_) return;
   const std::lock_guard lock(mutex_);
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  if (drawn_) write_to_stderr("\r\x1b[K");
   drawn_ = false;
 }
 

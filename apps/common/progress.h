@@ -15,6 +15,9 @@ namespace vpr {
 std::string progress_text(const std::string& step, size_t done, size_t total, double seconds_left,
                           size_t width);
 
+/// Writes to stderr. A failure, as on a full disk, changes nothing else.
+void write_to_stderr(const std::string& text);
+
 /// Draws on stderr if it is a terminal. Thread-safe.
 class ProgressLine {
  public:

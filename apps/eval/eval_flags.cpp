@@ -244,8 +244,7 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
 
 void check_inputs(const EvalInputs& inputs) {
   check_scores(inputs.scores);
-  for (const uint64_t k : inputs.by.recall_at) check_range("--recall-at", k, kMaxFrames);
-  check_range("--stretch", inputs.by.stretch_frames, kMaxFrames);
+  check_evaluation(inputs.by);
   refuse(!inputs.map_with.empty() && inputs.map.empty(), "--map-with", "needs --map FOLDER");
   refuse(!inputs.by.places.empty() && !inputs.truth.path.empty(), "--places",
          "replaces the ground truth. Omit --ground-truth");

@@ -5,6 +5,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/text.h"
 #include "describe/imported.h"
 #include "eval.h"
@@ -125,7 +126,7 @@ std::vector<CheckRow> rows_of(const InspectedGroundTruth& found,
 
 Json check_json(const InspectedGroundTruth& found, const std::vector<CheckRow>& rows,
                 const RunInfo& run) {
-  Json json = {{"schema", "vpr.ground-truth-check/3"},
+  Json json = {{"schema", schema_name("ground-truth-check")},
                {"format", found.format},
                {"protocol", found.truth.protocol}};
   for (const CheckRow& row : rows) {
@@ -196,7 +197,7 @@ void run_convert(Session& session, const TruthInputs& inputs) {
                                    inputs.ground_truth, found.format, options.output, target.name,
                                    counted(summary.query_frames, "query frame"),
                                    counted(summary.same, "pair"), summary.ignored),
-                       {{"schema", "vpr.conversion/3"},
+                       {{"schema", schema_name("conversion")},
                         {"from", found.format},
                         {"to", target.name},
                         {"query_frames", summary.query_frames},

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
+#include "common/progress.h"
 #include "files/live_lines.h"
 #include "files/matrix_file.h"
 #include "present/matrix_chart.h"
@@ -185,7 +186,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
     if (const auto line = lines.finish()) session.print_line(*line);
   };
   const auto report = [&] {
-    if (!session.options.quiet) fmt::print(stderr, "{}\n", latency_text(times_ms));
+    if (!session.options.quiet) write_to_stderr(latency_text(times_ms) + "\n");
   };
   try {
     while (const auto frame = query.source.next(silent)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 
 #include <fmt/ranges.h>
 
@@ -13,15 +14,20 @@ namespace vpr {
 
 std::optional<Json> parse_json(std::string_view text) {
   constexpr int kMaxDepth = 64;
-  bool too_deep = false;
+  bool is_bad = false;
+  std::vector<std::set<std::string>> keys;  // of the objects around the current position
   Json json = Json::parse(
       text,
-      [&](int depth, Json::parse_event_t, Json&) {
-        too_deep = too_deep || depth > kMaxDepth;
-        return !too_deep;  // drop values that are nested too deeply
+      [&](int depth, Json::parse_event_t event, Json& value) {
+        if (is_bad) return false;
+        if (event == Json::parse_event_t::object_start) keys.emplace_back();
+        if (event == Json::parse_event_t::object_end) keys.pop_back();
+        is_bad = depth > kMaxDepth || (event == Json::parse_event_t::key &&
+                                       !keys.back().insert(value.get<std::string>()).second);
+        return !is_bad;
       },
       false);
-  if (json.is_discarded() || too_deep) return std::nullopt;
+  if (json.is_discarded() || is_bad) return std::nullopt;
   return json;
 }
 
@@ -29,7 +35,9 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   const std::string file = read_whole_file(path);
   std::optional<Json> json = parse_json(file);
   if (!json)
-    throw Error(kind, "{}: is not valid JSON; check its commas, quotes and brackets",
+    throw Error(kind,
+                "{}: is not valid JSON; check its commas, quotes and brackets, and keys that occur "
+                "twice",
                 path.string());
   return *std::move(json);
 }

@@ -27,8 +27,8 @@
 
 namespace vpr {
 
-/// Returns nullopt for invalid JSON, or for JSON nested deeper than any of our files, so that code
-/// that uses the value may recurse.
+/// Returns nullopt for invalid JSON, for an object with a key that occurs twice, and for JSON
+/// nested deeper than any of our files, so that code that uses the value may recurse.
 std::optional<Json> parse_json(std::string_view text);
 
 /// Reads a whole file. Throws Error(input) if it cannot be read, Error(kind) if it is not JSON.

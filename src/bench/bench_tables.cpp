@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "bench/bench_result.h"
 
 namespace vpr {
@@ -224,7 +225,7 @@ Table comparison_table(const BenchComparison& comparison, double factor) {
 }
 
 Json comparison_json(const BenchComparison& comparison, double factor) {
-  Json json = {{"schema", "vpr.bench-comparison/3"}, {"factor", factor}};
+  Json json = {{"schema", schema_name("bench-comparison")}, {"factor", factor}};
   json["rows"] = Json::array();
   for (const BenchRatio& row : comparison.ratios)
     json["rows"].push_back({{"work", row.work},

@@ -166,6 +166,13 @@ GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
   return truth;
 }
 
+void check_evaluation(const EvaluationSettings& by) {
+  constexpr double kMostFrames = 1e7;
+  for (const size_t k : by.recall_at)
+    require_range("recall_at", static_cast<double>(k), 1, kMostFrames);
+  require_range("stretch", static_cast<double>(by.stretch_frames), 1, kMostFrames);
+}
+
 Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor) {
   Evaluation evaluation;

@@ -64,6 +64,9 @@ struct Evaluation {
   const Sequence& query() const { return judgment.layout.scope.query; }
 };
 
+/// Throws Error(usage) for settings out of range.
+void check_evaluation(const EvaluationSettings& by);
+
 /// The ground truth of an evaluation for the indices of `scope`, whose names are those of `by`.
 /// Throws what read_ground_truth throws.
 GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor);

@@ -7,6 +7,12 @@
 
 namespace vpr {
 
+/// The numbers of frames, where they are known.
+struct ListFrames {
+  std::optional<size_t> query;
+  std::optional<size_t> train;
+};
+
 /// Reads one of:
 /// - a folder with one text file per query, in the format of VPR-methods-evaluation: the query's
 ///   path, the paths of its predictions, best first, and those of its positives, which are skipped,
@@ -22,10 +28,6 @@ namespace vpr {
 /// nor `stated` tell how many there are, the largest one does. Throws Error(input) for a file that
 /// cannot be read; Error(data), with the line, for another format or an unknown name; Error(usage)
 /// for scores without `kind`.
-struct ListFrames {
-  std::optional<size_t> query;
-  std::optional<size_t> train;
-};
 ScoreMatrix prediction_scores(const std::filesystem::path& path, const FrameNames& queries,
                               const FrameNames& references, std::optional<ScoreOrder> kind,
                               const ListFrames& stated = {});

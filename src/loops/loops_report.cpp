@@ -197,7 +197,7 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
   const LoopJudgment& judgment = evaluation.judgment;
   const auto longest = judgment.longest_missed();
-  Json json = {{"schema", "vpr.loops/3"}, {"name", evaluation.name}};
+  Json json = {{"schema", schema_name("loops")}, {"name", evaluation.name}};
   json["protocol"] = protocol_json(evaluation);
   json["trajectory"] = trajectory_json(evaluation.trajectory);
   json["loops"] = {{"listed", evaluation.list.loops.size()},

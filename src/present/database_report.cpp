@@ -14,8 +14,6 @@
 namespace vpr {
 namespace {
 
-constexpr const char* kSchema = "vpr.database-info/3";
-
 // Empty for LDB, the default.
 std::string descriptor_text(const DescriptorStore& descriptors) {
   if (descriptors.kind == &descriptor_kinds().front()) return "";
@@ -65,7 +63,7 @@ std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
 }  // namespace
 
 Json database_json(const SequenceDatabase& database, const RunInfo& run) {
-  Json json = {{"schema", kSchema},
+  Json json = {{"schema", schema_name("database-info")},
                {"method", enum_name(DatabaseFamily::sequences)},
                {"descriptor", database.descriptors.kind->name}};
   if (database.descriptors.kind->is_imported) json["length"] = database.descriptors.length;
@@ -93,7 +91,7 @@ Json database_json(const SequenceDatabase& database, const RunInfo& run) {
 
 Json database_json(const FabmapDatabase& database, const RunInfo& run) {
   const std::vector<size_t> featureless = featureless_frames(database);
-  return {{"schema", kSchema},
+  return {{"schema", schema_name("database-info")},
           {"method", enum_name(DatabaseFamily::fabmap)},
           {"settings", value_to_json(database.settings)},
           {"words", database.tree.words()},
@@ -151,7 +149,7 @@ std::string database_text(const FabmapDatabase& database, const std::string& nam
 Json thresholds_json(std::span<const TrainSequence> sequences,
                      const std::vector<ThresholdTable>& thresholds, double safety_factor,
                      const RunInfo& run) {
-  Json json = {{"schema", "vpr.thresholds/3"}, {"safety_factor", safety_factor}};
+  Json json = {{"schema", schema_name("thresholds")}, {"safety_factor", safety_factor}};
   json["thresholds"] = Json::array();
   for (const Line& line : lines_of(sequences, thresholds)) {
     Json item = {{"sequence", line.sequence.name}, {"c_l", line.window_length}, {"t_r", nullptr}};

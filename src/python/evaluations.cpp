@@ -32,6 +32,11 @@ struct EvaluationReport {
     return page;
   }
 
+  void save(const std::filesystem::path& path, bool is_page, bool force) const {
+    const std::string content = is_page ? page(false) : text();
+    vpr::save(force, run, [&](Outputs& outputs) { outputs.file(path).write(content); });
+  }
+
   // Points of the curve of best matches: threshold, correct and incorrect ones.
   py::array curve() const {
     const Curve& best = evaluation.judgment.single_best;
@@ -66,13 +71,17 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
   if (!result) set_source(input, scores);
   if (!result) call.process.order = FrameOrder::rows;
   call.read(by, own);
+  check_evaluation(by);
   if (truth) by.ground_truth = argument;
   const auto evaluate_input = [&](const Monitor& monitor) {
     require_order(input);
     settings.format = input.format();
     settings.query.name = kUnnamedQuery;
     settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
-    Evaluation evaluation = evaluate_scores(ScoreMatrix(input.open()), settings, by, monitor);
+    ScoreMatrix matrix(input.open());
+    require_range("rows_are_windows_of", static_cast<double>(settings.window_length), 1,
+                  static_cast<double>(matrix.queries));
+    Evaluation evaluation = evaluate_scores(std::move(matrix), settings, by, monitor);
     warn_of_scores(evaluation.judgment, input, input.path, monitor);
     return evaluation;
   };
@@ -98,12 +107,9 @@ void add_evaluations(py::module_& module) {
       .def("text", &EvaluationReport::text)
       .def("summary", &EvaluationReport::summary)
       .def("page", &EvaluationReport::page)
+      .def("save", &EvaluationReport::save)
       .def("curve", &EvaluationReport::curve);
   module.def("evaluate", evaluate);
-  module.def("save_text",
-             [](const std::filesystem::path& path, const std::string& text, bool force) {
-               save(force, [&](Outputs& outputs) { outputs.file(path).write(text); });
-             });
 }
 
 }  // namespace vpr

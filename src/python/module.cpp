@@ -3,9 +3,12 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdlib>
 #include <future>
 #include <mutex>
+#include <new>
+#include <set>
 
 #include "base/error.h"
 #include "base/provenance.h"
@@ -20,6 +23,38 @@ namespace py = pybind11;
 
 namespace vpr {
 
+namespace {
+
+/// The works that are running.
+struct Works {
+  std::mutex mutex;
+  std::condition_variable end;
+  std::set<std::atomic<bool>*> stops;
+
+  void add(std::atomic<bool>& stop) {
+    const std::scoped_lock lock(mutex);
+    stops.insert(&stop);
+  }
+  void remove(std::atomic<bool>& stop) {
+    const std::scoped_lock lock(mutex);
+    stops.erase(&stop);
+    end.notify_all();
+  }
+  // Later, a thread could not take the interpreter's lock to return from its call.
+  void stop_all() {
+    std::unique_lock lock(mutex);
+    for (std::atomic<bool>* stop : stops) *stop = true;
+    end.wait(lock, [&] { return stops.empty(); });
+  }
+};
+
+Works& works() {
+  static Works all;
+  return all;
+}
+
+}  // namespace
+
 void Call::run(const std::function<void(const Monitor&)>& work) const {
   /// News of the work for the calling thread.
   struct Reports {
@@ -27,7 +62,7 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
     std::vector<std::string> warnings;
   };
   constexpr std::chrono::milliseconds kPeriod(50);
-  static std::mutex turn;
+  static std::timed_mutex turn;
   std::mutex mutex;  // of the reports
   Reports reports;
   std::atomic<bool> stop{false};
@@ -43,10 +78,12 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
     reports.warnings.push_back(sentence);
   };
   std::future<void> result = std::async(std::launch::async, [&] {
-    const std::scoped_lock lock(turn);
+    std::unique_lock lock(turn, std::defer_lock);
+    while (!lock.try_lock_for(kPeriod)) check_stop(monitor);
     const ProcessScope scope(process);
     work(monitor);
   });
+  works().add(stop);
   std::exception_ptr raised;
   for (bool is_finished = false; !is_finished;) {
     Reports latest;
@@ -68,13 +105,15 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
       stop = true;
     }
   }
+  works().remove(stop);
   if (raised) std::rethrow_exception(raised);
   result.get();
 }
 
-void save(bool force, const std::function<void(Outputs& outputs)>& write) {
+void save(bool force, const RunInfo& run, const std::function<void(Outputs& outputs)>& write) {
   Call{"vpr.save"}.run([&](const Monitor&) {
     Outputs outputs(force ? Existing::replace : Existing::refuse);
+    for (const auto& [role, path] : run.paths) outputs.protect(parse_sequence_argument(path).path);
     write(outputs);
     outputs.commit();
   });
@@ -95,6 +134,7 @@ std::shared_ptr<const NpyArray> view_of(py::array array, const std::string& name
   const bool is_fortran = (array.flags() & (py::array::c_style | py::array::f_style)) ==
                           py::array::f_style;  // a vector is in both orders
   if (!is_fortran) array = py::array::ensure(array, py::array::c_style);
+  if (!array) throw std::bad_alloc();
   NpyHeader header{py::str(array.dtype().attr("str")), {}, is_fortran};
   header.shape.assign(array.shape(), array.shape() + array.ndim());
   const std::span values(static_cast<const std::byte*>(array.data()),
@@ -199,7 +239,7 @@ void add_databases(py::module_& module) {
       .def(
           "save",
           [](const Database& database, const std::filesystem::path& path, bool force) {
-            save(force, [&](Outputs& outputs) {
+            save(force, {}, [&](Outputs& outputs) {
               outputs.claim_folder(path, is_database_folder);
               write_database(path, database.content, outputs);
             });
@@ -229,7 +269,10 @@ void raise(const Error& error) {
   constexpr std::array kClasses = {"UsageError", "InputError", "OutputError", "DataError"};
   const auto kind = static_cast<size_t>(error.kind());
   const char* name = kind < kClasses.size() ? kClasses[kind] : "InternalError";
-  PyErr_SetString(py::module_::import("vpr").attr(name).ptr(), error.what());
+  const std::string_view text = error.what();  // with any bytes of paths
+  const auto sentence = py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
+  PyErr_SetObject(py::module_::import("vpr").attr(name).ptr(), sentence.ptr());
 }
 
 }  // namespace
@@ -254,9 +297,15 @@ PYBIND11_MODULE(_vpr, module) {
   py::class_<Call>(module, "Call")
       .def(py::init(
           [](const std::string& function, const std::string& keywords, const py::object& progress) {
-            return Call{function, parse_json(keywords).value(), progress};
+            std::optional<Json> json = parse_json(keywords);
+            if (!json) throw Error(ErrorKind::usage, "{}: a setting is not valid text", function);
+            return Call{function, *std::move(json), progress};
           }));
   module.def("array_of", array_of);
+  py::module_::import("atexit").attr("register")(py::cpp_function([] {
+    const py::gil_scoped_release release;
+    works().stop_all();
+  }));
   add_databases(module);
   add_queries(module);
   add_evaluations(module);

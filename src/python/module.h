@@ -19,6 +19,7 @@
 #include "base/npy.h"
 #include "base/output.h"
 #include "evaluate/score_matrix.h"
+#include "files/run_info.h"
 #include "sequence/frames.h"
 #include "words/database.h"
 
@@ -44,13 +45,13 @@ struct Call {
 
   /// Runs `work` in a thread without the interpreter's lock. Works of several threads run one after
   /// the other, because settings of libraries belong to the process. Meanwhile the calling thread
-  /// calls `progress(step, done, total)` unless it is None, and Python's warnings. An interrupt or
-  /// an exception of these stops the work and is raised.
+  /// calls `progress(step, done, total)` unless it is None, and Python's warnings. An interrupt, an
+  /// exception of these, or the end of the interpreter stops the work; the first two are raised.
   void run(const std::function<void(const Monitor&)>& work) const;
 };
 
-/// Runs `write`, and commits its outputs.
-void save(bool force, const std::function<void(Outputs& outputs)>& write);
+/// Runs `write`, and commits its outputs, which replace no input of the run.
+void save(bool force, const RunInfo& run, const std::function<void(Outputs& outputs)>& write);
 
 /// A path as on the command line, an array (or what NumPy makes one of), or None.
 using Source = std::variant<std::filesystem::path, pybind11::object>;

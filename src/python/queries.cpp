@@ -142,7 +142,7 @@ ResultPointer load(const Call& call, const std::filesystem::path& path) {
 void save_result(const StoredResult& result, const std::filesystem::path& path, bool force) {
   if (!result.fingerprint.empty())
     throw Error(ErrorKind::usage, "the result was read from a file. Copy its files instead");
-  save(force, [&](Outputs& outputs) {
+  save(force, result.context.run, [&](Outputs& outputs) {
     claim_result(path, outputs);
     write_result(path, result.result, result.context, outputs);
   });

@@ -40,8 +40,7 @@ NamedArgument parse_named_range(const std::string& text, const std::filesystem::
 
 /// Describes each sequence and computes the thresholds for settings.window_length (or warns if
 /// is_left_to_queries) and the training statistics. Names must differ. Throws Error(usage) for
-/// settings out of range, and what DescriptorKind::describe throws. Warns of sequences shorter than
-/// a window.
+/// settings out of range, and what DescriptorKind::describe throws.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const Monitor& monitor);
 

@@ -209,7 +209,7 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
       values.insert(values.end(), {statistics->bias[i], statistics->variance[i]});
     writer.add_array(kStatisticsFile, std::span<const float>(values), {rows.size(), 2});
   }
-  Json manifest = {{"schema", "vpr.database/3"},
+  Json manifest = {{"schema", schema_name("database")},
                    {"method", enum_name(DatabaseFamily::sequences)},
                    {"descriptor", database.descriptors.kind->name}};
   if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;

@@ -121,8 +121,10 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
 }
 
 Json dataset_json(const World& world, const std::vector<RecordedWalk>& walks) {
-  Json json = {
-      {"schema", "vpr.dataset/3"}, {"name", world.name}, {"fps", world.fps}, {"plan", "plan.csv"}};
+  Json json = {{"schema", schema_name("dataset")},
+               {"name", world.name},
+               {"fps", world.fps},
+               {"plan", "plan.csv"}};
   for (const RecordedWalk& recorded : walks)
     if (recorded.walk->use == WalkUse::pretrain)
       for (const std::string& range : pretraining_ranges(world, recorded))
@@ -296,7 +298,7 @@ bool is_recording_folder(const fs::path& folder) {
 }
 
 Json recording_json(const World& world, const RecordingSize& size) {
-  return {{"schema", "vpr.world-info/3"},
+  return {{"schema", schema_name("world-info")},
           {"walks", world.walks.size()},
           {"frames", size.frames},
           {"places", world.places.size()},

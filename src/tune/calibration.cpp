@@ -293,7 +293,7 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
 
 Json calibration_json(const CalibratedSequence& calibrated, const RunInfo& run, double seconds) {
   const CalibratedLength& chosen = calibrated.lengths[calibrated.chosen];
-  Json json = {{"schema", "vpr.calibration/3"},
+  Json json = {{"schema", schema_name("calibration")},
                {"settings", settings_in_force(chosen.settings)},
                {"query", {{"name", calibrated.query.name}, {"ground_truth", calibrated.protocol}}},
                {"precision", calibrated.precision},

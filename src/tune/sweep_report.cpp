@@ -199,7 +199,7 @@ Json sweep_json(std::string_view method, const QuerySettings& base,
 }
 
 std::string config_text(const QuerySettings& settings) {
-  Json json = {{"schema", "vpr.config/3"}};
+  Json json = {{"schema", schema_name("config")}};
   json.update(settings_in_force(settings));
   return to_text(json);
 }

@@ -135,7 +135,8 @@ std::string write_content(const FabmapDatabase& database, ArchiveWriter writer) 
   add_list(writer, "index.npy", database.index.lists);
   add_list(writer, "index_offsets.npy", database.index.offsets);
   std::string names;
-  Json manifest = {{"schema", "vpr.database/3"}, {"method", enum_name(DatabaseFamily::fabmap)}};
+  Json manifest = {{"schema", schema_name("database")},
+                   {"method", enum_name(DatabaseFamily::fabmap)}};
   manifest["settings"] = value_to_json(database.settings);
   manifest["groups"] = value_to_json(database.groups, kDataForm);
   for (const ViewGroup& group : database.groups) {

@@ -122,4 +122,6 @@ TEST_CASE("JSON with excessive nesting is refused") {
   CHECK_FALSE(parse_json(std::string(300'000, '[') + std::string(300'000, ']')).has_value());
   CHECK_FALSE(parse_json(R"({"a":)" + std::string(300'000, '[')).has_value());
   CHECK_FALSE(parse_json("{").has_value());
+  CHECK(parse_json(R"({"a": {"a": 1}, "b": {"a": 1}})").has_value());
+  CHECK_FALSE(parse_json(R"({"a": 1, "b": [{"a": 1, "a": 2}]})").has_value());
 }

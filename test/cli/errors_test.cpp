@@ -134,14 +134,16 @@ TEST_CASE("an existing output is refused before any work, and replaced with --fo
     CHECK(fs::exists(kept));
 }
 
-TEST_CASE("a failure of stdout does not lose the requested files") {
+TEST_CASE("a failure of stdout or stderr changes nothing else") {
   if (!fs::exists("/dev/full")) return;
   start_with(make_walks);
-  const auto shell = [](const std::string& command) {
-    const auto programs = program_path("").string();
-    return WEXITSTATUS(std::system((programs + command + " > /dev/full 2> said").c_str()));
+  const auto shell = [](const std::string& command, const char* to = " > /dev/full 2> said") {
+    const int status = std::system((program_path("").string() + command + to).c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   };
   CHECK(shell("vpr-train info db.vprdb") == 3);
+  for (const char* stderr_to : {" > said 2> /dev/full", " > said 2>&-"})
+    CHECK(shell("vpr-train info missing", stderr_to) == 3);
   const auto query = [&](const std::string& flags) {
     const int exit_code = shell(kQuery + " --c-l 2" + flags);
     CHECK(has(read_text("said"), "the output files are complete"));

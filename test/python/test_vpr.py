@@ -4,6 +4,8 @@ import html
 import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -354,6 +356,14 @@ def masked():
     (lambda db, walks: vpr.query(db, "x", descriptors=np.eye(64)), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=np.eye(64), c_l=5, t_r=np.nan), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), None), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", recall_at=[0]), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", stretch=0), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", rows_are_windows_of=0), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", rows_are_windows_of=10), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=np.eye(64), method="\udcff"), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l=5, t_r=1).save(
+        walks / "tuesday.npy", force=True), "UsageError"),
+    (lambda db, walks: vpr.load("missing\udcff"), "InputError"),
     (lambda db, walks: vpr.loops(descriptors=np.eye(64), loop_gap_s=9, c_l=5), "UsageError"),
     (lambda db, walks: db.save(""), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=masked()), "DataError"),
@@ -378,6 +388,15 @@ def test_errors_have_the_kinds_of_the_programs(walks, call, kind):
     with pytest.raises(vpr.Error) as error:
         call(db, walks)
     assert type(error.value) is getattr(vpr, kind) and str(error.value)
+
+
+def test_calls_in_other_threads_end_with_the_interpreter(walks):
+    code = ("import threading, numpy as np, vpr; a = np.load('monday.npy')\n"
+            "db = vpr.train(descriptors=np.tile(a, (100, 1)))\n"
+            "threading.Thread(target=vpr.query, args=(db,), daemon=True,\n"
+            "                 kwargs=dict(descriptors=np.tile(a, (400, 1)))).start()\n"
+            "import time; time.sleep(0.5)")
+    subprocess.run([sys.executable, "-c", code], cwd=walks, check=True)
 
 
 def test_errors_have_the_sentences_of_the_programs(run, walks, tmp_path):

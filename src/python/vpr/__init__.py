@@ -130,11 +130,11 @@ class Report(Fields):
 
     def save(self, path: Path, force: bool = False) -> None:
         """Writes the report file of vpr-eval."""
-        _vpr.save_text(path, self._made.text(), force)
+        self._made.save(path, False, force)
 
     def html(self, path: Path, force: bool = False) -> None:
         """Writes the page of vpr-eval --html."""
-        _vpr.save_text(path, self._made.page(False), force)
+        self._made.save(path, True, force)
 
     def __repr__(self) -> str:
         return f"<vpr.Report: {self.summary}>"
