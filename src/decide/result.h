@@ -79,7 +79,8 @@ struct Result {
   /// For windows of several rates: training frames per query frame of each best match.
   std::vector<std::optional<double>> best_rates;
   /// By query window: the score of the runner-up minus the best score, which the filter reduces for
-  /// far paths; nullopt without a runner-up. Empty: unknown, as for approximate methods and FAB-MAP.
+  /// far paths; nullopt without a runner-up. Empty: unknown, as for approximate methods and
+  /// FAB-MAP.
   std::vector<std::optional<double>> margins;
   std::optional<Clusters> clusters;    ///< of the recognitions: by sequence, first recognition;
                                        ///< paths by first recognition
