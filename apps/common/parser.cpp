@@ -280,13 +280,15 @@ bool Parser::parse(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app_->exit(error), false;  // -h, --help, --version
     if (const auto unknown = unknown_word(describe(), {argv + 1, argv + argc}))
       throw Error(ErrorKind::usage, *unknown);
-    const std::vector<std::string> extra = app_->remaining(true);
-    for (const char* flag : {"--query", "--train"})
-      if (!extra.empty() && !extra.front().starts_with('-') && takes(flag))
-        throw Error(ErrorKind::usage, "unexpected argument {}; did you mean {} {}?", extra.front(),
-                    flag, extra.front());
     std::string path = app_->get_name();
     for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
+    const std::vector<std::string> extra = app_->remaining(true);
+    if (!extra.empty() && extra.front().starts_with('-'))
+      throw Error(ErrorKind::usage, "unknown flag {}. See {} --help", extra.front(), path);
+    for (const char* flag : {"--query", "--train"})
+      if (!extra.empty() && takes(flag))
+        throw Error(ErrorKind::usage, "unexpected argument {}; did you mean {} {}?", extra.front(),
+                    flag, extra.front());
     throw Error(ErrorKind::usage, "{}; see {} --help", error.what(), path);
   }
 }

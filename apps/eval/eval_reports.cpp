@@ -115,10 +115,9 @@ Report find_report(Session& session, const std::string& path, const TruthSource&
 
 void claim_outputs(const Session& session, const CompareInputs& inputs) {
   if (!inputs.names.empty() && inputs.names.size() != inputs.reports.size())
-    throw Error(
-        ErrorKind::usage,
-        "--name is needed for each report, in their order: there are {} reports and {} names",
-        inputs.reports.size(), inputs.names.size());
+    throw Error(ErrorKind::usage,
+                "--name is needed for each report, in their order: there are {} reports and {}",
+                inputs.reports.size(), counted(inputs.names.size(), "name"));
   session.claim_output({inputs.html}, inputs.plots);
 }
 

@@ -272,8 +272,8 @@ void run(Session& session, const EvalInputs& inputs) {
   if (!inputs.names.empty() && inputs.names.size() != results)
     throw Error(
         ErrorKind::usage,
-        "--name is needed for each result, in their order: there are {} results and {} names",
-        results, inputs.names.size());
+        "--name is needed for each result, in their order: there are {} results and {}",
+        results, counted(inputs.names.size(), "name"));
   if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (inputs.results.size() > 1) return run_several(session, inputs);
   run_one(session, inputs_of(inputs, 0));

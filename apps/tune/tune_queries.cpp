@@ -98,7 +98,8 @@ std::vector<Source> find_queries(const TuneOptions& options, DatabaseFamily fami
   if (!queries.empty()) return queries;
   if (options.query.empty() || options.ground_truth.empty())
     throw Error(ErrorKind::usage,
-                "the query is missing; pass --query and --ground-truth, or --dataset");
+                "the {} is missing; pass --query and --ground-truth, or --dataset",
+                options.query.empty() ? "query" : "ground truth");
   return {find_by_path(options, options.query, options.ground_truth, session)};
 }
 
@@ -148,6 +149,7 @@ std::string query_command(const TuneOptions& options, const CommonOptions& commo
   if (!options.selection.speed.empty() && common.process.seed != 1)
     add("--seed", std::to_string(common.process.seed));
   if (options.selection.fps) add("--fps", fmt::format("{:g}", *options.selection.fps));
+  if (options.selection.fps) add("--query-times", options.ground_truth_flags.options.query.times);
   if (options.selection.recorded_fps)
     add("--recorded-fps", fmt::format("{:g}", *options.selection.recorded_fps));
   add("--fuse", options.fuse);

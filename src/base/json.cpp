@@ -35,10 +35,11 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   const std::string file = read_whole_file(path);
   std::optional<Json> json = parse_json(file);
   if (!json)
-    throw Error(kind,
-                "{}: is not valid JSON; check its commas, quotes and brackets, and keys that occur "
-                "twice",
-                path.string());
+    throw Error(kind, "{}: is not {}", path.string(),
+                file[std::min(file.find_first_not_of(" \t\r\n"), file.size())] == '{'
+                    ? "valid JSON; check its commas, quotes and brackets, and keys that "
+                      "occur twice"
+                    : "a JSON file");
   return *std::move(json);
 }
 
@@ -128,7 +129,7 @@ const Json& Fields::list(const std::string& key) const {
 namespace detail {
 
 std::string one_of(std::span<const std::string_view> names) {
-  return fmt::format("one of [\"{}\"]", fmt::join(names, "\",\""));
+  return fmt::format("one of {}", fmt::join(names, ", "));
 }
 
 void read_value(const Json& json, bool& value, const JsonSource& source, const std::string& key) {

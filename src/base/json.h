@@ -74,7 +74,7 @@ struct AnyVisitor {
   void operator()(const char*, T&) const {}
 };
 
-/// "one of ["a","b"]".
+/// "one of a, b".
 std::string one_of(std::span<const std::string_view> names);
 }  // namespace detail
 

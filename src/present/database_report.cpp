@@ -1,5 +1,6 @@
 #include "present/database_report.h"
 
+#include <algorithm>
 #include <numeric>
 #include <optional>
 
@@ -105,21 +106,22 @@ Json database_json(const FabmapDatabase& database, const RunInfo& run) {
 std::string database_text(const SequenceDatabase& database, const std::string& name) {
   Table table;
   table.columns = {"sequence", "frames", "unreadable"};
-  for (const ThresholdTable& one : database.thresholds)
-    table.columns.push_back(fmt::format("t_r at c_l {}", one.window_length));
   size_t frames = 0;
-  for (size_t s = 0; s < database.sequences.size(); ++s) {
-    const Sequence& sequence = database.sequences[s].sequence;
-    frames += sequence.frames;
-    std::vector<std::string>& row = table.rows.emplace_back();
-    row = {sequence.name, frames_text(sequence), std::to_string(sequence.unreadable.size())};
-    for (const ThresholdTable& one : database.thresholds) {
+  for (const TrainSequence& train : database.sequences) {
+    frames += train.sequence.frames;
+    add_row(table, train.sequence.name, frames_text(train.sequence),
+            train.sequence.unreadable.size());
+  }
+  for (const ThresholdTable& one : database.thresholds) {
+    if (std::ranges::none_of(one.closest, [](const auto& found) { return found.has_value(); }))
+      continue;
+    table.columns.push_back(fmt::format("t_r at c_l {}", one.window_length));
+    for (size_t s = 0; s < table.rows.size(); ++s) {
       const std::optional<double> threshold = automatic_threshold(one, s);
-      row.push_back(threshold ? fmt::format("{:.2f} bits", *threshold) : "-");
+      table.rows[s].push_back(threshold ? fmt::format("{:.2f} bits", *threshold) : "-");
     }
   }
-  table.title = fmt::format("{}: {}, {}, {}{}", name, enum_name(DatabaseFamily::sequences),
-                            counted(database.sequences.size(), "sequence"),
+  table.title = fmt::format("{}: {}, {}{}", name, counted(database.sequences.size(), "sequence"),
                             counted(frames, "frame"), descriptor_text(database.descriptors));
   return render_table(table, TableFormat::text);
 }

@@ -230,7 +230,7 @@ ScoreUnit score_unit(const QuerySettings& settings, size_t window_length) {
   const ScoreKind& kind = score_of(settings);
   if (kind.frame_value == nullptr) return {std::string(kind.measure)};
   const double divisor = 1 / kind.frame_value(1, window_length);
-  if (has_paths(settings)) return {"path score", divisor};
+  if (has_paths(settings)) return {"path score in deviations", divisor};
   return {fmt::format("{}{}", window_length > 1 ? "mean " : "", kind.measure), divisor};
 }
 

@@ -181,7 +181,8 @@ void mark_best(Table& table, size_t column, const std::vector<std::optional<doub
   for (const auto& value : values)
     if (value && (!best || (is_low_good ? *value < *best : *value > *best))) best = value;
   for (size_t row = 0; row < values.size(); ++row)
-    if (best && values[row] == best) table.best.insert({row, column});
+    if (best && (is_low_good || *best != 0) && values[row] == best)
+      table.best.insert({row, column});
 }
 
 Table stack_tables(const std::vector<Table>& tables, const std::string& key,

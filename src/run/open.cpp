@@ -180,7 +180,7 @@ void warn_of_shapes(const SequenceDatabase& database, const Sequence& query,
 
 // Warns if nearly all frames of the query are frames of one training sequence.
 void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& query,
-                         const Monitor& monitor) {
+                         const SequenceQuerySettings& settings, const Monitor& monitor) {
   constexpr size_t kFew = 20;  // one of 20 frames may differ
   const auto key = [](const DescriptorRows& rows, size_t i) {
     return std::string_view(reinterpret_cast<const char*>(rows[i].data()), rows[i].size());
@@ -190,6 +190,7 @@ void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& 
   for (size_t i = 0; i < rows.size(); ++i) ++copies[key(rows, i)];
   const std::vector<DescribedFrames> spans = descriptor_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
+    if (!is_searched(settings, database.sequences[s].sequence.name)) continue;
     std::unordered_map<std::string_view, size_t> others = copies;
     for (size_t i = 0; i < spans[s].rows.size() && !others.empty(); ++i)
       others.erase(key(spans[s].rows, i));
@@ -209,7 +210,7 @@ DescriptorSet describe_query(const SequenceArgument& query, const SequenceDataba
       describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor);
   warn_of_rates(database, described.sequence.fps, *settings, monitor);
   warn_of_shapes(database, described.sequence, *settings, monitor);
-  warn_of_same_frames(database, described, monitor);
+  warn_of_same_frames(database, described, *settings, monitor);
   return described;
 }
 

@@ -252,10 +252,11 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
                 "same program, as in q.npy.",
                 source.argument.path.string());
   if (!kind.is_imported && !has_frames)
-    throw Error(
-        ErrorKind::data,
-        "{}: holds descriptors, but frames of the database are described by {}. Use the images.",
-        source.argument.path.string(), kind.name);
+    throw Error(ErrorKind::data,
+                "{}: holds descriptors (.npy), but frames of the database are described by {}. Use "
+                "a folder "
+                "of images.",
+                source.argument.path.string(), kind.name);
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
   DescriptorSettings settings = database.descriptor;
   settings.unit = database.descriptors.unit;

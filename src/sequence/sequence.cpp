@@ -152,7 +152,8 @@ bool add_sources(Selection& selection, std::span<const int32_t> rows) {
 std::string selection_text(const Selection& selection) {
   std::string text;
   if (selection.selected_fps > 0)
-    text = fmt::format("resampled to {} frames per second", selection.selected_fps);
+    text = fmt::format("resampled to {} {} per second", selection.selected_fps,
+                       selection.selected_fps == 1 ? "frame" : "frames");
   if (selection.speed.empty()) return text;
   if (!text.empty()) text += ", ";
   if (parse_number<double>(selection.speed))

@@ -190,7 +190,7 @@ TEST_CASE("charts and pages show scores per frame, in plain words") {
   settings.score = Score::zscore;
   CHECK(unit(settings, 10) == std::pair(std::string("mean z-score"), 10240.0));
   settings.method = "filter";
-  CHECK(unit(settings, 1) == std::pair(std::string("path score"), 1024.0));
+  CHECK(unit(settings, 1) == std::pair(std::string("path score in deviations"), 1024.0));
   CHECK(unit(FabmapQuerySettings{}, 1) == std::pair(std::string("probability"), 1.0));
 }
 
