@@ -119,15 +119,28 @@ std::string expectation_note(const EvalInputs& inputs, size_t values, size_t unm
                      counted(values, "expected value"));
 }
 
-// vpr-tune with the query, the database and the ground truth of the run; empty if one is unknown.
+// vpr-tune with the query, its simulated speed, the database and the ground truth of the run. Empty
+// if one of them is unknown or has moved, and if vpr-tune has no flag for a setting of the run.
 std::string tuning_command(const Session& session, const EvalInputs& inputs,
-                           const StoredResult* stored) {
-  if (stored == nullptr) return "";
-  const std::string database = stored->context.run.path("database");
-  const std::string query = stored->context.run.path("query");
-  if (database.empty() || query.empty() || !inputs.truth.dataset.empty()) return "";
-  std::vector<std::string> words = {"vpr-tune", shell_word(database),
-                                    "--query " + shell_word(query)};
+                           const StoredResult& stored) {
+  const std::string database = stored.context.run.path("database");
+  const std::string query = stored.context.run.path("query");
+  const Selection& selection = stored.result.query.selection;
+  const Json settings = settings_in_force(stored.result.settings);
+  const auto exists = [](const std::filesystem::path& path) {
+    std::error_code error;
+    return !path.empty() && std::filesystem::exists(path, error);
+  };
+  const bool is_bow = stored.result.places && !stored.context.run.frame_names.contains("query");
+  if (settings["loop"] == true || !settings.value("only_sequence", Json()).empty() || is_bow ||
+      selection.selected_fps > 0 || !inputs.truth.dataset.empty() || !exists(database) ||
+      !exists(parse_sequence_argument(query).path))
+    return "";
+  std::vector<std::string> words = {stored.result.places ? "vpr-tune fabmap" : "vpr-tune",
+                                    shell_word(database), "--query " + shell_word(query)};
+  if (!selection.speed.empty())
+    words.push_back(fmt::format("--speed {} --seed {}", selection.speed, selection.seed));
+  if (settings["skip_unreadable"] == true) words.emplace_back("--skip-unreadable");
   std::vector<std::string> flags = {"--ground-truth", "--tolerance"};
   for (const std::string& flag : session.command.given_flags(kGroundTruthGroup))
     flags.push_back(flag);
@@ -135,6 +148,25 @@ std::string tuning_command(const Session& session, const EvalInputs& inputs,
     for (const std::string& value : session.command.values_of(flag))
       words.push_back(flag + " " + shell_word(value));
   return wrapped_command(words);
+}
+
+// Empty if something is recognized, and all of it correctly.
+std::string next_step(const Session& session, const EvalInputs& inputs,
+                      const Evaluated& evaluated) {
+  const Evaluation& evaluation = evaluated.evaluation;
+  if (evaluated.stored == nullptr || evaluation.warned_of_ground_truth) return "";
+  const Localization& path = evaluation.judgment.localization;
+  const bool has_places = evaluated.stored->result.places.has_value();
+  if (evaluation.judgment.by == JudgedBy::nothing)
+    return path.recognized > 0 && !has_places && inputs.place_questions.empty()
+               ? "next: judge each place by its images with --ask-places PAGE.html\n"
+               : "";
+  if (!evaluation.truth.is_known || !evaluation.truth.asked.empty() ||
+      (path.correct > 0 && path.incorrect == 0))
+    return "";
+  const std::string tuning = tuning_command(session, inputs, *evaluated.stored);
+  if (tuning.empty()) return "";
+  return fmt::format("next: compare {} with\n{}\n", has_places ? "settings" : "methods", tuning);
 }
 
 /// Writes --pairs of scores without a ground truth.
@@ -186,8 +218,8 @@ void run_one(Session& session, const EvalInputs& inputs) {
               evaluation.result ? evaluation.result->result.get() : nullptr);
   const std::vector<std::string> unmet = unmet_expectations(values);
   const std::string brief = evaluation_text(evaluation, evaluated.report, summary,
-                                            tuning_command(session, inputs, evaluated.stored.get()),
                                             session.options.verbose ? SIZE_MAX : kMostRanges) +
+                            next_step(session, inputs, evaluated) +
                             expectation_note(inputs, values.size(), unmet.size());
   const std::string tables = evaluation.truth.is_known
                                  ? reports_text({&evaluated.report, 1}, inputs.format)
@@ -270,10 +302,9 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
 void run(Session& session, const EvalInputs& inputs) {
   const size_t results = std::max<size_t>(inputs.results.size(), 1);
   if (!inputs.names.empty() && inputs.names.size() != results)
-    throw Error(
-        ErrorKind::usage,
-        "--name is needed for each result, in their order: there are {} results and {}",
-        results, counted(inputs.names.size(), "name"));
+    throw Error(ErrorKind::usage,
+                "--name is needed for each result, in their order: there are {} results and {}",
+                results, counted(inputs.names.size(), "name"));
   if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (inputs.results.size() > 1) return run_several(session, inputs);
   run_one(session, inputs_of(inputs, 0));

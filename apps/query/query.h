@@ -70,7 +70,7 @@ Json save_result(const Session& session, const Result& result, const ResultConte
 void save_loops(const QueryOptions& options, const Result& result, const Session& session);
 
 /// A few lines about the recognitions of a query: a headline, ranges, the settings in force.
-std::string summary_text(const Result& result, const Session& session);
+std::string summary_text(const Result& result, const QueryOptions& options, const Session& session);
 
 /// Matches sequences with a database, with themselves or by a score matrix.
 void query_sequences(Session& session, const QueryOptions& options,

@@ -182,7 +182,7 @@ void query_places(Session& session, const QueryOptions& options,
   context.seconds["total"] = watch.elapsed_s();
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = words_fingerprint(query.words);
-  std::string text = summary_text(run.result, session) + advice(run.result);
+  std::string text = summary_text(run.result, options, session) + advice(run.result);
   if (explained)
     text += explain(*explained, explained_posterior, options, database, query, settings, context,
                     session);

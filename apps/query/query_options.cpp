@@ -1,4 +1,6 @@
 // The flags of the commands of vpr-query, and what they name.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -265,16 +267,19 @@ void save_loops(const QueryOptions& options, const Result& result, const Session
     session.outputs.file(options.loop_list).write(loops_csv(loops_of(result)));
 }
 
-std::string summary_text(const Result& result, const Session& session) {
+std::string summary_text(const Result& result, const QueryOptions& options,
+                         const Session& session) {
   constexpr size_t kRanges = 6;
   const std::string selection = selection_text(result.query.selection);
   const std::string query =
       fmt::format("{} of {}{}", counted(result.query.frames, "frame"), result.query.name,
                   selection.empty() ? "" : ", " + selection);
   const size_t recognized = recognized_windows(result);
-  std::string text = !has_rule(result) ? "Matched " + query
-                     : recognized == 0 ? "Recognized none of " + query
-                                       : fmt::format("Recognized {} of {}", recognized, query);
+  const auto matched = static_cast<size_t>(
+      std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
+  const size_t found = has_rule(result) ? recognized : matched;
+  std::string text = fmt::format("{} {} of {}", has_rule(result) ? "Recognized" : "Matched",
+                                 found == 0 ? "none" : std::to_string(found), query);
   if (result.places && result.places->featureless > 0)
     text += fmt::format("; {} without features", counted(result.places->featureless, "frame"));
   text += recognized == 0 ? ".\n" : ":\n";
@@ -285,15 +290,17 @@ std::string summary_text(const Result& result, const Session& session) {
     text += fmt::format("Check: with reversed training sequences, {} would be recognized\n",
                         counted(*result.path->reversed_frames, "frame"));
   const std::string& output = session.options.output;
-  const bool is_loop =
-      std::visit([](const auto& settings) { return settings.loop; }, result.settings);
-  if (output.empty() || (recognized == 0 && has_rule(result))) return text;
-  return text + (is_loop ? fmt::format("next: vpr-eval loops {} --poses FILE --radius METERS --gap "
-                                       "TIME\n",
-                                       shell_word(output))
-                         : fmt::format("next: vpr-eval {} --ground-truth FILE, or --html FILE "
-                                       "without one\n",
-                                       shell_word(output)));
+  if (output.empty() || found == 0) return text;
+  if (std::visit([](const auto& settings) { return settings.loop; }, result.settings))
+    return text + fmt::format("next: vpr-eval loops {} --poses FILE --radius METERS --gap TIME\n",
+                              shell_word(output));
+  const auto family = result.places ? DatabaseFamily::fabmap : DatabaseFamily::sequences;
+  const bool has_truth =
+      !options.dataset.empty() &&
+      ground_truth_of(select_query(read_dataset(options.dataset), options.query), family, {});
+  return text + fmt::format(
+                    "next: vpr-eval {} {}, or --html FILE without one\n", shell_word(output),
+                    has_truth ? "--dataset " + shell_word(options.dataset) : "--ground-truth FILE");
 }
 
 }  // namespace vpr

@@ -11,6 +11,7 @@
 #include "common/progress.h"
 #include "files/live_lines.h"
 #include "files/matrix_file.h"
+#include "present/evaluation_text.h"
 #include "present/matrix_chart.h"
 #include "query.h"
 #include "run/advice.h"
@@ -74,9 +75,9 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
         chart_png({result_matrix_chart(result, *saved.pixels, session.monitor)}));
 }
 
-std::string summary(const QueryRun& run, const Session& session) {
+std::string summary(const QueryRun& run, const QueryOptions& options, const Session& session) {
   const Result& result = run.result;
-  std::string text = summary_text(result, session);
+  std::string text = summary_text(result, options, session);
   if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
     text += fmt::format("Compared with an exact search: the best match of {} of {}, and {} of {}\n",
@@ -92,9 +93,10 @@ std::string advice_text(const QueryData& data, const Result& result,
                         const QueryResources& resources, const Session& session) {
   if (!needs_advice(result)) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (data.scores || settings.loop) return no_recognition_advice(result) + "\n";
+  if (data.scores || settings.loop) return wrapped_text(no_recognition_advice(result));
   ensure_statistics(*data.database, session.monitor);
-  return filter_advice(*data.database, data.query, settings, resources, session.monitor) + "\n";
+  return wrapped_text(
+      filter_advice(*data.database, data.query, settings, resources, session.monitor));
 }
 
 // From the flags or the data set.
@@ -163,8 +165,8 @@ void query_sequences(Session& session, const QueryOptions& options,
   finish_matrix(matrix, options.matrix, run.result, context, session);
   const Json json = save_result(session, run.result, context);
   save_loops(options, run.result, session);
-  session.print_result(summary(run, session) + advice_text(data, run.result, resources, session),
-                       json);
+  session.print_result(
+      summary(run, options, session) + advice_text(data, run.result, resources, session), json);
 }
 
 void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {

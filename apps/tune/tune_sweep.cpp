@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
+#include "run/advice.h"
 #include "run/open.h"
 #include "tune.h"
 #include "tune/sweep_report.h"
@@ -114,8 +115,10 @@ std::string result_text(const TuneOptions& options, const CommonOptions& common,
     if (options.format == TableFormat::text)
       text += render_table(best_cells_table(sweeps[s]), options.format);
     text += recommendation_text(sweeps[s], common.verbose);
+    if (!sweeps[s].recommendation.cell && !options.validate.empty())
+      text += "Nothing is validated.\n";
     if (!sweeps[s].recommendation.cell) continue;
-    if (sweeps[s].validation) text += validation_text(*sweeps[s].validation);
+    if (sweeps[s].validation) text += validation_text(sweeps[s]);
     text += query_command(options, common, *sweeps[s].recommended_settings, s) + "\n";
   }
   return text;
@@ -211,6 +214,8 @@ void tune_fastable(Session& session, const TuneOptions& options,
     filter.only_sequences = settings->only_sequences;
     filter.same_place = settings->same_place;
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
+    if (found.filter->recognized == 0 && !found.recommendation.cell)
+      found.advice = filter_advice(database, query, filter, resources, silent);
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(queries, validation, sweep);

@@ -91,9 +91,8 @@ void try_all(Session& session, const Try& command) {
   if (!options.save_config.empty() && trials.chosen)
     session.outputs.file(options.save_config)
         .write(config_text(trials.all[*trials.chosen].settings));
-  const Localization found = trials.all.front().total().path;
   const std::string advice =
-      found.correct + found.incorrect == 0
+      trials.all.front().total().path.recognized == 0
           ? filter_advice(database, queries.front().frames, command.settings, resources, monitor)
           : "";
   session.print_result(result_text(command, session.options, trials, advice), json);

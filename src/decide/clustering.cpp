@@ -108,11 +108,11 @@ struct OpenStretch {
   Match last;
 };
 
-void add_recognition(PlaceStretch& run, const Match& recognition) {
+void add_recognition(PlaceStretch& run, uint32_t index, const Match& recognition) {
   run.last_frame = recognition.query;
   run.first_place = std::min(run.first_place, recognition.train);
   run.last_place = std::max(run.last_place, recognition.train);
-  ++run.recognitions;
+  run.recognitions.push_back(index);
   run.probability = std::max(run.probability, recognition.score);
 }
 
@@ -191,7 +191,8 @@ std::vector<PlaceStretch> place_runs(std::span<const Match> recognitions, size_t
                                      size_t reach_places) {
   std::vector<PlaceStretch> runs;
   std::vector<OpenStretch> open;
-  for (const Match& recognition : recognitions) {
+  for (uint32_t i = 0; i < recognitions.size(); ++i) {
+    const Match& recognition = recognitions[i];
     std::erase_if(
         open, [&](const OpenStretch& one) { return one.last.query + reach < recognition.query; });
     const auto found = std::find_if(open.rbegin(), open.rend(), [&](const OpenStretch& one) {
@@ -201,10 +202,10 @@ std::vector<PlaceStretch> place_runs(std::span<const Match> recognitions, size_t
     if (found == open.rend()) {
       open.push_back({runs.size(), recognition});
       runs.push_back(
-          {recognition.query, recognition.query, recognition.train, recognition.train, 0, 0});
-      add_recognition(runs.back(), recognition);
+          {recognition.query, recognition.query, recognition.train, recognition.train, {}, 0});
+      add_recognition(runs.back(), i, recognition);
     } else {
-      add_recognition(runs[found->run], recognition);
+      add_recognition(runs[found->run], i, recognition);
       found->last = recognition;
     }
   }

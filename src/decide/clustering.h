@@ -66,8 +66,8 @@ struct PlaceStretch {
   size_t last_frame = 0;
   uint32_t first_place = 0;  ///< the smallest index
   uint32_t last_place = 0;
-  size_t recognitions = 0;
-  double probability = 0;  ///< the largest
+  std::vector<uint32_t> recognitions = {};  ///< indices
+  double probability = 0;                   ///< the largest
 
   bool operator==(const PlaceStretch&) const = default;
 };

@@ -1,6 +1,7 @@
 // Precision-recall curves and all metrics: of curves, ranks, stretches and the path.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -149,6 +150,15 @@ struct Localization {
   std::optional<double> share() const;
   /// recognized / frames; unset for an empty path.
   std::optional<double> recognized_share() const;
+};
+
+/// Frames by their best accepted matches, and all accepted pairs.
+struct FrameCounts {
+  Localization path;
+  LabelCounts pairs;
+
+  /// Incorrect frames or, if there are more, incorrect pairs.
+  uint64_t incorrect() const { return std::max<uint64_t>(path.incorrect, pairs.incorrect); }
 };
 
 /// `verdicts`: of the recognition of each frame; none without one, and an ignored one counts as

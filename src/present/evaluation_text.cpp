@@ -43,8 +43,8 @@ std::string unknown_text(const Outcomes& outcomes) {
   std::string text;
   if (!outcomes.has_scores) text = "AP and R@100P need scores";
   if (outcomes.known_ranks < kMaxRank)
-    text += fmt::format("{}R@K is known up to K = {}, the shortest list", text.empty() ? "" : "; ",
-                        outcomes.known_ranks);
+    text += fmt::format("{}R@K is known up to K = {}, the shortest list without ignored references",
+                        text.empty() ? "" : "; ", outcomes.known_ranks);
   return text;
 }
 
@@ -60,12 +60,6 @@ std::string recall_text(const Report& report) {
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
-bool is_in(const RecognizedRange& range, const MatchedFrame& at) {
-  return range.sequence == at.match.sequence && range.query_first <= at.query &&
-         at.query <= range.query_last && range.train_first <= at.match.reference &&
-         at.match.reference <= range.train_last;
-}
-
 std::vector<RecognizedRange> judged_ranges(const Result& result, const GroundTruth& truth) {
   std::vector<RecognizedRange> ranges = recognized_ranges(result);
   if (!truth.is_known) return ranges;
@@ -74,9 +68,9 @@ std::vector<RecognizedRange> judged_ranges(const Result& result, const GroundTru
     size_t frames = 0;  // whose closest recognition is in the range
     size_t incorrect = 0;
     bool all_incorrect = true;  // its recognitions
-    for (const Match& match : result.recognitions) {
+    for (const uint32_t recognition : range.recognitions) {
+      const Match& match = result.recognitions[recognition];
       const MatchedFrame at = anchors_of(match, result.window_length());
-      if (!is_in(range, at)) continue;
       const bool is_different = label_of(truth, at) == PlaceLabel::different;
       all_incorrect = all_incorrect && is_different;
       if (closest[at.query] != &match) continue;
@@ -102,21 +96,6 @@ std::string places_text(const Report& report) {
       incorrect, ignored, pairs.correct, pairs.incorrect, pairs.ignored);
 }
 
-// Empty if something is recognized, and all of it correctly.
-std::string next_step(const Evaluation& evaluation, const std::string& tuning) {
-  if (!evaluation.result || evaluation.warned_of_ground_truth) return "";
-  if (evaluation.judgment.by == JudgedBy::nothing)
-    return evaluation.judgment.localization.recognized > 0 && !evaluation.result->result->places
-               ? "next: judge each place by its images with --ask-places PAGE.html"
-               : "";
-  if (!evaluation.truth.is_known || !evaluation.truth.asked.empty()) return "";
-  const Localization& path = evaluation.judgment.localization;
-  if (path.correct > 0 && path.incorrect == 0) return "";
-  if (evaluation.result->result->places)
-    return path.incorrect == 0 ? "" : "next: a larger --t-p of vpr-query accepts fewer places";
-  return tuning.empty() ? "" : "next: compare methods with\n" + tuning;
-}
-
 // Incorrect pairs that are accepted next to the best match of their frame.
 bool has_incorrect_pairs(const Report& report) {
   return report.query_settings() != nullptr && !report.has_paths() &&
@@ -137,8 +116,7 @@ std::string wrapped_text(const std::string& text, size_t indent) {
 }
 
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
-                            const std::string& summary, const std::string& tuning,
-                            size_t most_ranges) {
+                            const std::string& summary, size_t most_ranges) {
   std::string text = wrapped_text(summary);
   const Result* result = evaluation.result ? evaluation.result->result.get() : nullptr;
   if (result != nullptr) text += line("settings", settings_text(*result));
@@ -161,8 +139,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
   if (result != nullptr)
     text +=
         ranges_text(*result, judged_ranges(*result, evaluation.truth), most_ranges, "other range");
-  const std::string next = next_step(evaluation, tuning);
-  return text + (next.empty() ? "" : next + "\n");
+  return text;
 }
 
 std::string short_text(Table table, bool is_terminal) {

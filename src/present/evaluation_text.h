@@ -16,12 +16,10 @@ namespace vpr {
 std::string wrapped_text(const std::string& text, size_t indent = 0);
 
 /// The headline `summary`, then lines with settings, ground truth, best matches, metrics by the
-/// confidence of the decision, the recognized ranges with their errors, and the next step if
-/// nothing or something incorrect was recognized. `most_ranges`: the maximum number of ranges.
-/// `tuning`: the command that compares methods on these data; empty if there is none.
+/// confidence of the decision, and the recognized ranges with their errors. `most_ranges`: the
+/// maximum number of ranges.
 std::string evaluation_text(const Evaluation& evaluation, const Report& report,
-                            const std::string& summary, const std::string& tuning,
-                            size_t most_ranges);
+                            const std::string& summary, size_t most_ranges);
 
 /// One row per report, their names in the column `key`: R@1, AP and R@100P over all frames with a
 /// match; frames recognized correctly and incorrectly, and the first correct one, "-" at a

@@ -20,9 +20,10 @@ constexpr size_t kMostPlaces = 20;  // in a printed list
 
 using NamedSetting = std::pair<std::string_view, std::string>;
 
-// c_l or c_w.
+// c_l or c_w; "-" for paths.
 NamedSetting window_of(const QuerySettings& settings) {
   const auto* of_places = std::get_if<FabmapQuerySettings>(&settings);
+  if (has_paths(settings)) return {score_of(settings).window_symbol, "-"};
   return {score_of(settings).window_symbol,
           std::to_string(of_places != nullptr ? of_places->window : window_length_of(settings))};
 }
@@ -55,18 +56,22 @@ std::string method_title(const Report& report) {
   return score.empty() ? report.method : fmt::format("{}, {}", report.method, score);
 }
 
-// " The first, frame 29, is confirmed at frame 49 (2.4 s), 20 frames later."
+// " The first, frame 29, is confirmed at frame 49 (2.4 s), 20 frames later." After incorrect ones:
+// " The first correct one, frame ..."
 std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
   if (!judgment.localization.first_recognition_frames) return "";
   const size_t confirmed = *judgment.localization.first_recognition_frames;
   const auto first = static_cast<size_t>(std::ranges::find(judgment.verdicts, Verdict::correct) -
                                          judgment.verdicts.begin());
+  const auto recognized =
+      std::ranges::find_if(judgment.verdicts, [](Verdict one) { return one != Verdict::none; });
+  const char* which = *recognized == Verdict::correct ? "The first" : "The first correct one";
   const std::string time =
       frames_per_second
           ? fmt::format(" ({:.1f} s)", static_cast<double>(confirmed) / *frames_per_second)
           : "";
-  if (first == confirmed) return fmt::format(" The first is confirmed at frame {}{}.", first, time);
-  return fmt::format(" The first, frame {}, is confirmed at frame {}{}, {} later.", first,
+  if (first == confirmed) return fmt::format(" {} is confirmed at frame {}{}.", which, first, time);
+  return fmt::format(" {}, frame {}, is confirmed at frame {}{}, {} later.", which, first,
                      confirmed, time, counted(confirmed - first, "frame"));
 }
 
@@ -76,9 +81,8 @@ std::string oracle_words(const Judgment& judgment) {
   const auto& points = judgment.single_best.points;
   if (points.size() < 2 || points.back().incorrect == 0) return "";
   return fmt::format(
-      "; {} frames can be accepted before the first mistake (threshold chosen with the "
-      "ground truth)",
-      judgment.localization.correct);
+      "; {} can be accepted before the first mistake (threshold chosen with the ground truth)",
+      counted(judgment.localization.correct, "frame"));
 }
 
 // "106 frames with a match".
@@ -104,15 +108,11 @@ std::string best_match_words(const Evaluation& evaluation) {
                      frames_words(evaluation), 100 * *counts.rate(), labeled_words(evaluation));
 }
 
-// "; 412 of the 639 accepted window pairs are incorrect"; empty if none is.
 std::string pair_words(const Evaluation& evaluation) {
   if (!evaluation.result) return "";
-  const LabelCounts& pairs = evaluation.result->counts.recognitions;
-  if (pairs.incorrect == 0 || evaluation.result->result->path) return "";
-  return fmt::format(
-      "; {} of the {} accepted {} {} incorrect", pairs.incorrect, pairs.all(),
-      evaluation.result->result->places ? "pairs of a frame and a place" : "window pairs",
-      pairs.incorrect == 1 ? "is" : "are");
+  return incorrect_pairs_text(
+      {evaluation.judgment.localization, evaluation.result->counts.recognitions},
+      evaluation.result->result->places.has_value(), !evaluation.truth.asked.empty());
 }
 
 // "17 of 111 frames recognized, 3 of them incorrectly".
@@ -134,7 +134,9 @@ std::string recognized_words(const Evaluation& evaluation) {
   if (on_map > 0 && incorrect > 0)
     text += fmt::format(", {} of them incorrectly", incorrect);
   else if (path.correct > 0)
-    text += pairs.empty() ? ", all correctly" : ", their best matches all correct";
+    text += pairs.empty() ? ", all correctly"
+            : on_map == 1 ? ", its best match correct"
+                          : ", their best matches all correct";
   if (unjudged > 0)
     text += fmt::format(", {} {}", unjudged,
                         judgment.by == JudgedBy::places  ? "without an answer"
@@ -352,6 +354,25 @@ std::string title_with_settings(const Report& report) {
 
 std::string reference_word(const Report& report) {
   return report.has_places() ? "training place" : "training frame";
+}
+
+std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_labels) {
+  const auto& [path, pairs] = counts;
+  if (pairs.incorrect == 0 || pairs.all() == path.recognized) return "";
+  return fmt::format("; {} of the {} accepted {}{} {} incorrect", pairs.incorrect,
+                     has_labels ? pairs.correct + pairs.incorrect : pairs.all(),
+                     has_labels ? "labeled " : "",
+                     has_places ? "pairs of a frame and a place" : "window pairs",
+                     pairs.incorrect == 1 ? "is" : "are");
+}
+
+std::string frame_counts_text(const FrameCounts& counts, bool has_places) {
+  const Localization& path = counts.path;
+  return fmt::format(
+      "{} of {} correctly, {} incorrectly{}{}", path.correct,
+      counted(path.frames_with_match, "frame"), path.incorrect,
+      path.off_map > 0 ? fmt::format(" ({} of them without a match)", path.off_map) : "",
+      incorrect_pairs_text(counts, has_places, false));
 }
 
 std::string summary_sentence(const Evaluation& evaluation,

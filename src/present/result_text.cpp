@@ -76,9 +76,10 @@ std::vector<RecognizedRange> cluster_ranges(const Result& result) {
     const auto rate = mean_rate(cluster);
     ranges.push_back({anchor_of(cluster.query_first, length), anchor_of(cluster.query_last, length),
                       fmt::format("{} {}", train.name, frames_text(first, last)),
-                      rate ? speed_text(*rate, result.query, train) : "", cluster.sequence, first,
-                      last});
+                      rate ? speed_text(*rate, result.query, train) : ""});
   }
+  for (uint32_t i = 0; i < result.recognitions.size(); ++i)
+    ranges[result.clusters->of_recognition[i]].recognitions.push_back(i);
   return ranges;
 }
 
@@ -91,8 +92,7 @@ std::vector<RecognizedRange> place_ranges(const Result& result) {
     std::string train = places.names[run.first_place];
     if (run.last_place != run.first_place) train += " to " + places.names[run.last_place];
     ranges.push_back({run.first_frame, run.last_frame, std::move(train),
-                      fmt::format("p {:.3f}", run.probability), 0, run.first_place,
-                      run.last_place});
+                      fmt::format("p {:.3f}", run.probability), run.recognitions});
   }
   return ranges;
 }

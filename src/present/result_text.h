@@ -19,11 +19,9 @@ bool has_rule(const Result& result);
 struct RecognizedRange {
   size_t query_first = 0;  ///< frame; the anchor of the first recognized window
   size_t query_last = 0;
-  std::string train;  ///< sequence and frames, "monday 66-139", or a place
-  std::string score;  ///< speed, "1.0x", or the probability of a place
-  uint32_t sequence = 0;
-  size_t train_first = 0;  ///< frame, or place
-  size_t train_last = 0;
+  std::string train;                        ///< sequence and frames, "monday 66-139", or a place
+  std::string score;                        ///< speed, "1.0x", or the probability of a place
+  std::vector<uint32_t> recognitions = {};  ///< indices
   std::string verdict = {};  ///< ": 3 of 50 frames incorrect"; empty if nothing is incorrect
 };
 

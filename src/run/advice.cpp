@@ -27,7 +27,8 @@ std::optional<double> recognized_rate(const Result& result) {
   return *middle;
 }
 
-// The result of the filter with default settings and the same training sequences.
+// The result of the filter with default settings, the same training sequences, and the same fusion
+// if the database has FAB-MAP's views.
 Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
                 const SequenceQuerySettings& settings, const QueryResources& resources,
                 const Monitor& monitor) {
@@ -35,6 +36,7 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
   filter.method = "filter";
   filter.only_sequences = settings.only_sequences;
   filter.same_place = settings.same_place;
+  if (fused_views(database) != nullptr) filter.fusion_weight = settings.fusion_weight;
   const Monitor silent = {{}, {}, monitor.stop};
   const QueryResources unverified = {resources.memory_limit, 0, resources.seed};
   return run_query(plan_query(database, query, "", filter, unverified, silent), {}, silent).result;
@@ -60,6 +62,38 @@ SequenceDatabase thinned(const SequenceDatabase& database, size_t step, const Mo
   }
   ensure_statistics(thin, monitor);
   return thin;
+}
+
+// "15 of 56 frames".
+std::string recognized_text(const Result& result) {
+  return fmt::format("{} of {}", recognized_windows(result), counted(result.query.frames, "frame"));
+}
+
+// A sentence if enough frames are recognized with every second or third frame of one side; empty if
+// not.
+std::string sparse_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                          const SequenceQuerySettings& settings, const QueryResources& resources,
+                          const Monitor& monitor) {
+  const Monitor silent = {{}, {}, monitor.stop};
+  for (const auto& [step, ordinal] : {std::pair(2, "second"), std::pair(3, "third")}) {
+    const Selection some = at_speed(std::to_string(step), query.rows().size(), 1);
+    const bool is_flag_free = query.sequence.selection.speed.empty();
+    if (const Result found =
+            filtered(database, selected(query, some), settings, resources, monitor);
+        !needs_advice(found))
+      return fmt::format(
+          "With every {} query frame{}, {} are recognized: the query is slow for the training "
+          "sequence, or the training sequence has too few frames per second.",
+          ordinal, is_flag_free ? fmt::format(" (--speed {})", step) : "", recognized_text(found));
+    if (const Result found =
+            filtered(thinned(database, step, silent), query, settings, resources, monitor);
+        !needs_advice(found))
+      return fmt::format(
+          "With every {} training frame, {} are recognized: the query is fast for the training "
+          "sequence. Train with PATH@::{}.",
+          ordinal, recognized_text(found), step);
+  }
+  return "";
 }
 
 }  // namespace
@@ -92,6 +126,10 @@ std::optional<std::string> excess_advice(const Result& result) {
 
 std::string no_recognition_advice(const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  if (std::ranges::none_of(result.best, [](const auto& best) { return best.has_value(); }))
+    return fmt::format(
+        "No window has a match: {}.",
+        settings.loop ? "none has an earlier readable window beyond --gap" : "none has a score");
   if (settings.decision == Decision::threshold) {
     const bool has_threshold = std::ranges::any_of(
         result.sequences, [](const ComparedSequence& t) { return t.threshold.has_value(); });
@@ -110,11 +148,6 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor) {
   constexpr double kSameSpeed = 1.2;  // and its inverse
-  const auto wrapped = [](const std::string& text) { return wrapped_line(text, 80, 0); };
-  const auto found = [](const Result& result) {
-    return fmt::format("{} of {}", recognized_windows(result),
-                       counted(result.query.frames, "frame"));
-  };
   const Result forward = filtered(database, query, settings, resources, monitor);
   if (needs_advice(forward)) {
     const size_t keyframes = forward.keyframes ? forward.keyframes->query.size() : 0;
@@ -122,48 +155,39 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
     if (forward.keyframes)
       for (const auto& of_sequence : forward.keyframes->train)
         trained = std::max(trained, of_sequence.size());
-    const uint64_t needed = settings.filter.path_keyframes;
+    const uint64_t needed = std::get<SequenceQuerySettings>(forward.settings).filter.path_keyframes;
     if (std::min(keyframes, trained) < needed)
-      return wrapped(fmt::format(
+      return fmt::format(
           "The {} has {} (frames that differ clearly), and the filter needs a path of {}: "
-          "record a longer walk, or use windows (--c-l).",
+          "record a longer walk.",
           keyframes < needed ? "query" : "training sequence",
-          counted(std::min(keyframes, trained), "keyframe"), needed));
+          counted(std::min(keyframes, trained), "keyframe"), needed);
     const size_t frames = query.rows().size();
     if (const size_t reversed = *forward.path->reversed_frames; kFewest * reversed >= frames)
-      return wrapped(fmt::format(
+      return fmt::format(
           "The query walked in the opposite direction: with reversed training sequences, {} of {} "
           "are recognized. Train the way back as another sequence.",
-          reversed, counted(frames, "frame")));
-    if (const Result faster = filtered(database, selected(query, at_speed("3", frames, 1)),
-                                       settings, resources, monitor);
-        !needs_advice(faster))
-      return wrapped(
-          fmt::format("With every third query frame (--speed 3), {} are recognized: the query is "
-                      "slower than half the trained speed.",
-                      found(faster)));
-    const Monitor silent = {{}, {}, monitor.stop};
-    if (const Result slower =
-            filtered(thinned(database, 3, silent), query, settings, resources, monitor);
-        !needs_advice(slower))
-      return wrapped(fmt::format(
-          "With every third training frame, {} are recognized: the query is faster than twice the "
-          "trained speed. Train with fewer frames per second (--fps).",
-          found(slower)));
-    return wrapped(fmt::format(
-        "At 0.5 to 2 times the trained speed, {} are recognized, and no more in the "
-        "opposite direction, or with every third frame of either side: {} may show another "
-        "place{}.",
-        found(forward), forward.recognitions.empty() ? "the query" : "the others",
+          reversed, counted(frames, "frame"));
+    if (const std::string sparse = sparse_advice(database, query, settings, resources, monitor);
+        !sparse.empty())
+      return sparse;
+    return fmt::format(
+        "The filter recognizes {} at 0.5 to 2 times the trained speed, and fewer than a quarter "
+        "in the opposite direction, or with every second or third frame of either side: {} may "
+        "show another place{}.",
+        recognized_text(forward), forward.recognitions.empty() ? "the query" : "the others",
         keyframes < kSlowStart * needed
             ? fmt::format(", or its {} keyframes are too few for a decision, which needs up to {}",
                           keyframes, kSlowStart * needed)
-            : ""));
+            : "");
   }
+  if (has_paths(settings))
+    return fmt::format("With default settings, as margin {:g}, the filter recognizes {}.",
+                       kFilterMargin, recognized_text(forward));
   const auto rate = recognized_rate(forward);
   const bool is_same_speed = !rate || (*rate <= kSameSpeed && *rate >= 1 / kSameSpeed);
-  return fmt::format("The filter recognizes {}{}.\nUse --method filter without flags of windows.",
-                     found(forward),
+  return fmt::format("The filter recognizes {}{}. Use --method filter without flags of windows.",
+                     recognized_text(forward),
                      is_same_speed ? "" : fmt::format(", at about {:.1f} times the speed", *rate));
 }
 

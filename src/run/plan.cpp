@@ -124,7 +124,7 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
   if (!any)
     throw Error(ErrorKind::usage,
                 "the automatic t_r needs two training sequences with windows of {} frames (c_l). "
-                "Use a smaller --c-l, or a number, as in --t-r 0.6.",
+                "Use a smaller --c-l, or a number for --t-r.",
                 table.window_length);
   if (!without.empty())
     warn(monitor,

@@ -105,9 +105,10 @@ void check_automatic(const SequenceDatabase& database, const SequenceQuerySettin
   const bool is_automatic =
       settings.decision == Decision::threshold && !settings.distance_threshold && !settings.loop;
   if (is_automatic && database.sequences.size() < 2)
-    throw Error(ErrorKind::usage,
-                "the automatic t_r needs two or more training sequences. Use --method filter, "
-                "--score zscore --decide margin, or a number, as in --t-r 0.6.");
+    throw Error(
+        ErrorKind::usage,
+        "the automatic t_r needs two or more training sequences. Use a number for --t-r, or "
+        "--score zscore --decide margin.");
 }
 
 bool is_same_place(double frame_distance, double mean_distance, size_t window_length) {

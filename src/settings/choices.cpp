@@ -170,7 +170,7 @@ constexpr std::array kChoices = {
     Choice{
         .flag = "a default --margin",
         .needs = kTrainingDistances,
-        .instead = "Use a number, as in --margin 20, with --exclusion-frames.",
+        .instead = "Use numbers for --margin and --exclusion-frames.",
         .is_implied = [](const Settings& s,
                          const Features&) { return s.decision == Decision::margin && !s.margin; }},
     Choice{.flag = "an automatic --exclusion-frames",

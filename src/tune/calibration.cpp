@@ -12,6 +12,7 @@
 #include "base/monitor.h"
 #include "base/text.h"
 #include "evaluate/outcomes.h"
+#include "present/evaluation_text.h"
 #include "sequence/sequence_json.h"
 
 namespace vpr {
@@ -336,11 +337,13 @@ Table calibration_table(const CalibratedSequence& calibrated) {
 std::string calibration_text(const CalibratedSequence& calibrated) {
   const CalibratedLength& length = calibrated.lengths[calibrated.chosen];
   const Calibration& found = length.calibration;
-  std::string text = fmt::format(
-      "{}: margin {:.4g} at c_l {}: {} recognized correctly and {} incorrectly, of {} whose place "
-      "is trained.\n",
-      calibrated.query.name, *length.settings.margin, length.settings.window_length,
-      counted(found.correct, "window"), found.incorrect, length.queries);
+  std::string text = wrapped_text(
+      fmt::format("{}: margin {:.4g} at c_l {}: {} of {} whose place is trained recognized "
+                  "correctly, {} of all {} incorrectly.",
+                  calibrated.query.name, *length.settings.margin, length.settings.window_length,
+                  found.correct, counted(length.queries, "window"), found.incorrect,
+                  length.windows),
+      2);
   const ScaledRate rate =
       calibrated.fps ? rate_of(length, *calibrated.fps * kSecondsPerHour) : rate_of(length, 1000);
   text += fmt::format("False recognitions to expect in {}: {:.0f} (95 %: {:.0f} to {:.0f}).\n",

@@ -41,15 +41,6 @@ struct CellCounts {
   Localization path = {};  ///< frames by their best recognitions
 };
 
-/// Frames by their best accepted matches, and all accepted pairs.
-struct FrameCounts {
-  Localization path;
-  LabelCounts pairs;
-
-  /// Incorrect frames or, if there are more, incorrect pairs.
-  uint64_t incorrect() const { return std::max<uint64_t>(path.incorrect, pairs.incorrect); }
-};
-
 /// The index of the best counts: among those with at most `max_incorrect` incorrect frames and
 /// pairs, the most correct frames, then the fewest incorrect ones; if there are none, the fewest
 /// incorrect frames and pairs, then the most correct frames. Ties to the first; `counts` must not
@@ -125,6 +116,7 @@ struct Sweep {
   std::optional<ValidatedCell> validation;
   std::string protocol;                     ///< a description of the ground truth
   std::optional<Localization> filter = {};  ///< frames that the method filter recognizes
+  std::string advice = {};                  ///< filter_advice, if these are none
 };
 
 /// 95 % intervals of the recognitions and clusters of a result, by the block bootstrap over query

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "files/report.h"
 #include "present/evaluation_text.h"
+#include "present/report_tables.h"
 #include "sequence/sequence_json.h"
 
 namespace vpr {
@@ -136,12 +137,17 @@ std::string filter_text(const Sweep& sweep, const std::optional<Localization>& p
                     "incorrectly.",
                     filter.correct, filter.incorrect),
         2);
-  const std::string text =
-      fmt::format("The filter recognizes {} of {} correctly, {} incorrectly", filter.correct,
-                  counted(filter.frames_with_match, "frame"), filter.incorrect);
-  if (filter.correct == 0) return text + ":\nthe query may show another place, or the way back.\n";
-  return text + ".\n" +
-         (filter.incorrect == 0 ? "Use the filter: vpr-query without flags of windows.\n" : "");
+  if (!sweep.advice.empty()) return wrapped_text(sweep.advice, 2);
+  std::string text =
+      fmt::format("The filter recognizes {}.", frame_counts_text({filter, {}}, false));
+  if (filter.correct > 0 && filter.incorrect == 0)
+    text += " Use the filter: vpr-query without flags of windows.";
+  return wrapped_text(text, 2);
+}
+
+std::string counts_text(const Sweep& sweep, const CellCounts& cell) {
+  return frame_counts_text({cell.path, cell.counts.recognitions},
+                           sweep.score == &probability_kind());
 }
 
 bool knows_untrained(const Sweep& sweep) {
@@ -281,11 +287,12 @@ std::string reason_text(const Sweep& sweep) {
   switch (choice.advice) {
     case Advice::recommended:
       if (sweep.cells[*choice.cell].unknown_place)
-        return "it accepts the most correct pairs of all settings without an error, even when each "
-               "place is removed from the training sequences";
+        return "it accepts the most correct pairs of all numbers of the grid without an error, "
+               "even "
+               "when each place is removed from the training sequences";
       return fmt::format(
-          "it accepts the most correct pairs of all settings without an error at this, every "
-          "stricter and the next looser {}",
+          "it accepts the most correct pairs of all numbers of the grid without an error at this, "
+          "every stricter and the next looser {}",
           symbol);
     case Advice::no_recognitions:
       return "no setting recognizes a frame";
@@ -322,12 +329,12 @@ Table best_cells_table(const Sweep& sweep) {
     std::vector<FrameCounts> counts;
     for (; end < sweep.cells.size() && sweep.cells[end].window == sweep.cells[first].window; ++end)
       counts.push_back({sweep.cells[end].path, sweep.cells[end].counts.recognitions});
-    const bool has_recommended = recommended && first <= *recommended && *recommended < end;
-    const CellCounts& best =
-        sweep.cells[has_recommended ? *recommended : first + best_counts(counts, 0)];
-    if (table.rows.size() < kMostRows || has_recommended)
-      add_row(table, window_text(best) + (has_recommended ? "*" : ""), threshold_text(best),
-              best.path.correct, best.path.incorrect, best.counts.recognitions.incorrect);
+    const size_t best = first + best_counts(counts, 0);
+    const bool has_room = table.rows.size() < kMostRows;
+    for (size_t c = first; c < end; ++c)
+      if (const CellCounts& cell = sweep.cells[c]; (c == best && has_room) || c == recommended)
+        add_row(table, window_text(cell) + (c == recommended ? "*" : ""), threshold_text(cell),
+                cell.path.correct, cell.path.incorrect, cell.counts.recognitions.incorrect);
   }
   return table;
 }
@@ -338,12 +345,9 @@ std::string recommendation_text(const Sweep& sweep, bool with_intervals) {
     return wrapped_text(fmt::format("No recommendation: {}.", reason_text(sweep)), 2) +
            filter_text(sweep, {});
   const CellCounts& cell = sweep.cells[*choice.cell];
-  std::string text =
-      wrapped_text(fmt::format("Recommended: {}: {} of {} correctly, {} incorrectly; {}.",
-                               cell_name(sweep, cell), cell.path.correct,
-                               counted(cell.counts.best_match.frames, "frame"), cell.path.incorrect,
-                               reason_text(sweep)),
-                   2);
+  std::string text = wrapped_text(fmt::format("Recommended: {}: {}; {}.", cell_name(sweep, cell),
+                                              counts_text(sweep, cell), reason_text(sweep)),
+                                  2);
   text += wrapped_text(first_error_text(sweep), 2);
   if (sweep.intervals && with_intervals)
     text += wrapped_text(intervals_text(*sweep.intervals, has_places(sweep)), 2);
@@ -355,13 +359,10 @@ std::string recommendation_text(const Sweep& sweep, bool with_intervals) {
                                     "generalizes better.\n");
 }
 
-std::string validation_text(const ValidatedCell& validation) {
-  const CellCounts& cell = validation.cell;
-  return wrapped_text(
-      fmt::format("On {}: {} of {} correctly, {} incorrectly.", validation.query_name,
-                  cell.path.correct, counted(cell.counts.best_match.frames, "frame"),
-                  cell.path.incorrect),
-      2);
+std::string validation_text(const Sweep& sweep) {
+  return wrapped_text(fmt::format("On the validation, {}: {}.", sweep.validation->query_name,
+                                  counts_text(sweep, sweep.validation->cell)),
+                      2);
 }
 
 }  // namespace vpr

@@ -47,15 +47,15 @@ Table cells_table(const std::vector<Sweep>& sweeps);
 /// The reason for the recommendation or, without one, the reason and a remedy.
 std::string reason_text(const Sweep& sweep);
 
-/// One row per window, for at most ten and the recommended one: the cell with the best counts of
-/// frames (best_counts), or the recommended cell, with its incorrect pairs.
+/// One row per window, for at most ten: the cell with the best counts of frames (best_counts), with
+/// its incorrect pairs. And a row for the recommended cell.
 Table best_cells_table(const Sweep& sweep);
 
 /// The recommendation in numbers of frames, with the first error and, on request, intervals of
 /// pairs. Ends with a line feed.
 std::string recommendation_text(const Sweep& sweep, bool with_intervals);
 
-/// The frames of the recommended setting on the query of a validation (Sweep::validation).
-std::string validation_text(const ValidatedCell& validation);
+/// The frames and pairs of the recommended setting on the query of the validation, which is set.
+std::string validation_text(const Sweep& sweep);
 
 }  // namespace vpr

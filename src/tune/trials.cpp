@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "present/evaluation_text.h"
+#include "present/report_tables.h"
 #include "run/train_sequences.h"
 #include "sequence/sequence_json.h"
 
@@ -23,9 +24,11 @@ FrameCounts sum_of(std::span<const FrameCounts> counts) {
   sum.path.first_recognition_frames = 0;
   for (const auto& [path, pairs] : counts) {
     sum.path.frames += path.frames;
+    sum.path.recognized += path.recognized;
     sum.path.frames_with_match += path.frames_with_match;
     sum.path.correct += path.correct;
     sum.path.incorrect += path.incorrect;
+    sum.path.off_map += path.off_map;
     sum.pairs.correct += pairs.correct;
     sum.pairs.incorrect += pairs.incorrect;
     sum.pairs.ignored += pairs.ignored;
@@ -266,10 +269,9 @@ Table trials_table(const Trials& trials, bool by_query) {
 std::string choice_text(const Trials& trials, const std::string& advice) {
   if (trials.chosen) {
     const Trial& trial = trials.all[*trials.chosen];
-    const Localization path = trial.total().path;
+    const bool has_places = std::holds_alternative<FabmapQuerySettings>(trial.settings);
     const std::string choice =
-        fmt::format("Choice: {}: {} of {} correctly, {} incorrectly.", trial.name, path.correct,
-                    counted(path.frames_with_match, "frame"), path.incorrect);
+        fmt::format("Choice: {}: {}.", trial.name, frame_counts_text(trial.total(), has_places));
     return wrapped_text(choice, 2) +
            (trial.is_tuned
                 ? "Its threshold fits these frames; another recording may need another setting.\n"
@@ -281,13 +283,9 @@ std::string choice_text(const Trials& trials, const std::string& advice) {
     return fmt::format(
         "No choice: each setting with a correct frame has more than {} (--max-incorrect).\n",
         counted(trials.max_incorrect, "incorrect one"));
-  if (!advice.empty()) {
-    std::string line = advice;
-    std::ranges::replace(line, '\n', ' ');
-    return "No choice: no setting recognizes a frame correctly.\n" + wrapped_text(line, 2);
-  }
-  return "No choice: no setting recognizes a frame correctly, and some are recognized\n"
-         "incorrectly. Check the ground truth. The query may show another place.\n";
+  if (!advice.empty())
+    return "No choice: no setting recognizes a frame correctly.\n" + wrapped_text(advice, 2);
+  return "No choice: no setting recognizes a frame correctly. Check the ground truth.\n";
 }
 
 }  // namespace vpr

@@ -102,6 +102,20 @@ TEST_CASE("a result is summed up in 12 lines of 80 columns, with its incorrect r
     CHECK(has(text, part));
 }
 
+TEST_CASE("the command of the next step repeats the query, or is not given") {
+  write_text("pairs.csv", "query,sequence,reference\n0,one,0\n1,one,1\n2,one,2\n");
+  write_text("views.csv", "query,reference\n0,1\n");
+  const auto next = [](const std::string& query, const std::string& truth) {
+    run_ok("vpr-query " + query + " --query $back -o r.json --force --quiet");
+    const std::string text = run_ok("vpr-eval r.json --ground-truth " + truth).out;
+    return has(text, "next: ") ? text.substr(text.find("next: ")) : "";
+  };
+  CHECK(has(next("$db --c-l 3 --t-r 0.9 --speed 2", "pairs.csv"), " --speed 2 --seed 1"));
+  CHECK(
+      next("$fabmap", "views.csv").starts_with("next: compare settings with\n  vpr-tune fabmap "));
+  CHECK(next("$db --c-l 3 --t-r 0.9 --only-sequence one", "pairs.csv").empty());
+}
+
 TEST_CASE("incorrect recognitions or best matches within a larger tolerance are named") {
   std::vector<float> scores(400, 50);
   for (size_t q = 0; q < 20; ++q) scores[20 * q + (q < 18 ? q : q - 2)] = float(q + 1);

@@ -106,6 +106,7 @@ TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
     CHECK(by_result["frames"]["with_loop"] == 20);
     CHECK(by_result["frames"]["found"].get<int>() >= 17);
   }
+  CHECK(run_ok(kLoops + "--gap 15").out.starts_with("Matched 32 of 50 frames of walk.\n"));
   // The identical frames of the second lap have distance 0.
   const std::string identical = kLoops + "--gap 15 --t-r 1 --save-loops loops.csv -o r.json --json";
   CHECK(printed_json(identical)["totals"]["recognitions"] == 17);

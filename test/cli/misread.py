@@ -97,6 +97,9 @@ def recordings():
     run("vpr-train", "fastable", "--train", "walk@0:8", "-o", "eight.vprdb", "--quiet")
     assert "The training sequence has" in run("vpr-query", "eight.vprdb", "--query", "again")
     assert "Recognized none" not in run(*query, "again", "--margin", 0)
+    images("long", 1, count=150, shift=3)
+    run("vpr-train", "fastable", "--train", "long@::3", "-o", "third.vprdb", "--quiet")
+    assert "every second query frame (--speed 2), " in run("vpr-query", "third.vprdb", "--query", "long")
     # Digits that are names: 000005.png is frame 4.
     truth = ("again.json", "--ground-truth")
     refused(2, "the filter has no matrix of its best matches", "vpr-eval", *truth, "aligned", "--matrix", "m.npy")

@@ -222,7 +222,7 @@ TEST_CASE("the validation may be another query of the data set, selected by name
   write_dataset("d.json", {{"back", world().truth("back")}, {"again", world().truth("again")}});
   const std::string tune = "vpr-tune fastable $db --dataset d.json --query back ";
   const auto outcome = run_ok(tune + "--validate again");
-  CHECK(has(outcome.out, "On again: "));
+  CHECK(has(outcome.out, "On the validation, again: "));
   CHECK_FALSE(has(outcome.out, "{"));
   CHECK(run(tune + "--validate none").exit_code == 2);
   CHECK(run(tune + "--validate-ground-truth $again.ground_truth.csv").exit_code == 2);

@@ -3,8 +3,10 @@
 
 #include "present/report_tables.h"
 #include "present/result_text.h"
+#include "support.h"
 
 using namespace vpr;
+using test::has;
 
 namespace {
 
@@ -39,9 +41,10 @@ std::string summary(const std::string& letters, std::optional<double> fps = {}) 
 }  // namespace
 
 TEST_CASE("the headline counts frames with a match, and their errors") {
-  CHECK(summary(".wr.i") ==
-        "3 of 5 frames recognized, 1 of them incorrectly, 1 to be ignored. The first is confirmed "
-        "at frame 2.");
+  CHECK(
+      summary(".wr.i") ==
+      "3 of 5 frames recognized, 1 of them incorrectly, 1 to be ignored. The first correct one is "
+      "confirmed at frame 2.");
   CHECK(summary(".rr", 4.0) ==
         "2 of 3 frames recognized, all correctly. The first is confirmed at frame 1 (0.2 s).");
   CHECK(summary("..", 10.0) == "None of 2 frames recognized.");
@@ -56,8 +59,14 @@ TEST_CASE("the headline counts incorrect pairs next to correct frames") {
   Evaluation evaluation = evaluation_of("r.");
   evaluation.result->counts.recognitions = {227, 412, 0};
   CHECK(summary_sentence(evaluation, {}) ==
-        "1 of 2 frames recognized, their best matches all correct; 412 of the 639 accepted window "
+        "1 of 2 frames recognized, its best match correct; 412 of the 639 accepted window "
         "pairs are incorrect. The first is confirmed at frame 0.");
+  evaluation.truth.asked = {{{}}, {{}}};
+  evaluation.result->counts.recognitions = {20, 2, 500};
+  CHECK(has(summary_sentence(evaluation, {}), "2 of the 22 accepted labeled window pairs are"));
+  evaluation = evaluation_of("rW,");
+  evaluation.result->counts.recognitions = {1, 1, 0};  // one pair per frame
+  CHECK_FALSE(has(summary_sentence(evaluation, {}), "pair"));
 }
 
 TEST_CASE("without a ground truth nothing is judged, and answers to places may be missing") {

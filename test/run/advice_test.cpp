@@ -79,13 +79,30 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   CHECK(has(finding(walk, 0, 1), "The filter recognizes "));
   const std::string twice = finding(walk, 0, 2);
   INFO(twice);
-  CHECK(has(twice, " of 80 frames, at about 2.0 times the speed.\nUse --method filter "));
+  CHECK(has(twice, " of 80 frames, at about 2.0 times the speed. Use --method filter "));
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
-  CHECK(filter_advice(database, test::make_query(other.query), {}, resources(), {}) ==
-        "At 0.5 to 2 times the trained speed, 0 of 100 frames are recognized, and no more\nin "
-        "the opposite direction, or with every third frame of either side: the query\nmay show "
-        "another place, or its 28 keyframes are too few for a decision, which\nneeds up to 64.");
+  const DescriptorSet elsewhere = test::make_query(other.query);
+  CHECK(filter_advice(database, elsewhere, {}, resources(), {}) ==
+        "The filter recognizes 0 of 100 frames at 0.5 to 2 times the trained speed, and fewer than "
+        "a quarter in the opposite direction, or with every second or third frame of either side: "
+        "the query may show another place, or its 28 keyframes are too few for a decision, which "
+        "needs up to 64.");
   CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
+  SequenceQuerySettings strict;
+  strict.method = "filter";
+  strict.margin = 64;
+  CHECK(has(filter_advice(database, test::make_query(walk.train[0]), *ResolvedSettings(strict),
+                          resources(), {}),
+            "With default settings, as margin 14, the filter recognizes 1"));
+}
+
+TEST_CASE("without a match of any window, none is compared with a limit") {
+  Result result = planned_result(10);
+  std::get<SequenceQuerySettings>(result.settings).loop = true;
+  CHECK(has(no_recognition_advice(result), "below t_r"));
+  result.best.assign(20, std::nullopt);
+  CHECK(no_recognition_advice(result) ==
+        "No window has a match: none has an earlier readable window beyond --gap.");
 }

@@ -142,7 +142,7 @@ TEST_CASE("an automatic threshold needs another training sequence with a window"
   const SequenceDatabase alone = make_database(walks(9), 10);
   CHECK_THROWS_WITH(query_all(alone, query, settings),
                     "the automatic t_r needs two training sequences with windows of 10 frames "
-                    "(c_l). Use a smaller --c-l, or a number, as in --t-r 0.6.");
+                    "(c_l). Use a smaller --c-l, or a number for --t-r.");
   auto three = walks(60);
   three.push_back(test::walk_codes(12, 4, 120));  // too short at twice the speed
   settings.rates = {"2"};

@@ -16,7 +16,7 @@ CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts recognition
   made.counts.clusters = places;
   made.counts.mixed_clusters = mixed;
   made.counts.distinct = places.correct;
-  made.counts.best_match.frames = 9;
+  made.counts.best_match.frames = made.path.frames_with_match = 9;
   made.counts.best_match.correct = 7;
   made.counts.best_match.incorrect = 1;
   return made;
@@ -91,6 +91,11 @@ TEST_CASE("the best cell of each window is listed, without errors if possible") 
         "a walk, \"quoted\": best t_r of each c_l, over 9 frames with a match (* recommended)");
   CHECK(table.rows == std::vector<std::vector<std::string>>{{"5*", "0.3", "2", "0", "0"},
                                                             {"10", "0.4", "6", "0", "1"}});
+  sweep.cells[1].path.correct = 3;  // not recommended, because the next looser one has errors
+  CHECK(best_cells_table(sweep).rows ==
+        std::vector<std::vector<std::string>>{{"5*", "0.3", "2", "0", "0"},
+                                              {"5", "0.4", "3", "0", "0"},
+                                              {"10", "0.4", "6", "0", "1"}});
 }
 
 TEST_CASE("the recommendation names the first error") {
@@ -111,7 +116,7 @@ TEST_CASE("the recommendation names the first error") {
 
 TEST_CASE("a sweep names the filter if it recognizes more frames and no more incorrectly") {
   Sweep sweep = example();
-  sweep.cells[0].counts.best_match.frames = 111;
+  sweep.cells[0].path.frames_with_match = 111;
   sweep.cells[0].path.correct = 36;
   Localization filter;
   filter.frames_with_match = 111;
@@ -130,5 +135,19 @@ TEST_CASE("a sweep names the filter if it recognizes more frames and no more inc
   filter.incorrect = 0;
   CHECK(says("Use the filter: vpr-query without flags of windows."));
   filter.correct = 0;
-  CHECK(says("the query may show another place, or the way back."));
+  filter.incorrect = 7;
+  filter.off_map = 2;
+  CHECK(says("0 of 111 frames correctly, 7 incorrectly (2 of them without a match).\n"));
+  CHECK_FALSE(says("another place"));
+  sweep.advice = "The query has 3 keyframes.";
+  CHECK(says("The query has 3 keyframes.\n"));
+}
+
+TEST_CASE("a validation has the sentence of vpr-eval about incorrect pairs") {
+  Sweep sweep = example();
+  sweep.validation = {"again", cell(5, 0.3, {16, 2, 0}, {1, 0, 0}, 0)};
+  sweep.validation->cell.path.correct = sweep.validation->cell.path.recognized = 7;
+  CHECK(unwrapped(validation_text(sweep)) ==
+        "On the validation, again: 7 of 9 frames correctly, 0 incorrectly; 2 of the 18 accepted "
+        "window pairs are incorrect.\n");
 }
