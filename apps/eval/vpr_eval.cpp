@@ -127,14 +127,12 @@ std::string tuning_command(const Session& session, const EvalInputs& inputs,
   const std::string query = stored.context.run.path("query");
   const Selection& selection = stored.result.query.selection;
   const Json settings = settings_in_force(stored.result.settings);
-  const auto exists = [](const std::filesystem::path& path) {
-    std::error_code error;
-    return !path.empty() && std::filesystem::exists(path, error);
-  };
+  std::error_code error;
   const bool is_bow = stored.result.places && !stored.context.run.frame_names.contains("query");
   if (settings["loop"] == true || !settings.value("only_sequence", Json()).empty() || is_bow ||
-      selection.selected_fps > 0 || !inputs.truth.dataset.empty() || !exists(database) ||
-      !exists(parse_sequence_argument(query).path))
+      selection.selected_fps > 0 || !inputs.truth.dataset.empty() ||
+      !std::filesystem::exists(database, error) ||
+      !std::filesystem::exists(parse_sequence_argument(query).path, error))
     return "";
   std::vector<std::string> words = {stored.result.places ? "vpr-tune fabmap" : "vpr-tune",
                                     shell_word(database), "--query " + shell_word(query)};

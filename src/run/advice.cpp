@@ -181,13 +181,10 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
                           keyframes, kSlowStart * needed)
             : "");
   }
-  if (has_paths(settings))
-    return fmt::format("With default settings, as margin {:g}, the filter recognizes {}.",
-                       kFilterMargin, recognized_text(forward));
   const auto rate = recognized_rate(forward);
   const bool is_same_speed = !rate || (*rate <= kSameSpeed && *rate >= 1 / kSameSpeed);
-  return fmt::format("The filter recognizes {}{}. Use --method filter without flags of windows.",
-                     recognized_text(forward),
+  return fmt::format("With default settings (--method filter, margin {:g}), {} are recognized{}.",
+                     kFilterMargin, recognized_text(forward),
                      is_same_speed ? "" : fmt::format(", at about {:.1f} times the speed", *rate));
 }
 

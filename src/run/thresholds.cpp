@@ -107,8 +107,8 @@ void check_automatic(const SequenceDatabase& database, const SequenceQuerySettin
   if (is_automatic && database.sequences.size() < 2)
     throw Error(
         ErrorKind::usage,
-        "the automatic t_r needs two or more training sequences. Use a number for --t-r, or "
-        "--score zscore --decide margin.");
+        "the automatic t_r needs two or more training sequences. Instead, vpr-query takes a "
+        "number (--t-r), or --score zscore --decide margin.");
 }
 
 bool is_same_place(double frame_distance, double mean_distance, size_t window_length) {

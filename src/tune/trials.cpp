@@ -270,9 +270,8 @@ std::string choice_text(const Trials& trials, const std::string& advice) {
   if (trials.chosen) {
     const Trial& trial = trials.all[*trials.chosen];
     const bool has_places = std::holds_alternative<FabmapQuerySettings>(trial.settings);
-    const std::string choice =
-        fmt::format("Choice: {}: {}.", trial.name, frame_counts_text(trial.total(), has_places));
-    return wrapped_text(choice, 2) +
+    const std::string counts = frame_counts_text(trial.total(), has_places);
+    return wrapped_text(fmt::format("Choice: {}: {}.", trial.name, counts), 2) +
            (trial.is_tuned
                 ? "Its threshold fits these frames; another recording may need another setting.\n"
                 : "Another recording may need another setting.\n");

@@ -154,8 +154,8 @@ TEST_CASE("a database and a query are sufficient") {
   const std::string words = "vpr-query one.vprdb --query $back --c-l 10";
   check_failure(
       words, 2,
-      "the automatic t_r needs two or more training sequences. Use a number for --t-r, or "
-      "--score zscore --decide margin.");
+      "the automatic t_r needs two or more training sequences. Instead, vpr-query takes a "
+      "number (--t-r), or --score zscore --decide margin.");
   CHECK(has(run_ok(words + " --score zscore --decide margin").out, " = one "));
 }
 
@@ -183,7 +183,7 @@ TEST_CASE("if nothing or everything is recognized, no looser threshold is sugges
        {"--t-r 0.01", "--score zscore --t-r -20", "--score zscore --decide margin --margin 60"}) {
     const auto none = run_ok(kQuery + strict);
     INFO(none.out);
-    CHECK(has(none.out, " frames. Use --method filter without flags of"));
+    CHECK(has(none.out, "With default settings (--method filter, margin 14), "));
     CHECK_FALSE(has(none.out, "--t-r "));
     CHECK_FALSE(has(none.out, "--margin "));
   }

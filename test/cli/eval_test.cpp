@@ -114,6 +114,8 @@ TEST_CASE("the command of the next step repeats the query, or is not given") {
   CHECK(
       next("$fabmap", "views.csv").starts_with("next: compare settings with\n  vpr-tune fabmap "));
   CHECK(next("$db --c-l 3 --t-r 0.9 --only-sequence one", "pairs.csv").empty());
+  CHECK(has(run_ok("vpr-query $db --dataset $dataset --query back --force -o r.json").out,
+            "next: vpr-eval r.json --dataset " + world().dataset()));
 }
 
 TEST_CASE("incorrect recognitions or best matches within a larger tolerance are named") {

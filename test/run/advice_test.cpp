@@ -76,10 +76,10 @@ TEST_CASE("without a threshold, no match is reported as too far") {
 
 TEST_CASE("the filter distinguishes another speed from another place") {
   const test::Example walk = test::make_example({160}, 0, 3);
-  CHECK(has(finding(walk, 0, 1), "The filter recognizes "));
+  CHECK(has(finding(walk, 0, 1), "With default settings (--method filter, margin 14), 1"));
   const std::string twice = finding(walk, 0, 2);
   INFO(twice);
-  CHECK(has(twice, " of 80 frames, at about 2.0 times the speed. Use --method filter "));
+  CHECK(has(twice, " of 80 frames are recognized, at about 2.0 times the speed."));
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
@@ -95,7 +95,7 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   strict.margin = 64;
   CHECK(has(filter_advice(database, test::make_query(walk.train[0]), *ResolvedSettings(strict),
                           resources(), {}),
-            "With default settings, as margin 14, the filter recognizes 1"));
+            "With default settings (--method filter, margin 14), 1"));
 }
 
 TEST_CASE("without a match of any window, none is compared with a limit") {
