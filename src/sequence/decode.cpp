@@ -145,11 +145,11 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   }
   const ImageHeader header = read_image_header(file);
   check_frame_size(path, header.tile_width, header.tile_height);
-  if (header.is_float)
+  if (!header.unread.empty())
     throw Error(ErrorKind::input,
-                "{}: has floating-point pixels, which are not supported. Convert it to 16-bit "
-                "gray, in units that matter",
-                path.string());
+                "{}: has {} pixels, which are not supported. Convert them to unsigned integers of "
+                "8 or 16 bits, with 0 for black",
+                path.string(), header.unread);
   if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
   const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
@@ -168,7 +168,8 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
                   path.string());
     fail(error.err);
   }
-  if (image.empty()) fail("it is damaged");
+  if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U))
+    fail("it is damaged, or of a kind that OpenCV does not read");
   if (header.orientation != 1) turn_upright(image, header.orientation);
   return image;
 }

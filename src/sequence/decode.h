@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace cv {
@@ -66,7 +67,7 @@ void mute_codecs();
 struct ImageHeader {
   uint64_t tile_width = 0;  ///< TIFF: of the tiles that are allocated whole; 0: none
   uint64_t tile_height = 0;
-  bool is_float = false;    ///< TIFF: floating-point pixels
+  std::string unread;       ///< TIFF: the kind of pixels, such as "signed", that are not supported
   bool is_gray_16 = false;  ///< PNG, TIFF and PGM: one channel of 16 bits
   /// WebP: EXIF orientation 1 to 8, which OpenCV applies to other formats. 1: as stored.
   int orientation = 1;

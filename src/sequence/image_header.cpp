@@ -2,6 +2,8 @@
 #include <cctype>
 #include <charconv>
 
+#include <fmt/format.h>
+
 #include "sequence/decode.h"
 
 namespace vpr {
@@ -40,8 +42,9 @@ void for_each_tag(std::string_view file, Use&& use) {
 }
 
 ImageHeader tiff_header(std::string_view file) {
-  constexpr uint64_t kFloat = 3;
+  enum Format : uint64_t { kUnsigned = 1, kSigned, kFloat, kUndefined };
   ImageHeader header;
+  uint64_t format = kUnsigned;
   uint64_t bits = 1;
   uint64_t samples = 1;
   uint64_t photometric = 0;
@@ -51,9 +54,17 @@ ImageHeader tiff_header(std::string_view file) {
     if (tag == 277) samples = value;
     if (tag == 322) header.tile_width = value;
     if (tag == 323) header.tile_height = value;
-    if (tag == 339) header.is_float = value == kFloat;
+    if (tag == 339) format = value;
   });
-  header.is_gray_16 = bits == 16 && samples == 1 && photometric <= 1 && !header.is_float;
+  if (format == kFloat)
+    header.unread = "floating-point";
+  else if (format != kUnsigned && format != kUndefined)
+    header.unread = format == kSigned ? "signed" : "complex";
+  else if (bits > 16)
+    header.unread = fmt::format("{}-bit", bits);
+  else if (bits > 8 && samples == 1 && photometric == 0)
+    header.unread = "inverted (MINISWHITE)";
+  header.is_gray_16 = bits == 16 && samples == 1 && photometric <= 1 && header.unread.empty();
   return header;
 }
 

@@ -20,8 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kImageExtensions[] = {".jpg", ".jpeg", ".jpe", ".png",  ".bmp", ".pgm",
-                                                 ".ppm", ".pnm",  ".tif", ".tiff", ".webp"};
+constexpr std::string_view kImageExtensions[] = {".jpg", ".jpeg", ".jpe", ".jfif", ".png",
+                                                 ".bmp", ".dib",  ".pgm", ".ppm",  ".pnm",
+                                                 ".tif", ".tiff", ".webp"};
 constexpr std::string_view kArrayExtensions[] = {".npy"};
 constexpr std::string_view kListExtensions[] = {".txt", ".lst", ".csv"};
 
@@ -106,25 +107,26 @@ std::vector<fs::path> files_of(const std::vector<fs::path>& entries,
   return files;
 }
 
-// Images that cameras write, but OpenCV does not read, with the command that converts them.
+// Refuses an image that is not read, unless one that is read has its name without extension: it
+// would shift the numbers of frames.
 void refuse_unread_images(const std::vector<fs::path>& entries) {
-  struct Unread {
-    std::string_view extension;
-    std::string_view name;
-    std::string_view command;
-  };
-  constexpr std::array<Unread, 4> kUnread = {
-      {{".heic", "HEIC", "for f in *.heic *.HEIC; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
-       {".heif", "HEIF", "for f in *.heif; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
-       {".avif", "AVIF", "for f in *.avif; do heif-convert \"$f\" \"${f%.*}.jpg\"; done"},
-       {".gif", "GIF", "mogrify -format png *.gif"}}};
-  for (const auto& [extension, name, command] : kUnread) {
-    const auto files = files_of(entries, {&extension, 1});
-    if (files.empty()) continue;
-    throw Error(ErrorKind::input,
-                "{}: {} images are not supported. Convert and remove them, or frame numbers would "
-                "shift: {}",
-                files.front().string(), name, command);
+  constexpr std::string_view kUnread[] = {".heic", ".heif", ".hif", ".avif", ".gif", ".jp2",
+                                          ".j2k",  ".jpx",  ".jxl", ".pbm",  ".pam", ".pfm",
+                                          ".tga",  ".exr",  ".hdr", ".dng",  ".cr2", ".cr3",
+                                          ".nef",  ".arw",  ".orf", ".raf",  ".rw2"};
+  constexpr size_t kHeif = 4;  // the first ones
+  std::set<fs::path> read;
+  for (const fs::path& path : files_of(entries, kImageExtensions)) read.insert(path.stem());
+  for (const fs::path& path : files_of(entries, kUnread)) {
+    if (read.contains(path.stem())) continue;
+    const std::string all = "*" + path.extension().string();
+    throw Error(
+        ErrorKind::input,
+        "{}: {} images are not supported. Convert them, or frame numbers would shift: {}",
+        path.string(), all,
+        has_extension(path, std::span(kUnread).first(kHeif))
+            ? fmt::format("for f in {}; do heif-convert \"$f\" \"${{f%.*}}.jpg\"; done", all)
+            : "mogrify -format png " + all);
   }
 }
 

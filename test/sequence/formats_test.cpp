@@ -67,6 +67,14 @@ std::string little(uint64_t value, size_t bytes) {
   return text;
 }
 
+// A TIFF file with these tags and without pixels.
+std::string tiff(const std::map<uint64_t, uint64_t>& tags) {
+  std::string file = "II*" + little(0, 1) + little(8, 4) + little(tags.size(), 2);
+  for (const auto& [tag, value] : tags)
+    file += little(tag, 2) + little(4, 2) + little(1, 4) + little(value, 4);
+  return file + little(0, 4);
+}
+
 }  // namespace
 
 TEST_CASE("a video is shown upright, whatever its display matrix") {
@@ -141,21 +149,28 @@ TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names o
 TEST_CASE("images that would shift frame numbers, and formats that are not read, are refused") {
   const TemporaryFolder folder;
   write_image(folder / "1.png", 1);
-  for (const char* name : {"2.HEIC", "2.gif"}) {
+  for (const char* name : {"2.HEIC", "2.GIF", "2.jp2", "2.pbm", "2.dng"}) {
     write_text(folder / name, "x");
     CHECK_THROWS_WITH(open_sequence({folder.path(), {}}),
-                      Catch::Contains(name) && Catch::Contains("not supported"));
+                      Catch::Contains(name) && Catch::Contains("not supported") &&
+                          Catch::Contains("*" + fs::path(name).extension().string()));
     fs::remove(folder / name);
   }
+  write_text(folder / "1.dng", "x");
+  write_image(folder / "2.png", 1);
+  fs::rename(folder / "2.png", folder / "2.dib");
+  CHECK(file_names(open_sequence({folder.path(), {}})).size() == 2);
   cv::imwrite(folder / "f.tif", cv::Mat(4, 4, CV_32FC1, cv::Scalar(0.5)));
   CHECK_THROWS_WITH(decode_image(folder / "f.tif", PixelFormat::gray),
                     Catch::Contains("floating-point"));
+  CHECK(read_image_header(tiff({{258, 16}, {262, 1}})).unread.empty());
+  CHECK(read_image_header(tiff({{258, 32}, {262, 1}})).unread == "32-bit");
+  CHECK(read_image_header(tiff({{258, 16}, {262, 0}})).unread == "inverted (MINISWHITE)");
+  write_text(folder / "s.tif", tiff({{256, 1}, {257, 1}, {258, 16}, {262, 1}, {339, 2}}));
+  CHECK_THROWS_WITH(decode_image(folder / "s.tif", PixelFormat::gray),
+                    Catch::Contains("signed pixels"));
   // Tiles of 32768 x 32768 pixels for an image of one pixel.
-  std::string tiff = "II*" + little(0, 1) + little(8, 4) + little(4, 2);
-  for (const auto& [tag, value] : {std::pair(256, 1), {257, 1}, {322, 32768}, {323, 32768}})
-    tiff += little(static_cast<uint64_t>(tag), 2) + little(4, 2) + little(1, 4) +
-            little(static_cast<uint64_t>(value), 4);
-  write_text(folder / "t.tif", tiff + little(0, 4));
+  write_text(folder / "t.tif", tiff({{256, 1}, {257, 1}, {322, 32768}, {323, 32768}}));
   CHECK_THROWS_WITH(decode_image(folder / "t.tif", PixelFormat::gray),
                     Catch::Contains("32768 x 32768"));
   write_text(folder / "list.mp4", "#EXTM3U\n#EXTINF:1.2,\nsecret.ts\n#EXT-X-ENDLIST\n");
@@ -163,8 +178,7 @@ TEST_CASE("images that would shift frame numbers, and formats that are not read,
 }
 
 TEST_CASE("the EXIF orientation of a WebP image is read") {
-  const std::string exif = "II*" + little(0, 1) + little(8, 4) + little(1, 2) + little(274, 2) +
-                           little(3, 2) + little(1, 4) + little(6, 4) + little(0, 4);
+  const std::string exif = tiff({{274, 6}});
   const std::string chunks =
       "WEBPVP8X" + little(10, 4) + std::string(10, '\0') + "EXIF" + little(exif.size(), 4) + exif;
   CHECK(read_image_header("RIFF" + little(chunks.size(), 4) + chunks).orientation == 6);
