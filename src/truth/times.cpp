@@ -34,12 +34,30 @@ std::optional<int64_t> parse_digits(std::string_view digits) {
   return digits.empty() ? 0 : parse_number<int64_t>(digits);
 }
 
-/// The index of the time column in the header; 0 if there is none.
-size_t time_column(const std::vector<std::string_view>& header) {
-  for (const std::string_view name : {"time", "timestamp", "time_s", "timestamp_ns"})
-    if (const auto found = std::ranges::find(header, name); found != header.end())
-      return static_cast<size_t>(found - header.begin());
-  return 0;
+/// The column of times in a file.
+struct TimeColumn {
+  size_t index = 0;
+  std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
+};
+
+// The only column that is named like a time, such as "time", "Timestamp [ns]" or "seconds".
+TimeColumn time_column(const FileLocation& location, const std::vector<std::string>& header) {
+  static const std::regex kName(
+      R"((?:time|time[ _]?stamp|stamp)(?:[ _]*[\[(]?(s|sec|ms|us|ns)[\])]?)?|(seconds|nanoseconds))",
+      std::regex::icase);
+  std::vector<TimeColumn> found;
+  for (size_t i = 0; i < header.size(); ++i) {
+    std::smatch parts;
+    if (header[i].size() > kMaxDate || !std::regex_match(header[i], parts, kName)) continue;
+    found.push_back({i});
+    if (const std::string unit = lower_case(parts.str(1) + parts.str(2)); !unit.empty())
+      found.back().unit = TimeUnit(std::string_view("smun").find(unit[0]));
+  }
+  if (found.size() != 1)
+    location.fail(
+        "its first line is neither a time nor a header with exactly one column of times, such as "
+        "\"time\" or \"time_ms\"");
+  return found.front();
 }
 
 // The times that are the names of a sequence's images.
@@ -217,28 +235,28 @@ int64_t TimeReader::read_next(const FileLocation& location, std::string_view tex
 
 std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   const SequenceArgument source = parse_sequence_argument(path.string());
-  const std::string file = read_whole_file(source.path);
+  const std::vector<CsvRow> rows = read_list_rows(source.path);
   FileLocation location{path.string()};
-  TimeReader reader;
+  TimeColumn column;
+  const bool has_header = !rows.empty() && !unit_of_time(rows[0].fields[0]);
+  if (has_header) column = time_column(location, rows[0].fields);
+  TimeReader reader(column.unit);
   std::vector<int64_t> times;
-  bool is_first = true;
-  size_t column = 0;
-  size_t line_number = 0;
-  size_t index = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
-    ++line_number;
-    const auto cells = cells_of(line);
-    if (cells.empty() || cells[0].starts_with('#')) continue;
-    location.at("line", line_number);
-    if (std::exchange(is_first, false) && !unit_of_time(cells[0])) {
-      column = time_column(cells);  // a header
-      continue;
-    }
-    if (column >= cells.size()) location.fail("has no time");
-    const int64_t time = reader.read_next(location, cells[column]);
-    if (frame_in_range(source.range, index++)) times.push_back(time);
+  bool are_frames = !has_header;  // the first of two columns counts them
+  for (size_t i = has_header ? 1 : 0; i < rows.size(); ++i) {
+    const std::vector<std::string>& cells = rows[i].fields;
+    location.at("line", rows[i].line);
+    if (column.index >= cells.size()) location.fail("has no time");
+    are_frames =
+        are_frames && cells.size() == 2 && cells[0] == std::to_string(i) && unit_of_time(cells[1]);
+    const int64_t time = reader.read_next(location, cells[column.index]);
+    if (frame_in_range(source.range, has_header ? i - 1 : i)) times.push_back(time);
   }
   if (times.empty()) location.fail("has no times");
+  if (are_frames && rows.size() > 1)
+    FileLocation{path.string()}.fail(
+        "its first column counts 0, 1, 2, ... Add a first line that names the columns, such as "
+        "frame,time");
   return times;
 }
 

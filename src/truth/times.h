@@ -64,11 +64,13 @@ class TimeReader {
   std::optional<int64_t> last_;
 };
 
-/// Times in nanoseconds, one per line in the order of the frames: the first column of a CSV (or the
-/// column `time`, if there is a header), or the first word of a line, as in KITTI's times.txt and
-/// TUM's rgb.txt; lines that start with # are skipped. A range after the path selects frames.
-/// Throws Error(input) if it cannot be read; Error(data), with the line, for invalid times and
-/// times that do not increase.
+/// Times in nanoseconds, one per line in the order of the frames: the first column of a CSV, or the
+/// first word of a line, as in KITTI's times.txt and TUM's rgb.txt; with a header, the column
+/// `time`, `timestamp` or `seconds`, in upper or lower case, and perhaps with a unit, as in
+/// `time_ms`. Lines that start with # are skipped. A range after the path selects frames. Throws
+/// Error(input) if it cannot be read; Error(data), with the line, for invalid times, times that do
+/// not increase, a header without exactly one such column, and two columns without a header of
+/// which the first counts frames.
 std::vector<int64_t> read_time_list(const std::filesystem::path& path);
 
 /// Times in nanoseconds, one per frame: from a list (read_time_list), from the names of the images
