@@ -185,15 +185,15 @@ void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& a
   }
 }
 
-/// The position on the straight line between the poses of two neighboring frames; nullopt if one is
-/// unknown.
+/// The pose of the nearest frame, the earlier one on a tie, with the position on the straight line
+/// between two neighboring frames; nullopt if one of their poses is unknown.
 std::optional<Pose> pose_at(const Poses& poses, double position) {
   const auto before = static_cast<size_t>(position);
   const double share = position - static_cast<double>(before);
   if (before >= poses.size() || !poses[before]) return std::nullopt;
   if (share == 0) return poses[before];
   if (before + 1 >= poses.size() || !poses[before + 1]) return std::nullopt;
-  Pose pose;
+  Pose pose = *poses[share <= 0.5 ? before : before + 1];
   for (size_t k = 0; k < 3; ++k)
     pose.position[k] = poses[before]->position[k] +
                        share * (poses[before + 1]->position[k] - poses[before]->position[k]);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -92,6 +93,14 @@ bool is_everything_near(const Poses& query, const Poses& train, const Nearness& 
   all.insert(all.end(), train.begin(), train.end());
   const auto [x, y, z] = extents_of(all);
   return !nearness.angle_deg && std::hypot(x, y, z) <= nearness.farthest_m();
+}
+
+// Floors and UTM zones.
+std::set<std::string> areas_of(const Poses& poses) {
+  std::set<std::string> areas;
+  for (const auto& pose : poses)
+    if (pose && !pose->area.empty()) areas.insert(pose->area);
+  return areas;
 }
 
 [[noreturn]] void refuse_pairs(const GroundTruthBuilder& builder, const Nearness& nearness) {
@@ -279,6 +288,15 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
     for (const LabelStretch& run : sorted.unknown)
       builder.add(frame, sequence, run.first, run.last, run.label);
   }
+  const auto areas = areas_of(query);
+  const auto trained = areas_of(train);
+  if (!areas.empty() && !trained.empty() &&
+      std::ranges::none_of(areas, [&](const auto& area) { return trained.contains(area); }))
+    warn(builder.monitor(),
+         "{}: no floor or UTM zone of the query ({}, ...) is one of the training sequence ({}, "
+         "...), "
+         "so frames that have one are different places",
+         builder.argument().path.string(), *areas.begin(), *trained.begin());
   const auto pairs = static_cast<double>(known * sorted.known.size());
   if (static_cast<double>(same) > kLargeShare * pairs)
     warn(builder.monitor(),

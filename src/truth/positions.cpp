@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/converters.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -25,6 +27,9 @@ namespace {
 constexpr double kSemiMajorAxis = 6378137;
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
+
+/// The number of frames is at most this times the number of lines, unless it is known.
+constexpr size_t kFramesPerLine = 1000;
 
 /// The names of the columns in a header.
 struct GpsColumns {
@@ -71,6 +76,14 @@ std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& colu
   return place;
 }
 
+// Equal numbers are one floor, however they are written. Empty if unknown.
+std::string floor_of(const NamedRows& rows) {
+  const std::string& text = rows.text("floor");
+  if (is_missing(text)) return "";
+  const auto number = parse_real(text);
+  return number ? fmt::format("{}", *number + 0.0) : text;
+}
+
 // The pose of the current row: x and y without `gps`. A heading may be empty in a file of fixes.
 std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColumns>& gps) {
   Pose pose;
@@ -83,7 +96,7 @@ std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColu
     pose.position = {rows.real("x"), rows.real("y"), rows.has("z") ? rows.real("z") : 0};
   }
   if (!is_missing(rows.text("heading"))) pose.heading_deg = rows.real("heading");
-  pose.area = rows.text("floor");
+  pose.area = floor_of(rows);
   return pose;
 }
 
@@ -206,8 +219,9 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
     if (!number || !number->in_range) rows.fail("\"{}\" is not a frame number", text);
     const auto frame = frame_in_range(source.range, number->value);
     if (!frame) continue;
-    if (!frames && *frame >= most_frames)
-      rows.fail("the frame is too large; pass the number of frames");
+    if (!frames && *frame >= std::min(most_frames, kFramesPerLine * (rows.size() + 1)))
+      rows.fail("frame {} is too large for {}; pass the number of frames", text,
+                counted(rows.size(), "line"));
     if (frames && *frame >= *frames)
       rows.fail("frame {} is out of range; there are {} frames{}", text, *frames,
                 source.range.is_all() ? range_hint(source.path) : "");
@@ -293,7 +307,7 @@ std::vector<RoutePoint> read_place_positions(const fs::path& path) {
   std::set<std::string> seen;
   while (rows.next()) {
     if (seen.insert(rows.text("place")).second)
-      places.push_back({rows.real("x"), rows.real("y"), rows.text("floor")});
+      places.push_back({rows.real("x"), rows.real("y"), floor_of(rows)});
   }
   return places;
 }
@@ -303,7 +317,7 @@ std::vector<WallLine> read_walls(const fs::path& path) {
   rows.allow({"x0", "y0", "x1", "y1", "floor", "kind"});
   std::vector<WallLine> walls;
   while (rows.next()) {
-    const std::string& floor = rows.text("floor");
+    const std::string floor = floor_of(rows);
     walls.push_back(
         {{rows.real("x0"), rows.real("y0"), floor}, {rows.real("x1"), rows.real("y1"), floor}});
   }

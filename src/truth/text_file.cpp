@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -34,7 +35,7 @@ std::optional<double> parse_real(std::string_view text) {
 }
 
 bool is_missing(std::string_view cell) {
-  constexpr std::array<std::string_view, 4> kMissing = {"", "nan", "NaN", "NAN"};
+  constexpr std::array<std::string_view, 6> kMissing = {"", "nan", "NaN", "NAN", "-nan", "-NaN"};
   return std::ranges::find(kMissing, cell) != kMissing.end();
 }
 
@@ -92,7 +93,12 @@ NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,
     : location_{name} {
   rows_ = parse_csv(read_whole_file(path), location_.file);
   if (rows_.empty()) rows_.emplace_back();  // a file without a header
-  for (std::string& column : rows_[0].fields) column = lower_case(column);
+  std::set<std::string> columns;
+  for (std::string& column : rows_[0].fields) {
+    column = lower_case(column);
+    if (!column.empty() && !columns.insert(column).second)
+      fail("its header has two columns {}; remove or rename one", column);
+  }
   for (const std::string& column : needed)
     if (!has(column)) fail("its header has no column {}", column);
 }

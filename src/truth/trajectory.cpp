@@ -35,7 +35,11 @@ constexpr double kFixDifference = 1;
 // A quaternion x, y, z, w as a matrix.
 std::array<double, 9> rotation_of(const FileLocation& location, std::array<double, 4> q) {
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(norm > 1e-6) || !std::isfinite(norm)) location.fail("its quaternion is not a rotation");
+  if (!(norm > 1e-6) || !std::isfinite(norm))
+    location.fail(
+        "its quaternion is not a rotation. Write nan for an unknown pose; for an unknown "
+        "orientation, 0 0 0 1 is enough unless --angle is used");
+
   const double x = q[0] / norm;
   const double y = q[1] / norm;
   const double z = q[2] / norm;
@@ -56,36 +60,29 @@ bool is_rotation(const std::array<double, 9>& m) {
 struct LineFormat {
   std::string_view name;
   size_t columns = 0;
+  Pose (*pose)(const FileLocation& location, std::span<const double> values) = nullptr;
   bool may_have_more = false;         ///< columns, separated by commas
   bool has_times = true;              ///< in the first column
   std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
-  Pose (*pose)(const FileLocation& location, std::span<const double> values) = nullptr;
 };
 
-constexpr std::array<LineFormat, 3> kLineFormats = {{
-    {"tum",
-     8,
-     false,
-     true,
-     {},
+constexpr LineFormat kLineFormats[] = {
+    {"tum", 8,
      [](const FileLocation& location, std::span<const double> v) {
        return Pose{{v[1], v[2], v[3]}, {}, rotation_of(location, {v[4], v[5], v[6], v[7]})};
      }},
-    {"kitti",
-     12,
-     false,
-     false,
-     {},
+    {"kitti", 12,
      [](const FileLocation& location, std::span<const double> v) {
        const std::array rotation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
        if (!is_rotation(rotation)) location.fail("its matrix is not a rotation");
        return Pose{{v[3], v[7], v[11]}, {}, rotation};
-     }},
-    {"euroc", 8, true, true, TimeUnit::nanoseconds,
+     },
+     false, false},
+    {"euroc", 8,
      [](const FileLocation& location, std::span<const double> v) {
        return Pose{{v[1], v[2], v[3]}, {}, rotation_of(location, {v[5], v[6], v[7], v[4]})};
-     }},
-}};
+     },
+     true, true, TimeUnit::nanoseconds}};
 
 // Reads any format, with fixes as positions on the earth.
 Trajectory read_any(const std::filesystem::path& path) {
@@ -272,8 +269,10 @@ std::string_view pose_line_format(std::string_view first_line) {
             : cells.size() != format.columns || first_line.find(',') != std::string_view::npos)
       continue;
     if (format.unit && unit_of_time(cells[0]) != format.unit) continue;
-    if (std::ranges::all_of(std::span(cells).first(format.columns),
-                            [](std::string_view cell) { return parse_real(cell).has_value(); }))
+    if (format.has_times && !parse_real(cells[0])) continue;
+    if (std::ranges::all_of(std::span(cells).first(format.columns), [](std::string_view cell) {
+          return parse_real(cell) || is_missing(cell);
+        }))
       return format.name;
   }
   return {};
