@@ -48,7 +48,7 @@ constexpr Converter kConverters[] = {
     {"vpr-bench", "an array of Python objects", "vpr_bench.py", false,
      [](const fs::path&, std::string_view start) {
        const auto header = parse_npy_header(start);
-       return header && header->type == "|O";
+       return header && header->type == "|O" && !header->shape.empty();  // not a dict
      }}};
 
 }  // namespace

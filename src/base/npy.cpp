@@ -137,10 +137,8 @@ std::string npy_header(std::string_view type, const std::vector<size_t>& shape,
 
 NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
   const auto header = parse_npy_header(file_.text());
-  const NumberType* const type = header ? find_number_type(header->type) : nullptr;
   if (!header) refuse_convertible(path, file_.text().substr(0, kMaxNpyHeader), true);
-  if (type == nullptr)
-    throw Error(ErrorKind::data, "{}: is not a little-endian .npy array of numbers", name_);
+  const NumberType* const type = &number_type_of(name_, header);
   size_t bytes = type->bytes;
   bool overflow = false;
   for (const size_t extent : header->shape)
@@ -160,12 +158,7 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
 
 NpyArray::NpyArray(const std::string& name, NpyHeader header, std::span<const std::byte> values)
     : name_(name), header_(std::move(header)), values_(values) {
-  const NumberType* const type = find_number_type(header_.type);
-  if (type == nullptr)
-    throw Error(ErrorKind::data,
-                "{}: values of type {} are not supported; convert them with numpy.ndarray.astype",
-                name_, header_.type);
-  count_ = values.size() / type->bytes;
+  count_ = values.size() / number_type_of(name_, header_).bytes;
 }
 
 std::string NpyArray::header_bytes() const {
@@ -181,6 +174,15 @@ void NpyArray::require(std::string_view type, size_t dimensions) const {
     throw Error(ErrorKind::data,
                 "{}: is in Fortran order; save it in C order, as with numpy.ascontiguousarray",
                 name_);
+}
+
+const NumberType& number_type_of(const std::string& name, const std::optional<NpyHeader>& header) {
+  if (!header) throw Error(ErrorKind::data, "{}: is not a .npy array of numbers", name);
+  const std::string& type = header->type;
+  if (const NumberType* const found = find_number_type(type)) return *found;
+  throw Error(ErrorKind::data, "{}: values of type {} are not supported. Save {}", name, type,
+              type.starts_with('>') ? fmt::format("array.astype(\"<{}\")", type.substr(1))
+                                    : "an array of numbers");
 }
 
 const NumberType* find_number_type(std::string_view name) {

@@ -103,4 +103,8 @@ struct NumberType {
 /// Null for other types.
 const NumberType* find_number_type(std::string_view name);
 
+/// The entry of the type in a header. Throws Error(data) for other types, with the way to save the
+/// array of `name` right, and without a header.
+const NumberType& number_type_of(const std::string& name, const std::optional<NpyHeader>& header);
+
 }  // namespace vpr

@@ -62,9 +62,10 @@ class NpyStream {
     start_ = std::move(start);
     const auto header =
         parse_npy_header({reinterpret_cast<const char*>(start_.data()), start_.size()});
-    type_ = header ? find_number_type(header->type) : nullptr;
-    if (type_ == nullptr || header->shape.size() != 2)
-      location_.fail("is not a little-endian matrix of bool, integers or floats (.npy)");
+    type_ = &number_type_of(name, header);
+    if (header->shape.size() != 2)
+      location_.fail("expected a matrix of 0 and 1, query x training frames; found the shape ({})",
+                     fmt::join(header->shape, ", "));
     header_ = *header;
     used_ = header_.offset;
   }
