@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -23,16 +24,38 @@ constexpr size_t kPiece = 512;     // values read at once
 constexpr size_t kScanned = 1024;  // lines of the file per task
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+/// A lone score at one end of the range is far from all others if they cover less than this share.
+constexpr double kFarShare = 1.0 / 256;
+
 /// The result of a pass over a part of the file.
 struct Extent {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
+  double second_least = least;  ///< of different values
+  double second_most = most;
 
   void add(double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
+    if (value < least)
+      second_least = std::exchange(least, value);
+    else if (value > least)
+      second_least = std::min(second_least, value);
+    if (value > most)
+      second_most = std::exchange(most, value);
+    else if (value < most)
+      second_most = std::max(second_most, value);
   }
 };
+
+// A marker of missing scores, such as 1e6, makes the steps too coarse for the others.
+void warn_of_marker(const Extent& all, const std::string& name, const Monitor& monitor) {
+  for (const auto& [marker, least, most] : {std::array{all.most, all.least, all.second_most},
+                                            std::array{all.least, all.second_least, all.most}})
+    if (least < most && most - least < kFarShare * (all.most - all.least))
+      warn(monitor,
+           "{}: the score {} is far from all others, which are from {} to {}. If it marks missing "
+           "scores, use --missing {}",
+           name, marker, least, most, marker);
+}
 
 PrecomputedUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   const double best = is_similarity ? all.most : std::min(all.least, 0.0);
@@ -150,10 +173,15 @@ void PrecomputedDistances::scan(const Monitor& monitor) {
   std::vector<size_t>& empty_lines = by_query ? empty_queries_ : empty_references_;
   std::vector<size_t>& empty_across = by_query ? empty_references_ : empty_queries_;
   for (size_t line = 0; line < lines; ++line) {
-    if (extents[line].least > extents[line].most)
+    const Extent& extent = extents[line];
+    if (extent.least > extent.most) {
       empty_lines.push_back(line);
-    else
-      all = {std::min(all.least, extents[line].least), std::max(all.most, extents[line].most)};
+      continue;
+    }
+    all.add(extent.least);
+    all.add(extent.most);
+    for (const double score : {extent.second_least, extent.second_most})
+      if (std::isfinite(score)) all.add(score);  // infinite if all are equal
   }
   for (size_t i = 0; i < length; ++i)
     if (has_score[i].load(std::memory_order_relaxed) == 0) empty_across.push_back(i);
@@ -169,6 +197,7 @@ void PrecomputedDistances::scan(const Monitor& monitor) {
                 "missing scores",
                 file_.name(), all.least, all.most);
   units_ = units_of(all, is_similarity(), file_.is_whole());
+  if (!units_.is_exact) warn_of_marker(all, file_.name(), monitor);
 }
 
 void PrecomputedDistances::read(size_t query, size_t first, size_t count, uint16_t* out) const {
