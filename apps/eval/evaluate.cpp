@@ -76,12 +76,12 @@ EvaluationSettings evaluation_settings(const EvalInputs& inputs,
   return by;
 }
 
-ScoreMatrix open_scores(const EvalInputs& inputs) {
+ScoreMatrix open_scores(const EvalInputs& inputs, const Monitor& monitor) {
   const ScoreInputs& scores = inputs.scores;
   if (!scores.query_npy.empty())
     return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),
                              open_sequence(parse_sequence_argument(scores.train_npy)),
-                             scores.metric);
+                             scores.metric, monitor);
   std::vector<std::string> references;
   for (const auto& names : train_names(inputs))
     references.insert(references.end(), names.begin(), names.end());
@@ -183,7 +183,7 @@ OpenedScores open_inputs(const Session& session, const EvalInputs& inputs) {
         std::make_shared<const StoredResult>(read_result(inputs.result, session.monitor));
     opened.matrix = open_saved_matrix(session, *opened.stored, inputs);
   } else if (!inputs.scores.source().empty()) {
-    opened.matrix.emplace(open_scores(inputs));
+    opened.matrix.emplace(open_scores(inputs, session.monitor));
   } else {
     throw Error(ErrorKind::usage,
                 "the result of vpr-query is missing, as in vpr-eval result.json. For scores, use "

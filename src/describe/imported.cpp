@@ -121,9 +121,10 @@ RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
   const bool is_bits = kind == kBitKind;
   if (rows.type().starts_with("<f") == is_bits)
     throw Error(ErrorKind::data, "{}: its values are of type {}; {}", rows.where(0), rows.type(),
-                is_bits ? "bits are uint8 (8 bits per value) or bool"
-                        : "vectors are float16, float32 or float64, and uint8 or bool are bits: "
-                          "train with --bits");
+                is_bits
+                    ? "bits are uint8 (8 bits per value) or bool"
+                    : "vectors are float16, float32 or float64. If its values are numbers, save "
+                      "them as float32; if they are bits, train with --bits");
   const size_t bits = rows.type() == "|u1" ? 8 : 1;  // per value
   const size_t most = is_bits ? kMaxBits / bits : kMaxIntegers;
   if (rows.length() > most)
@@ -191,8 +192,20 @@ std::string_view imported_kind(bool are_bits, const ImportSettings& settings) {
   return value_bits == 16 ? kVectorKind : kNarrowVectorKind;
 }
 
-std::string_view imported_kind(const SequenceSource& sequence, const ImportSettings& settings) {
-  return imported_kind(ArrayRows(sequence).type().starts_with('|'), settings);
+std::string_view imported_kind(const SequenceSource& sequence, const ImportSettings& settings,
+                               const Monitor& monitor) {
+  const ArrayRows rows(sequence);
+  warn_of_bytes(sequence, rows, monitor);
+  return imported_kind(rows.type().starts_with('|'), settings);
+}
+
+void warn_of_bytes(const SequenceSource& sequence, const ArrayRows& rows, const Monitor& monitor) {
+  if (rows.type() == "|u1")
+    warn(monitor,
+         "{}: uint8 values are compared as 8 bits each (Hamming distance). If they are numbers, "
+         "save "
+         "them as float32",
+         sequence.argument.path.string());
 }
 
 size_t rows_in_range(const SequenceArgument& argument, size_t all) {

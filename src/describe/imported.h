@@ -85,8 +85,10 @@ VPR_FIELDS(ImportSettings, metric, value_bits)
 /// another number of bits, and for settings without effect.
 std::string_view imported_kind(bool are_bits, const ImportSettings& settings);
 
-/// The same for the arrays of a sequence: uint8 and bool are bits. Throws also as ArrayRows does.
-std::string_view imported_kind(const SequenceSource& sequence, const ImportSettings& settings);
+/// The same for the arrays of a sequence: uint8 and bool are bits, with a warning for uint8. Throws
+/// also as ArrayRows does.
+std::string_view imported_kind(const SequenceSource& sequence, const ImportSettings& settings,
+                               const Monitor& monitor);
 
 /// Upper bound of the squared length of a vector of 16-bit integers: scalar products of two vectors
 /// fit 32 bits, for any order of summation.
@@ -94,6 +96,9 @@ inline constexpr int64_t kMaxSquaredLength = int64_t{46340} * 46340;
 
 /// Upper bound of a point's distance to the origin: distances of two points fit 16 bits.
 inline constexpr int kLongestPoint = 32767;
+
+/// Warns that uint8 values are bits, for callers that were not told so.
+void warn_of_bytes(const SequenceSource& sequence, const ArrayRows& rows, const Monitor& monitor);
 
 /// Whether all values are NaN, which marks a missing frame.
 bool is_missing_vector(std::span<const double> vector);

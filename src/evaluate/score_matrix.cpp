@@ -178,7 +178,8 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
 }
 
 ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
-                              std::optional<DescriptorMetric> metric_of_vectors) {
+                              std::optional<DescriptorMetric> metric_of_vectors,
+                              const Monitor& monitor) {
   const DescriptorMetric metric = metric_of_vectors.value_or(DescriptorMetric::cosine);
   for (const SequenceSource* sequence : {&query, &reference})
     if (sequence->kind != SequenceKind::descriptors)
@@ -191,6 +192,7 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
   scores.queries = queries->count();
   scores.references = references->count();
   scores.block = kQueryValues;
+  warn_of_bytes(query, *queries, monitor);
   if (has_bits(*queries)) {
     const auto import = [](const SequenceSource& sequence) {
       return std::make_shared<const DescriptorSet>(
@@ -210,11 +212,11 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
       compute_distances(metric, *queries, *references, first, count, distances);
     };
   }
-  scores.fingerprint = [query, reference](const Monitor& monitor) {
+  scores.fingerprint = [query, reference](const Monitor& stop) {
     std::string sums;
     for (const SequenceSource* sequence : {&query, &reference})
       for (const auto& file : sequence->files) {
-        check_stop(monitor);
+        check_stop(stop);
         sums += checksum(NpyArray(file).file_bytes());
       }
     return checksum(std::as_bytes(std::span(sums)));

@@ -75,11 +75,12 @@ struct ScoreMatrix {
 };
 
 /// Distances of all pairs of descriptors: for vectors the metric (default: cosine), with sums of
-/// float64 in a fixed order; for uint8 and bool the Hamming distance, without a metric. A row of
-/// NaN has no scores. Throws Error(data) for sequences without descriptors or of different types or
-/// lengths; invalid vectors (import_descriptors) are found when scores are read.
+/// float64 in a fixed order; for uint8, with a warning, and bool the Hamming distance, without a
+/// metric. A row of NaN has no scores. Throws Error(data) for sequences without descriptors or of
+/// different types or lengths; invalid vectors (import_descriptors) are found when scores are read.
 ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
-                              std::optional<DescriptorMetric> metric_of_vectors = {});
+                              std::optional<DescriptorMetric> metric_of_vectors = {},
+                              const Monitor& monitor = {});
 
 /// The meaning of rows and columns: windows of the query and of training sequences, indexed by
 /// their first frame and judged at their anchor. Frames are windows of length 1.

@@ -94,7 +94,7 @@ std::vector<int64_t> times_of_names(const SequenceSource& source, const std::str
 DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySettings& settings,
                            const Monitor& monitor) {
   const bool is_imported = sequence.kind == SequenceKind::descriptors;
-  const std::string usual(is_imported ? imported_kind(sequence, {}) : "ldb");
+  const std::string usual(is_imported ? imported_kind(sequence, {}, monitor) : "ldb");
   const std::string& name = settings.descriptor.empty() ? usual : settings.descriptor;
   SequenceDatabase described;
   described.descriptors.kind = &descriptor_kind(name);

@@ -209,7 +209,7 @@ Database train(Call& call, const Sources& sources, const Sources& other) {
       if (call.keywords.contains(key))
         throw Error(ErrorKind::usage, "{} has no effect on {}. Omit it", key,
                     has_arrays ? "descriptors" : "images");
-    if (has_arrays) settings.descriptor_kind = imported_kind(first, import);
+    if (has_arrays) settings.descriptor_kind = imported_kind(first, import, monitor);
     if (pretrain.empty())
       made.content = train_sequences(named, settings, monitor);
     else

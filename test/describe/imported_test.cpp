@@ -175,7 +175,7 @@ TEST_CASE("invalid descriptors are refused with the row") {
   CHECK(refusal({path, {}}, kVectorKind, Unreadable::skip) == name + ": row 5: value 1 is nan");
   CHECK(has(refusal({path, {}}, kBitKind), "bits are uint8"));
   write_array<uint8_t>(path, {1, 2}, {1, 2});
-  CHECK(has(refusal({path, {}}), "train with --bits"));
+  CHECK(has(refusal({path, {}}), "as float32; if they are bits, train with --bits"));
   write_array<int32_t>(path, {1, 2}, {1, 2});
   CHECK(has(refusal({path, {}}), "type <i4"));
   write_array<double>(path, {1, 2}, {2});
