@@ -58,6 +58,8 @@ def run(arguments, convert):
     try:
         if arguments.output.exists() and not arguments.force:
             raise Refusal(USAGE, f"{arguments.output} exists; use --force to replace it")
+        if arguments.output.exists() and arguments.output.samefile(arguments.source):
+            raise Refusal(USAGE, f"{arguments.output} is the source; choose another output")
         convert(arguments)
     except Refusal as refusal:
         print(f"{script}: {refusal}", file=sys.stderr)

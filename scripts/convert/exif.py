@@ -18,7 +18,9 @@ import sys
 
 import common
 
-SUFFIXES = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp"}
+SUFFIXES = {".jpg", ".jpeg", ".jpe", ".jfif", ".png", ".bmp", ".dib", ".pgm", ".ppm", ".pnm", ".tif",
+            ".tiff", ".webp"}
+NUMBER = re.compile(r"(.*[^0-9.]|)([0-9]+(?:\.[0-9]+)?)")  # after a prefix
 GPS, CAMERA = 0x8825, 0x8769  # directories of tags
 
 
@@ -76,17 +78,26 @@ def read_tags(image_module, path):
 
 
 def natural(path):
-    """Numbers in names compare by value, as in the programs."""
+    """Integers in names compare by value."""
     return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", path.name)]
+
+
+def frames(folder):
+    """The images that programs read, in their order: decimal numbers by value."""
+    images = sorted((path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES
+                     and not path.name.startswith(".") and not path.is_dir()), key=natural)
+    parts = [NUMBER.fullmatch(path.stem) for path in images]
+    if not all(parts) or len({part[1] for part in parts}) > 1 or not any("." in part[2] for part in parts):
+        return images
+    values = {path: float(part[2]) for path, part in zip(images, parts)}
+    return sorted(images, key=values.get) if len(set(values.values())) == len(images) else images
 
 
 def convert(arguments):
     image_module = common.need("PIL.Image", "python3-pil")
     folder = arguments.source
-    images = sorted((path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES),
-                    key=natural)
     rows, lacks_zone = [], False
-    for path in images:
+    for path in frames(folder):
         gps, camera = read_tags(image_module, path)
         place = position(path, gps) or ("", "")
         heading = number(gps.get(17))

@@ -5,14 +5,15 @@
 
 A row of the image is a query frame, a column a training frame: 255 is the same place, 0 is another
 place, and values in between are ignored. A .npz file holds the matrices GThard and GTsoft as in
-VPR_Tutorial; a .npy file holds one matrix, for masks without ignored pairs. JPEG images
-are refused: their values differ from the drawn ones. Needs python3-pil.
+VPR_Tutorial; a .npy file holds one matrix, for masks without ignored pairs. JPEG and WebP images
+are refused: their values may differ from the drawn ones. Needs python3-pil.
 """
 import io
 
 import common
 
 numpy = common.need("numpy", "python3-numpy")
+LOSSLESS = ("PNG", "TIFF", "BMP", "GIF", "PPM")
 
 
 def convert(arguments):
@@ -21,9 +22,9 @@ def convert(arguments):
     path = arguments.source
     try:
         with image_module.open(path) as image:
-            if image.format == "JPEG":
-                raise common.Refusal(common.DATA, f"{path}: is a JPEG, whose values differ from the "
-                                                  "drawn ones; save the mask as PNG")
+            if image.format not in LOSSLESS or "jpeg" in str(image.info.get("compression")):
+                raise common.Refusal(common.DATA, f"{path}: is a {image.format}, whose values may "
+                                                  "differ from the drawn ones; save the mask as PNG")
             if image.mode not in ("1", "L", "LA", "P", "RGB", "RGBA"):
                 raise common.Refusal(common.DATA, f"{path}: has more than 8 bits per channel")
             mask = numpy.array(image.convert("L"))

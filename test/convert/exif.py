@@ -34,11 +34,19 @@ def rows():
 image("IMG_10.jpg", place(36, _1="S", _3="W", _17=tiff.IFDRational(181, 2)),
       {0x9003: "2024:05:01 14:00:03", 0x9291: "25", 0x9011: "+02:00"})
 image("IMG_9.jpg", place(0), {0x9003: "2024:05:01 12:00:00"})
-(photos / "notes.txt").write_text("x")
+for other in ("notes.txt", "._9.jpg"):
+    (photos / other).write_text("x")
 lines, warning = rows()
 assert lines == ["image,lat,lon,heading,time", "IMG_9.jpg,52.0,13.0,,1714564800",
                  "IMG_10.jpg,-52.0001,-13.0,90.5,1714564803.25"], lines
 assert "--offset -7200" in warning
+
+# Decimal names by value, as programs order them.
+for name in ("8.04.jpg", "8.2.jpg", "8.12.bmp"):
+    (folder / "decimal").mkdir(exist_ok=True)
+    shutil.copy(photos / "IMG_9.jpg", folder / "decimal" / name)
+support.good(convert(folder / "decimal", "-o", folder / "d.csv"))
+assert [line.split(",")[0] for line in (folder / "d.csv").read_text().split()] == ["image", "8.04.jpg", "8.12.bmp", "8.2.jpg"]
 
 # Positions of the query by name, and times of the frames.
 image("IMG_10.jpg", place(20), {0x9003: "2024:05:01 12:00:03"})
