@@ -262,6 +262,12 @@ def test_ground_truths_may_be_arrays(walks):
     assert vpr.evaluate(result, np.eye(200, dtype=bool)).counts == aligned
     positions = np.column_stack([1.5 * frames, np.zeros(200)])
     assert vpr.evaluate(result, positions, reference=positions.copy(), radius_m=1).counts == aligned
+    with pytest.raises(vpr.DataError, match="reference.csv@0:199: its range has 199 frames, but the sequence has 200"):
+        vpr.evaluate(result, positions, reference=positions[:-1], radius_m=1)
+    with pytest.raises(vpr.UsageError, match="heading, which needs angle_deg"):
+        vpr.evaluate(result, np.c_[positions, frames], reference=positions, radius_m=1)
+    with pytest.raises(vpr.UsageError, match="recall_at must be 1"):
+        vpr.evaluate(result, "aligned", recall_at=[0])
     pandas = pytest.importorskip("pandas")
     named = pandas.DataFrame({"reference": frames[:150], "query": frames[:150] + 50})
     swapped = vpr.evaluate(result, named).counts
@@ -317,6 +323,8 @@ def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
     for other in (np.zeros((4, 4, 2), np.uint8), np.zeros((0, 4), np.uint8), np.zeros((4, 4), bool)):
         with pytest.raises(vpr.DataError, match="an image has"):
             live.add(other)
+    with pytest.raises(vpr.UsageError, match="red first"):
+        live.add(pytest.importorskip("PIL.Image").new("RGB", (96, 64)))
 
 
 def test_bits_have_loops_and_arrays_are_selected(walks):

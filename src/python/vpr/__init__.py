@@ -161,6 +161,9 @@ class Live:
         height x width x 3 in the order blue, green, red; for a database of descriptors, d values;
         or None if it is missing. Returns the line of vpr-query live; its decisions are in
         recognized."""
+        if hasattr(frame, "getbands"):
+            raise UsageError("a PIL image has red first. Pass "
+                             "numpy.asarray(image.convert('RGB'))[:, :, ::-1]")
         return self._live.add(frame, name)
 
     def finish(self) -> Optional[Fields]:
@@ -261,16 +264,21 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
                 is_numbered = {"query", "frame", "image", "time"}.intersection(named)
                 table = value if is_numbered else value.assign(frame=range(len(value)))
                 table.to_csv(files[name], index=False)
+                files[name] += "" if is_numbered else f"@0:{len(table)}"
                 continue
             array = _vpr.array_of(value, name)
             columns = ["query", "reference"]
             if has_positions:
+                if array.shape[1:] == (3,) and settings.get("angle_deg") is None:
+                    raise UsageError(f"{name}: the third column is the heading, which needs "
+                                     "angle_deg. Pass heights as a DataFrame with columns x, y, z")
                 array = np.column_stack([np.arange(len(array)), array])
                 columns = ["frame", "x", "y", "heading"][:array.shape[1]]
             is_table = has_positions or (array.shape[1:] == (2,) and array.dtype.kind in "iu")
             files[name] = f"{folder}/{name}" + (".csv" if is_table else ".npy")
             if is_table:
                 np.savetxt(files[name], array, "%.17g", ",", header=",".join(columns), comments="")
+                files[name] += f"@0:{len(array)}" if has_positions else ""
             else:
                 np.save(files[name], array)
         call = _call(function, {**settings, "reference": files["reference"]}, progress)
@@ -286,8 +294,9 @@ def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress 
 
     ground_truth: a file or folder of any format, "aligned", or an array: pairs (n x 2 integers,
         query and training frame); a matrix of labels (query x training frames, bool or uint8); or
-        positions in meters (x, y and optionally the heading in degrees) with reference (those of
-        the training frames) and radius_m. Columns of a DataFrame are those of a CSV file.
+        positions of all frames in meters (x, y and, with angle_deg, the heading in degrees) with
+        reference (those of the training frames) and radius_m. Columns of a DataFrame are those of
+        a CSV file.
     Settings: tolerance, format, reference, radius_m, ... as in data set descriptions; confidence,
         recall_at, stretch, poses, places and name as in vpr-eval.
 
