@@ -202,9 +202,8 @@ std::string_view imported_kind(const SequenceSource& sequence, const ImportSetti
 void warn_of_bytes(const SequenceSource& sequence, const ArrayRows& rows, const Monitor& monitor) {
   if (rows.type() == "|u1")
     warn(monitor,
-         "{}: uint8 values are compared as 8 bits each (Hamming distance). If they are numbers, "
-         "save "
-         "them as float32",
+         "{}: uint8 values are compared as bits (Hamming distance). If they are numbers, save them "
+         "as float32",
          sequence.argument.path.string());
 }
 

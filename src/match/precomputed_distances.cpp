@@ -24,9 +24,6 @@ constexpr size_t kPiece = 512;     // values read at once
 constexpr size_t kScanned = 1024;  // lines of the file per task
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A lone score at one end of the range is far from all others if they cover less than this share.
-constexpr double kFarShare = 1.0 / 256;
-
 /// The result of a pass over a part of the file.
 struct Extent {
   double least = std::numeric_limits<double>::infinity();
@@ -50,7 +47,7 @@ struct Extent {
 void warn_of_marker(const Extent& all, const std::string& name, const Monitor& monitor) {
   for (const auto& [marker, least, most] : {std::array{all.most, all.least, all.second_most},
                                             std::array{all.least, all.second_least, all.most}})
-    if (least < most && most - least < kFarShare * (all.most - all.least))
+    if (least < most && most - least < (all.most - all.least) / 256)
       warn(monitor,
            "{}: the score {} is far from all others, which are from {} to {}. If it marks missing "
            "scores, use --missing {}",

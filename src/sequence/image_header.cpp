@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 
@@ -42,9 +43,9 @@ void for_each_tag(std::string_view file, Use&& use) {
 }
 
 ImageHeader tiff_header(std::string_view file) {
-  enum Format : uint64_t { kUnsigned = 1, kSigned, kFloat, kUndefined };
+  constexpr std::array kFormats = {"", "", "signed", "floating-point", "", "complex", "complex"};
   ImageHeader header;
-  uint64_t format = kUnsigned;
+  uint64_t format = 1;
   uint64_t bits = 1;
   uint64_t samples = 1;
   uint64_t photometric = 0;
@@ -56,13 +57,9 @@ ImageHeader tiff_header(std::string_view file) {
     if (tag == 323) header.tile_height = value;
     if (tag == 339) format = value;
   });
-  if (format == kFloat)
-    header.unread = "floating-point";
-  else if (format != kUnsigned && format != kUndefined)
-    header.unread = format == kSigned ? "signed" : "complex";
-  else if (bits > 16)
-    header.unread = fmt::format("{}-bit", bits);
-  else if (bits > 8 && samples == 1 && photometric == 0)
+  if (format < kFormats.size()) header.unread = kFormats[format];
+  if (header.unread.empty() && bits > 16) header.unread = fmt::format("{}-bit", bits);
+  if (header.unread.empty() && bits > 8 && samples == 1 && photometric == 0)
     header.unread = "inverted (MINISWHITE)";
   header.is_gray_16 = bits == 16 && samples == 1 && photometric <= 1 && header.unread.empty();
   return header;

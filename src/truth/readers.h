@@ -183,10 +183,11 @@ void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
 /// the argument's radius_m and, if angle_deg is set, the angle is at most angle_deg (both
 /// inclusive); `ignore` if a pose is unknown. `default_radius_m`: the radius in the format's own
 /// protocol, if the argument has none. Warns if more than a tenth of all pairs of known poses are
-/// the same. Throws Error(data) if the numbers of poses and frames differ, Error(usage) for an
-/// invalid radius or angle, and if there is no radius. Returns the protocol as text. References are
-/// sorted by one coordinate, so that only nearby ones are compared. Query frames in `unplaced`,
-/// which is empty or has one entry per frame, are different from all references.
+/// the same, and if the two sides have floors or zones, but none in common. Throws Error(data) if
+/// the numbers of poses and frames differ, Error(usage) for an invalid radius or angle, and if
+/// there is no radius. Returns the protocol as text. References are sorted by one coordinate, so
+/// that only nearby ones are compared. Query frames in `unplaced`, which is empty or has one entry
+/// per frame, are different from all references.
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
                         const Poses& train, std::optional<double> default_radius_m = std::nullopt,
                         const std::vector<bool>& unplaced = {});

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -93,12 +92,10 @@ NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,
     : location_{name} {
   rows_ = parse_csv(read_whole_file(path), location_.file);
   if (rows_.empty()) rows_.emplace_back();  // a file without a header
-  std::set<std::string> columns;
-  for (std::string& column : rows_[0].fields) {
-    column = lower_case(column);
-    if (!column.empty() && !columns.insert(column).second)
+  for (std::string& column : rows_[0].fields) column = lower_case(column);
+  for (const std::string& column : header())
+    if (!column.empty() && std::ranges::count(header(), column) > 1)
       fail("its header has two columns {}; remove or rename one", column);
-  }
   for (const std::string& column : needed)
     if (!has(column)) fail("its header has no column {}", column);
 }

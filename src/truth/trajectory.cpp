@@ -39,7 +39,6 @@ std::array<double, 9> rotation_of(const FileLocation& location, std::array<doubl
     location.fail(
         "its quaternion is not a rotation. Write nan for an unknown pose; for an unknown "
         "orientation, 0 0 0 1 is enough unless --angle is used");
-
   const double x = q[0] / norm;
   const double y = q[1] / norm;
   const double z = q[2] / norm;
@@ -268,8 +267,8 @@ std::string_view pose_line_format(std::string_view first_line) {
             ? cells.size() < format.columns
             : cells.size() != format.columns || first_line.find(',') != std::string_view::npos)
       continue;
-    if (format.unit && unit_of_time(cells[0]) != format.unit) continue;
-    if (format.has_times && !parse_real(cells[0])) continue;
+    const auto unit = unit_of_time(cells[0]);
+    if (format.has_times && (!unit || unit != format.unit.value_or(*unit))) continue;
     if (std::ranges::all_of(std::span(cells).first(format.columns), [](std::string_view cell) {
           return parse_real(cell) || is_missing(cell);
         }))
