@@ -333,6 +333,7 @@ void Program::add_config_option(const Command& command,
       .add_option(
           "--config",
           [this, apply = std::move(apply)](const std::string& path) {
+            if (path.empty()) return;  // which refuse_empty reports
             common_.config = path;
             const Json json = read_config(path);
             if (json.is_object())

@@ -38,6 +38,17 @@ def columns_of_poses():
         near = ("--ground-truth-train", f"ground-{column}.csv", "--radius", 1)
         assert same_pairs(f"first-{column}.csv", *near) == 0, column
         assert same_pairs(f"ground-{column}.csv", *near) == 20, column
+    for floor in ("1.0", "01", "nan"):
+        write("floor.csv", "frame,x,y,floor\n" + "".join(f"{i},{10 * i},0,{floor}\n" for i in range(20)))
+        assert same_pairs("floor.csv", "--ground-truth-train", "first-floor.csv", "--radius", 1) == 20, floor
+    assert "no floor or UTM zone of the query (1," in said("vpr-eval", "check", "first-floor.csv", *near)
+    write("stairs.csv", "frame,x,y,floor\n" + "".join(f"{i},{10 * (i % 20)},0,{i // 20}\n" for i in range(40)))
+    anchors = write("stairs.anchors.csv", "query,anchor\n0,0\n38,19\n")
+    assert same_pairs(anchors, "--ground-truth-train", "stairs.csv", "--radius", 5) == 58
+    write("lost.tum", "0 nan nan nan nan nan nan nan\n" + "".join(f"{i} {i} 0 0 0 0 0 1\n" for i in range(1, 6)))
+    assert same_pairs("lost.tum", "--ground-truth-train", "lost.tum", "--radius", 0.5) == 5
+    refused(4, "two columns query", "vpr-eval", "check", write("two.csv", "query,query,reference\n0,0,0\n"))
+    refused(4, "too large for 1 line", "vpr-eval", "check", write("far.csv", "frame,x,y\n4194302,1,2\n"), *near)
     write("gaps.csv", "frame,lat,lon\n0,0,0\n1,,\n2,nan,nan\n3,52.1,13.1\n")
     assert same_pairs("gaps.csv", "--ground-truth-train", "gaps.csv", "--radius", 5) == 1
     # Two radii, for poses and for loops, and headings of loops.
@@ -192,6 +203,20 @@ def lists():
     assert " of 40 frames" in run("vpr-eval", "matrix", "named.txt", *names, "--ground-truth", "numbers.csv")
 
 
+def arrays():
+    numbers = np.random.default_rng(1).random((40, 16))
+    for name, array in {"big": numbers.astype(">f4"), "bytes": (255 * numbers).astype(np.uint8), "one": np.zeros(5),
+                        "dict": {"a": 1}, "marked": np.where(np.arange(16) == 7, 1e6, numbers)}.items():
+        np.save(folder / f"{name}.npy", array)
+    refused(4, 'array.astype("<f4")', "vpr-train", "descriptors", "--npy", "big.npy", "-o", "big.vprdb")
+    refused(4, "query x training frames; found the shape (5)", "vpr-eval", "check", "one.npy")
+    refused(4, "Save an array of numbers", "vpr-eval", "check", "dict.npy")
+    same = ("--query-npy", "bytes.npy", "--train-npy", "bytes.npy", "--ground-truth", "aligned")
+    assert "If they are numbers, save them as float32" in said("vpr-eval", "matrix", *same)
+    matrix = ("vpr-query", "matrix", "marked.npy", "--distance", "--c-l", 1, "-o")
+    assert "--missing 1000000" in said(*matrix, "marked.json") and not said(*matrix, "known.json", "--missing", 1e6)
+
+
 def flags_without_effect():
     assert said("vpr-train", "fastable", "--train", "walk@0:20", "-o", "short.vprdb") == ""
     for flag, value in (("--c-l", 5), ("--safety-factor", 0.9)):
@@ -228,6 +253,7 @@ headers()
 recordings()
 utm_names()
 lists()
+arrays()
 flags_without_effect()
 loops_of_arrays()
 shrinking_array()
