@@ -49,7 +49,7 @@ void warn_of_marker(const Extent& all, const std::string& name, const Monitor& m
                                             std::array{all.least, all.second_least, all.most}})
     if (least < most && most - least < (all.most - all.least) / 256)
       warn(monitor,
-           "{}: the score {} is far from all others, which are from {} to {}. If it marks missing "
+           "{}: the score {} is far from all others, from {:.4g} to {:.4g}. If it marks missing "
            "scores, use --missing {}",
            name, marker, least, most, marker);
 }

@@ -1,7 +1,6 @@
 #include "sequence/sequence_source.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <set>
 
