@@ -125,7 +125,6 @@ void present_by(Judgment& judgment, const EvaluationSettings& by) {
   if (by.confidence) set_confidence(judgment, *by.confidence);
   if (!by.recall_at.empty()) {
     std::set<size_t> ks(by.recall_at.begin(), by.recall_at.end());
-    if (ks.contains(0)) throw Error(ErrorKind::usage, "recall_at must be 1 or more, found 0");
     ks.insert(1);
     judgment.recall_at.assign(ks.begin(), ks.end());
   }
