@@ -59,26 +59,68 @@ std::vector<fs::path> folder_entries(const fs::path& folder) {
 std::atomic<FrameOrder> frame_order{FrameOrder::automatic};
 std::atomic<bool> frame_order_is_used{false};
 
-FrameOrder chosen_order(const std::vector<std::string>& names) {
+// The digits after the point of a decimal name.
+std::string_view fraction_of(std::string_view name) {
+  const std::string_view stem = name.substr(0, name.rfind('.'));
+  return stem.substr(stem.rfind('.') + 1);
+}
+
+// The order of names, some of which are decimal numbers. Throws if it is unclear. `names`: in
+// natural order.
+FrameOrder order_of_decimals(const std::vector<std::string>& names, const fs::path& folder) {
+  std::vector<double> values;  // of numbers, also of integers
+  size_t decimals = 0;
+  std::set<size_t> lengths;             // of their fractions
+  const std::string* other = nullptr;   // a name that is not a number, or has another prefix
+  const std::string* padded = nullptr;  // a fraction that ends in 0
+  const auto first = std::ranges::find_if(
+      names, [](const std::string& name) { return decimal_name(name).has_value(); });
+  if (first == names.end()) return FrameOrder::natural;
+  for (const std::string& name : names) {
+    const auto value = name_value(name);
+    if (!value || name_prefix(name) != name_prefix(*first)) {
+      other = &name;
+      continue;
+    }
+    values.push_back(*value);
+    if (!decimal_name(name)) continue;
+    ++decimals;
+    const std::string_view fraction = fraction_of(name);
+    lengths.insert(fraction.size());
+    if (fraction.size() > 1 && fraction.ends_with('0')) padded = &name;
+  }
+  if (std::ranges::is_sorted(values)) return FrameOrder::natural;  // both orders are equal
+  constexpr const char* kAdvice =
+      "Rename it, or pass --order natural (1.2 before 1.10) or --order time (by value)";
+  if (other != nullptr && 2 * decimals > names.size())
+    throw Error(ErrorKind::usage,
+                "{}: most names are decimal numbers, but not {}, so the order of frames is "
+                "unclear. {}",
+                folder.string(), *other, kAdvice);
+  if (other != nullptr || std::set(values.begin(), values.end()).size() < values.size())
+    return FrameOrder::natural;
+  if (padded != nullptr && lengths.size() > 1)
+    throw Error(ErrorKind::usage,
+                "{}: digits after the point may count, because {} ends in 0 and others are shorter "
+                "or longer, so the order of frames is unclear. {}",
+                folder.string(), *padded, kAdvice);
+  return FrameOrder::time;
+}
+
+FrameOrder chosen_order(const std::vector<std::string>& names, const fs::path& folder) {
   const FrameOrder wanted = frame_order;
   frame_order_is_used = true;
   if (wanted != FrameOrder::automatic && wanted != FrameOrder::rows) return wanted;
-  const auto is_utm = [](const std::string& name) { return name.starts_with('@'); };
+  const auto is_utm = [](const std::string& name) { return std::ranges::count(name, '@') > 1; };
   if (wanted == FrameOrder::rows && std::ranges::all_of(names, is_utm)) return FrameOrder::name;
-  std::set<double> values;
-  for (const std::string& name : names) {
-    const auto value = decimal_name(name);
-    if (!value || name_prefix(name) != name_prefix(names.front()) || !values.insert(*value).second)
-      return FrameOrder::natural;
-  }
-  return FrameOrder::time;
+  return order_of_decimals(names, folder);
 }
 
 void sort_frames(std::vector<fs::path>& files, const fs::path& folder) {
   const auto name_of = [](const fs::path& path) { return path.filename().string(); };
   std::vector<std::string> names;
   for (const fs::path& file : files) names.push_back(name_of(file));
-  switch (chosen_order(names)) {
+  switch (chosen_order(names, folder)) {
     case FrameOrder::name:
       std::ranges::sort(files, {}, name_of);
       return;
@@ -281,6 +323,8 @@ FrameOrder set_frame_order(FrameOrder order) {
   return frame_order.exchange(order);
 }
 
+FrameOrder current_frame_order() { return frame_order; }
+
 bool is_frame_order_used() { return frame_order_is_used; }
 
 SequenceSource open_sequence(const SequenceArgument& argument) {
@@ -387,11 +431,6 @@ std::optional<size_t> FrameNames::count() const {
 }
 
 std::optional<size_t> FrameNames::find(std::string_view path) const {
-  if (names_.empty()) {
-    constexpr size_t kMostFrames = 10'000'000;
-    const auto number = parse_number<size_t>(path);
-    return number && *number < kMostFrames ? number : std::nullopt;
-  }
   const auto found = by_file_name_.find(file_name(path));
   if (found == by_file_name_.end()) {
     const auto stem = by_stem_.find(file_name(path));

@@ -73,10 +73,10 @@ struct SequenceSource {
   }
 };
 
-/// The order of the files in folders. `automatic`: by value if all names are decimal numbers after
-/// one prefix, none equal; otherwise natural. `name`: as bytes. `time`: by value, which every name
-/// must have. `rows`: as automatic, but names that all begin with @ (UTM) as bytes, as the programs
-/// that write rows for such names read them.
+/// The order of the files in folders. `automatic`: by value if all names are numbers after one
+/// prefix, some of them decimal and none equal; otherwise natural. `name`: as bytes. `time`: by
+/// value, which every name must have. `rows`: as automatic, but UTM names (with two or more @) as
+/// bytes, as the programs that write rows for such names read them.
 enum class FrameOrder { automatic, natural, name, time, rows };
 template <>
 inline constexpr std::array<std::string_view, 5> kEnumNames<FrameOrder> = {"auto", "natural",
@@ -84,6 +84,7 @@ inline constexpr std::array<std::string_view, 5> kEnumNames<FrameOrder> = {"auto
 
 /// Sets the order in the whole process; returns the last one.
 FrameOrder set_frame_order(FrameOrder order);
+FrameOrder current_frame_order();
 /// Whether a folder was read since then.
 bool is_frame_order_used();
 
@@ -116,10 +117,9 @@ std::string names_checksum(const SequenceSource& source);
 /// Finds frames by partial paths.
 class FrameNames {
  public:
-  /// Without names, frames are identified by their number, from 0.
   explicit FrameNames(std::vector<std::string> names);
 
-  /// The number of frames; nullopt if they are identified by numbers.
+  /// The number of frames; nullopt without names.
   std::optional<size_t> count() const;
   /// The frame with this name: an equal path, or the one with the most equal last components (file
   /// name, folder, ...); if no file name is equal, the only one with this name without its

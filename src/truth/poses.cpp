@@ -22,12 +22,21 @@ constexpr double kUtmRadius = 25;
 constexpr double kMaxZones = 60;
 
 // Indices of the fields between the @ signs; field 0 is before the first one.
-enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kHeading = 9 };
+enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kBand = 4, kHeading = 9 };
 
 // Other programs that write such names may put something else there.
 bool is_zone(std::string_view field) {
   const auto number = parse_real(field);
   return number && field.size() <= 2 && *number >= 1 && *number <= kMaxZones;
+}
+
+constexpr std::array<std::string_view, 2> kHemispheres = {" north", " south"};
+
+// By the latitude band, C to M in the south; false if it is missing.
+bool is_southern(std::string_view name) {
+  const auto fields = split(name, '@');
+  return fields.size() > kBand && fields[kBand].size() == 1 && fields[kBand] >= "C" &&
+         fields[kBand] <= "M";
 }
 
 // `read(side, frames)` returns the poses of one side. Returns the protocol of match_poses.
@@ -220,12 +229,23 @@ std::optional<Pose> parse_utm_name(std::string_view file_name) {
 
 std::string read_utm_names(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
-  std::map<double, std::string> zones;  // by number, a file name
+  std::map<std::pair<double, bool>, std::string> zones;  // by number and hemisphere, a file name
   const auto read = [&](PoseSide side, const FrameCount&) {
     const SequenceSource sequence =
         open_sequence(parse_sequence_argument(side_options(argument, side).poses.string()));
     if (sequence.kind != SequenceKind::images)
       builder.fail("is not a folder or list of images named @east@north@...");
+    const auto unsorted = std::ranges::is_sorted_until(sequence.files);
+    std::error_code error;
+    if (unsorted != sequence.files.end() && current_frame_order() == FrameOrder::automatic &&
+        std::filesystem::is_directory(sequence.argument.path, error))
+      throw Error(
+          ErrorKind::usage,
+          "{}: the order of names without padding is unclear. For frames of vpr-train and "
+          "vpr-query, pass --order natural ({} before {}); for arrays of programs that sort "
+          "names as text, --order name",
+          sequence.argument.path.string(), (unsorted - 1)->filename().string(),
+          unsorted->filename().string());
     Poses poses;
     for (const auto& file : sequence.files) {
       const std::string text = file.filename().string();
@@ -237,14 +257,18 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
             text);
       if (!pose->area.empty()) {
         const double zone = *parse_real(pose->area);
-        zones.emplace(zone, text);
+        const std::pair own(zone, is_southern(text));
+        zones.emplace(own, text);
         for (const double next :
-             {zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})
-          if (const auto touching = zones.find(next); touching != zones.end())
-            builder.fail(
-                "{} lies in UTM zone {}, and {} in zone {}, which touches it. Distances "
-                "between them are unknown; use latitudes and longitudes (gps)",
-                text, zone, touching->second, next);
+             {zone, zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})
+          for (const bool is_south : {false, true})
+            if (const auto touching = zones.find({next, is_south});
+                touching != zones.end() && touching->first != own)
+              builder.fail(
+                  "{} lies in UTM zone {}{}, and {} in zone {}{}, which touches it. Distances "
+                  "between them are unknown; use latitudes and longitudes (gps)",
+                  text, zone, kHemispheres[own.second], touching->second, next,
+                  kHemispheres[is_south]);
       }
       poses.push_back(pose);
     }

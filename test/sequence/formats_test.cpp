@@ -124,8 +124,19 @@ TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names o
     CHECK(order_of(folder.path(), {"1.10.png", "1.9.png", "1.1.png"}) ==
           std::vector<std::string>{"1.1.png", "1.9.png", "1.10.png"});
   }
+  SECTION("decimal numbers and integers") {
+    CHECK(order_of(folder.path(), {"8.12.png", "8.png", "7.96.png"}) ==
+          std::vector<std::string>{"7.96.png", "8.png", "8.12.png"});
+  }
+  SECTION("numbers whose order is unclear") {
+    for (const char* name : {"8.2_left.png", "8.140000000.png"}) {
+      const TemporaryFolder mixed;
+      CHECK_THROWS_WITH(order_of(mixed.path(), {"8.3.png", "8.08.png", name}),
+                        Catch::Contains(name) && Catch::Contains("--order natural"));
+    }
+  }
   SECTION("UTM names") {
-    const std::vector<std::string> names = {"@0@9.5@.png", "@0@11.9@.png"};
+    const std::vector<std::string> names = {"a@0@9.5@.png", "a@0@11.9@.png"};
     CHECK(order_of(folder.path(), names) == names);
     const ProcessScope process({.order = FrameOrder::rows});
     CHECK(order_of(folder.path(), names) == std::vector<std::string>{names[1], names[0]});

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "sequence/frames.h"
 #include "truth/readers.h"
 #include "truth/truth_files.h"
 
@@ -194,7 +195,8 @@ TEST_CASE("folders of images with UTM names have a default radius of 25 m") {
   write_text("q/@0@0.0@@@@@0@.jpg", "");
   GroundTruthArgument argument{"", "q"};
   argument.options.reference = "r";
-  // Natural order sorts by the numbers in the names, as for the frames themselves.
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 1, 12); }), "--order natural"));
+  const ProcessScope process({.order = FrameOrder::natural});
   CHECK(read_labels(argument, 1, 12) == "SSSSSSSSSSS.");
   CHECK(test::has(
       read_ground_truth({"", "q", 0, {"r", {}, {}, {}, {}, {}}}, {{"", 1}, {{"ref", 12}}}).protocol,

@@ -105,7 +105,7 @@ TEST_CASE("frames with unknown times, or times that do not increase, cannot be r
   CHECK(test::has(test::error_text([&] { walk.rated({walk.folder / "few.txt"}, 5); }),
                   "has 2 times"));
   // Decimal names are in the order of time.
-  Recording decimal({"1.9.png", "1.10.png"});
+  Recording decimal({"1.9.png", "1.11.png"});
   CHECK(decimal.rated({}, {}).sequence.fps);
   Recording one({"12.5.png"});
   CHECK_FALSE(one.rated({}, {}).sequence.fps);
