@@ -268,6 +268,8 @@ bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   return true;
 }
 
+constexpr double kOtherRate = 0.05;
+
 Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
   const std::string path = argument_.path.string();
@@ -276,12 +278,22 @@ Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
                 fmt::format("{}: has only {} to decode{}", path, counted(position_, "frame"),
                             range.is_all() ? "" : " for " + range_text(range)));
   const double stated = capture_->get(cv::CAP_PROP_FRAME_COUNT);
+  // Repeated frames may be counted, but not stored.
+  const double fps = frames_per_second();
+  const double seconds = (last_ms_ - first_ms_) / 1000;
+  const double rate = seconds > 0 ? static_cast<double>(position_ - 1) / seconds : fps;
+  if (sequence_.fps && std::abs(*sequence_.fps * static_cast<double>(range.step) - fps) < 1e-9 &&
+      std::abs(rate - fps) > kOtherRate * fps)
+    sequence_.fps = rate / static_cast<double>(range.step);
   const bool is_short = ended_ && stated > static_cast<double>(position_) * 1.02 + 2;
   const std::string short_text = fmt::format("{}: ends after {}, but states {:.0f}", path,
                                              counted(position_, "frame"), stated);
   if (unreadable == Unreadable::fail && is_short)
     throw Error(ErrorKind::input,
-                short_text + ". To use the existing frames, pass --skip-unreadable");
+                "{}. It is damaged, or repeats frames. To use the existing frames, pass "
+                "--skip-unreadable, or a folder of them: ffmpeg -i VIDEO -fps_mode passthrough "
+                "FOLDER/%06d.png",
+                short_text);
   if (unreadable == Unreadable::fail && !sequence_.unreadable.empty())
     throw Error(ErrorKind::input,
                 "{}: frame {} can't be decoded. To omit it, use --skip-unreadable", path,
@@ -308,6 +320,8 @@ bool VideoReader::grab_below(uint64_t position, const Monitor& monitor) {
       ended_ = true;
       return false;
     }
+    last_ms_ = shown_at_ms();
+    if (position_ == 0) first_ms_ = last_ms_;
   }
   return true;
 }

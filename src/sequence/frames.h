@@ -80,6 +80,8 @@ class VideoReader {
   Sequence sequence_;
   int rotation_ = 0;  // clockwise degrees
   uint64_t position_ = 0;
+  double first_ms_ = 0;  // times of frames
+  double last_ms_ = 0;
   bool ended_ = false;
 };
 

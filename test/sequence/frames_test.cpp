@@ -1,5 +1,6 @@
 #include "sequence/frames.h"
 
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -262,6 +263,36 @@ TEST_CASE("a video is read frame by frame, within its range") {
   for (size_t i = 0; i < 3; ++i) CHECK(same_pixels(part.images.at(i), all.images.at(3 + 3 * i)));
   CHECK(error_kind([&] { read_all({path, {0, 13, 1}}); }) == ErrorKind::usage);
   CHECK(error_kind([&] { read_all({path, {12, std::nullopt, 1}}); }) == ErrorKind::usage);
+}
+
+TEST_CASE("a video that counts repeated frames without storing them has its own rate") {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "repeats.avi";
+  write_video(path, 32, 24, std::vector<int>(12, 9), 30);
+  std::string file = read_text(path);
+  size_t at = file.find("movi") + 4;
+  size_t size_in_index = file.find("idx1", at) + 8 + 12;
+  REQUIRE(file.compare(at, 4, "00dc") == 0);
+  for (int i = 0; file.compare(at, 4, "00dc") == 0; ++i, size_in_index += 16) {
+    uint32_t size = 0;
+    std::memcpy(&size, &file[at + 4], 4);
+    if (i % 4 != 0) {  // an empty frame, and a chunk that is ignored
+      const uint32_t rest = size - 8;
+      file.replace(at + 4, 8, std::string(4, '\0') + "JUNK").replace(size_in_index, 4, 4, '\0');
+      std::memcpy(&file[at + 12], &rest, 4);
+    }
+    at += 8 + size + size % 2;
+  }
+  write_text(path, file);
+  SequenceArgument argument{path, {}};
+  argument.sequence.fps = 30;
+  const auto read = [&](Unreadable unreadable) {
+    return for_each_frame(open_sequence(argument), PixelFormat::gray, unreadable, {},
+                          [](size_t, const cv::Mat&) {});
+  };
+  CHECK_THROWS_WITH(read(Unreadable::fail), Catch::Contains("ends after 3 frames, but states 12") &&
+                                                Catch::Contains("-fps_mode passthrough"));
+  CHECK(read(Unreadable::skip).fps == Approx(7.5));
 }
 
 TEST_CASE("a video with frames above the limit is refused before decoding") {
