@@ -49,13 +49,15 @@ std::optional<std::string> length_warning(const Evaluation& evaluation,
                      counted(frames, "frame"), train_frames, step);
 }
 
-// Names the smallest larger tolerance at which at least 9 of 10 matches are correct.
-std::optional<std::string> tolerance_warning(const GroundTruth& truth,
+// Names the smallest larger tolerance at which at least 9 of 10 matches are correct, unless a large
+// part of the training frames is within it.
+std::optional<std::string> tolerance_warning(const GroundTruth& truth, int64_t train_frames,
                                              const std::vector<MatchedFrame>& matches,
                                              const std::string& noun) {
   constexpr int64_t kMostOff = 10;  // frames; a larger offset is not a matter of tolerance
   GroundTruth wider = truth;
-  while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
+  while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff &&
+         4 * (2 * wider.tolerance_frames + 1) <= train_frames) {
     const size_t correct = count_correct(wider, matches);
     if (10 * correct < 9 * matches.size()) continue;
     const std::string share = correct == matches.size()
@@ -83,7 +85,12 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
     noun = "incorrect " + noun;
   }
   if (matches.size() < 2) return;
-  std::optional<std::string> warning = tolerance_warning(truth, matches, noun);
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
+  int64_t train_frames = 0;
+  for (const auto& one : scope.sequences)
+    if (one.searched && !scope.has_places)
+      train_frames += static_cast<int64_t>(one.sequence.recorded_frames());
+  std::optional<std::string> warning = tolerance_warning(truth, train_frames, matches, noun);
   if (!warning && most_are_incorrect) warning = length_warning(evaluation, by);
   if (!warning) return;
   evaluation.warned_of_ground_truth = true;

@@ -83,6 +83,29 @@ void compute_distances(DescriptorMetric metric, const ArrayRows& query, const Ar
   }
 }
 
+// Throws if every row has the integers 0, 1, ... once: indices, best first, or ranks.
+void refuse_rankings(const ScoreFile& file) {
+  constexpr size_t kFewest = 3;  // two distances may be 0 and 1
+  const size_t count = file.references();
+  if (!file.is_whole() || count < kFewest) return;
+  std::vector<double> row(count);
+  for (size_t query = 0; query < file.queries(); ++query) {
+    try {
+      file.read_query(query, 0, count, row.data());
+    } catch (const Error&) {  // of a value, as reported later
+      return;
+    }
+    std::ranges::sort(row);
+    for (size_t i = 0; i < count; ++i)
+      if (row[i] != static_cast<double>(i)) return;
+  }
+  throw Error(ErrorKind::data,
+              "{}: every row has the integers 0 to {} once. If they are indices, best first, save "
+              "fewer columns for vpr-eval matrix, as in I[:, :{}], and pass --train-frames {}; if "
+              "they are ranks of the columns, save floats",
+              file.name(), count - 1, std::min<size_t>(count - 1, 100), count);
+}
+
 bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
 
 // Whether two arrays can be compared, by a metric if one is set.
@@ -116,7 +139,9 @@ ScoreOrder order_of(const ScoreFormat& format) {
 }
 
 ScoreFile ScoreInput::open() const {
-  return array ? ScoreFile(array, path, format()) : ScoreFile(path, format());
+  ScoreFile file = array ? ScoreFile(array, path, format()) : ScoreFile(path, format());
+  refuse_rankings(file);
+  return file;
 }
 
 void require_order(const ScoreInput& input) {
@@ -127,6 +152,7 @@ void require_order(const ScoreInput& input) {
 }
 
 ScoreMatrix::ScoreMatrix(ScoreFile opened) {
+  refuse_rankings(opened);
   const auto file = std::make_shared<const ScoreFile>(std::move(opened));
   queries = block = file->queries();
   references = file->references();
@@ -232,6 +258,7 @@ const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
 GroundTruthScope scope_of(const Result& result) {
   GroundTruthScope scope;
   scope.query = result.query;
+  scope.has_places = result.places && result.places->names.size() != result.places->views;
   for (const ComparedSequence& compared : result.sequences)
     scope.sequences.push_back({compared.sequence, compared.searched});
   return scope;

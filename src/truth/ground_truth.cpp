@@ -40,6 +40,10 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
                 argument.tolerance_frames);
   const GroundTruthPreset* preset = find_preset(argument.format);
   if (preset != nullptr) argument = preset_argument(*preset, argument, scope);
+  if (argument.tolerance_frames != 0 && scope.has_places)
+    throw Error(
+        ErrorKind::usage,
+        "the tolerance counts training frames, but places of FAB-MAP have no order. Omit it");
   const GroundTruthFormat& format =
       argument.format.empty() ? detect_format(argument.path) : find_format(argument.format);
   require_options(format, argument);

@@ -42,6 +42,7 @@ struct GroundTruthScope {
   Sequence query;
   std::vector<TrainSequence> sequences;
   NameReader query_names = {};
+  bool has_places = false;  ///< of FAB-MAP, without order, instead of training frames
 };
 
 /// Labels by frame (not by window).
@@ -122,10 +123,10 @@ struct InspectedGroundTruth {
 
 /// Reads the ground truth of `argument`; truth/formats.h has the table of formats. Throws
 /// Error(usage) if several sequences were searched and the format cannot distinguish them, or if
-/// the format is unknown or lacks an option; Error(input) if a file cannot be read; Error(data),
-/// with file and line, if it is damaged, an index is out of range or a pair has both labels.
-/// Duplicate pairs count once. Warns of suspicious but valid input, such as a radius that makes
-/// nearly all pairs the same place.
+/// the format is unknown or lacks an option, or for a tolerance of places; Error(input) if a file
+/// cannot be read; Error(data), with file and line, if it is damaged, an index is out of range or a
+/// pair has both labels. Duplicate pairs count once. Warns of suspicious but valid input, such as a
+/// radius that makes nearly all pairs the same place.
 GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                               const Monitor& monitor = {});
 
