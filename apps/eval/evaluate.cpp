@@ -89,9 +89,11 @@ ScoreMatrix open_scores(const EvalInputs& inputs, const Monitor& monitor) {
     const size_t train_frames =
         references.empty() ? scores.train_frames.value_or(0) : references.size();
     if (is_index_array(scores.path, train_frames)) {
-      refuse(scores.matrix.is_similarity || scores.matrix.train_first ||
+      refuse(scores.matrix.has_order() || scores.matrix.train_first ||
                  scores.matrix.missing.has_value(),
-             scores.path, "has indices of references, without scores; omit the flags of scores");
+             scores.path,
+             "has integers in fewer columns than there are training frames, as indices of "
+             "references are; omit the flags of scores or, for scores, save one column per frame");
       return index_scores(scores.path, train_frames);
     }
     refuse(scores.train_frames.has_value(), "--train-frames", "is for lists of numbers");
@@ -101,7 +103,7 @@ ScoreMatrix open_scores(const EvalInputs& inputs, const Monitor& monitor) {
   std::optional<ScoreOrder> kind;
   if (scores.matrix.has_order()) kind = scores.matrix.order();
   return prediction_scores(scores.path, FrameNames(query_names(inputs)), FrameNames(references),
-                           kind, {scores.query_frames, scores.train_frames});
+                           kind, {scores.query_frames, scores.train_frames}, monitor);
 }
 
 std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const StoredResult& stored,

@@ -48,27 +48,51 @@ bool is_number(const std::string& field) {
   return error != std::errc::invalid_argument && end == field.data() + field.size();
 }
 
+struct PredictionList {
+  std::vector<Prediction> all = {};
+  bool are_rankings = false;
+  bool has_queries = true;  ///< surely, not only references
+};
+
+// Whether the first field of a line cannot be a reference like the other ones.
+bool begins_with_query(const std::vector<std::string>& fields) {
+  const auto folder = [](const std::string& path) { return path.substr(0, path.rfind('/') + 1); };
+  return std::ranges::count(fields, fields[0]) > 1 ||
+         (fields.size() > 1 && folder(fields[0]) != folder(fields[1]));
+}
+
 // Pairs with or without a score, or one line per query: its name and its references, best first.
-std::vector<Prediction> read_list(const fs::path& path) {
+PredictionList read_list(const fs::path& path) {
   std::vector<CsvRow> lines = read_list_rows(path);
   FileLocation location{path.string()};
-  if (!lines.empty() && std::ranges::count(lines[0].fields, "query", lower_case) > 0) {
+  PredictionList list;
+  list.has_queries = !lines.empty() && std::ranges::count(lines[0].fields, "query", lower_case) > 0;
+  bool are_pairs = false;
+  if (list.has_queries) {
     if (lower_case(lines[0].fields[0]) != "query")
       location.fail("the columns are query, reference and optionally score, in this order");
+    are_pairs = lines[0].fields.size() == 3;
     lines.erase(lines.begin());
   }
-  const bool has_rankings = std::ranges::all_of(lines, [](const CsvRow& line) {
+  list.are_rankings = std::ranges::any_of(lines, [&](const CsvRow& line) {
     const auto& fields = line.fields;
-    return fields.size() > 3 || (fields.size() == 3 && !is_number(fields[2]));
+    return fields.size() > 3 ||
+           (fields.size() == 3 && !are_pairs && (list.has_queries || !is_number(fields[2])));
   });
-  std::vector<Prediction> all;
+  std::set<std::string_view> queries;
   for (const auto& [number, fields] : lines) {
     location.at("line", number);
-    if (has_rankings) {
+    list.has_queries = list.has_queries || begins_with_query(fields);
+    if (list.are_rankings && fields.size() > 1) {
       if (std::set<std::string_view>(fields.begin() + 1, fields.end()).size() + 1 < fields.size())
         location.fail("a reference is listed twice. If these are scores, save them as .npy");
+      if (!queries.insert(fields[0]).second)
+        location.fail(
+            "{} has a line before this one, but rankings have one line per query, which begins "
+            "with it",
+            fields[0]);
       for (size_t i = 1; i < fields.size(); ++i)
-        all.push_back({fields[0], fields[i], std::nullopt, location});
+        list.all.push_back({fields[0], fields[i], std::nullopt, location});
       continue;
     }
     if (fields.size() != 2 && fields.size() != 3)
@@ -81,11 +105,11 @@ std::vector<Prediction> read_list(const fs::path& path) {
       prediction.score = parse_real(fields[2]);
       if (!prediction.score) location.fail("the score {} is not a finite number", fields[2]);
     }
-    if (!all.empty() && all.front().score.has_value() != prediction.score.has_value())
+    if (!list.all.empty() && list.all.front().score.has_value() != prediction.score.has_value())
       location.fail("either all lines or none must have a score");
-    all.push_back(std::move(prediction));
+    list.all.push_back(std::move(prediction));
   }
-  return all;
+  return list;
 }
 
 void read_query_file(std::vector<Prediction>& all, const fs::path& path) {
@@ -132,52 +156,80 @@ std::vector<fs::path> text_files(const fs::path& folder) {
 /// The frames of one side of a list.
 struct ListSide {
   const FrameNames& names;
-  const char* noun;
   std::optional<size_t> frames;  ///< as stated, or by the names
-  bool has_numbers = false;      ///< its cells are numbers of frames
+  FrameCells cells;
+  bool has_numbers = true;
+
+  ListSide(const std::vector<Prediction>& all, std::string_view noun, const FrameNames& given,
+           std::optional<size_t> stated, std::string Prediction::*cell)
+      : names(given),
+        frames(given.count() ? given.count() : stated),
+        cells{noun, given.count() ? &given : nullptr} {
+    for (const Prediction& one : all) {
+      cells.texts.emplace_back(one.*cell);
+      has_numbers = has_numbers && parse_frame(one.*cell);
+    }
+  }
+
+  std::optional<size_t> find(const std::string& text) const {
+    if (!has_numbers) return names.find(text);
+    const auto number = parse_frame(text);
+    const bool is_frame = number && number->in_range && !(frames && number->value >= *frames);
+    return is_frame ? std::optional(number->value) : std::nullopt;
+  }
+  size_t require(const std::string& text, const FileLocation& location) const {
+    if (const auto frame = find(text)) return *frame;
+    if (has_numbers)
+      location.fail(frames ? fmt::format("the {} frame {} is out of range; there are {}",
+                                         cells.what, text, counted(*frames, "frame"))
+                           : fmt::format("{} is not a frame number", text));
+    location.fail(
+        names.count()
+            ? fmt::format("no {} frame, or more than one, is called {}", cells.what, text)
+            : fmt::format("{} is not a frame number{}. Name the frames with --query and --train "
+                          "(folders, or lists of names)",
+                          text, no_number_hint(text)));
+  }
 };
 
-// Cells are numbers if all of them are, and not all of them are names.
-ListSide side_of(const std::vector<Prediction>& all, const FrameNames& names, const char* noun,
-                 std::optional<size_t> stated, std::string Prediction::*cell) {
-  const auto is_number = [](const std::string& text) { return parse_frame(text).has_value(); };
-  const auto is_name = [&](const std::string& text) { return names.find(text).has_value(); };
-  return {names, noun, names.count() ? names.count() : stated,
-          std::ranges::all_of(all, is_number, cell) &&
-              (!names.count() || !std::ranges::all_of(all, is_name, cell))};
+// faiss writes references without their query. Throws if the list may be like that.
+void require_queries(const PredictionList& list, const ListSide& query, const ListSide& train) {
+  if (list.has_queries) return;
+  const std::set<std::string_view> queries(query.cells.texts.begin(), query.cells.texts.end());
+  const bool may_lack =
+      list.are_rankings || (query.frames == list.all.size() && queries.size() < list.all.size());
+  if (may_lack && std::ranges::all_of(list.all, [&](const Prediction& one) {
+        const double score = one.score.value_or(0);  // of a third reference, an integer
+        return train.find(one.query) && score >= 0 && score == std::floor(score);
+      }))
+    list.all.front().location.fail(
+        "cannot tell whether lines begin with the query or with its best reference. If it is the "
+        "query, add the header query,reference (or query reference, if blanks separate the "
+        "fields); otherwise save the references as a .npy array of integers");
 }
 
-size_t find_frame(const ListSide& side, const std::string& name, const FileLocation& location) {
-  if (side.has_numbers) {
-    const auto number = parse_frame(name);
-    if (!number->in_range || (side.frames && number->value >= *side.frames))
-      location.fail(side.frames ? fmt::format("the {} frame {} is out of range; there are {}",
-                                              side.noun, name, counted(*side.frames, "frame"))
-                                : fmt::format("{} is not a frame number", name));
-    return number->value;
-  }
-  if (const auto frame = side.names.find(name)) return *frame;
-  location.fail(
-      side.names.count()
-          ? fmt::format("no {} frame, or more than one, is called {}", side.noun, name)
-          : fmt::format("{} is not a frame number. Name the frames with --query and --train "
-                        "(folders, or lists of names)",
-                        name));
-}
-
-ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& queries,
-                    const FrameNames& references, const ListFrames& stated) {
+ScoredLists collect(const PredictionList& list, const FrameNames& queries,
+                    const FrameNames& references, const ListFrames& stated,
+                    const Monitor& monitor) {
   constexpr uint64_t kMaxScores = uint64_t{1} << 28;  // if only the numbers in the file are known
-  const ListSide query_side = side_of(all, queries, "query", stated.query, &Prediction::query);
-  const ListSide train_side =
-      side_of(all, references, "training", stated.train, &Prediction::reference);
+  ListSide sides[] = {{list.all, "query", queries, stated.query, &Prediction::query},
+                      {list.all, "training", references, stated.train, &Prediction::reference}};
+  FrameCells columns[] = {sides[0].cells, sides[1].cells};
+  const FileLocation& first = list.all.front().location;
+  find_names(columns, {first.file},
+             "If these are numbers, pass --query-frames and --train-frames instead of names",
+             monitor);
+  for (size_t i = 0; i < 2; ++i)
+    sides[i].has_numbers = sides[i].has_numbers && !columns[i].are_names;
+  const auto& [query_side, train_side] = sides;
+  require_queries(list, query_side, train_side);
   const bool is_bounded = query_side.frames && train_side.frames;
   ScoredLists lists{train_side.frames.value_or(0), {}};
   lists.queries.resize(query_side.frames.value_or(0));
-  for (const Prediction& prediction : all) {
+  for (const Prediction& prediction : list.all) {
     const FileLocation& location = prediction.location;
-    const size_t query = find_frame(query_side, prediction.query, location);
-    const size_t reference = find_frame(train_side, prediction.reference, location);
+    const size_t query = query_side.require(prediction.query, location);
+    const size_t reference = train_side.require(prediction.reference, location);
     const size_t rows = std::max(lists.queries.size(), query + 1);
     lists.references = std::max(lists.references, reference + 1);
     if (!is_bounded && (uint64_t{rows} * lists.references > kMaxScores ||
@@ -188,9 +240,9 @@ ScoredLists collect(const std::vector<Prediction>& all, const FrameNames& querie
           "--query-frames and --train-frames",
           rows, lists.references, kMaxScores, kMaxGrownFrames);
     lists.queries.resize(rows);
-    auto& list = lists.queries[query];
-    const double rank = static_cast<double>(list.size()) + 1;
-    list.push_back({reference, prediction.score.value_or(rank)});
+    auto& scored = lists.queries[query];
+    const double rank = static_cast<double>(scored.size()) + 1;
+    scored.push_back({reference, prediction.score.value_or(rank)});
   }
   return lists;
 }
@@ -226,19 +278,19 @@ ScoreMatrix scores_of(const std::shared_ptr<const ScoredLists>& lists,
 
 ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
                               const FrameNames& references, std::optional<ScoreOrder> kind,
-                              const ListFrames& stated) {
+                              const ListFrames& stated, const Monitor& monitor) {
   const std::string name = path.string();
   std::error_code error;
   std::vector<fs::path> files = {path};
-  std::vector<Prediction> all;
+  PredictionList list;
   if (fs::is_directory(path, error)) {
     files = text_files(path);
-    for (const fs::path& file : files) read_query_file(all, file);
+    for (const fs::path& file : files) read_query_file(list.all, file);
   } else {
-    all = read_list(path);
+    list = read_list(path);
   }
-  if (all.empty()) throw Error(ErrorKind::data, "{}: lists no reference", name);
-  const bool has_scores = all.front().score.has_value();
+  if (list.all.empty()) throw Error(ErrorKind::data, "{}: lists no reference", name);
+  const bool has_scores = list.all.front().score.has_value();
   if (has_scores && !kind)
     throw Error(ErrorKind::usage,
                 "{}: the list has scores. Add --distance (lower is better) or --similarity (higher "
@@ -249,8 +301,9 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
                 "{}: the list has no scores, and ranks are distances. Omit --similarity, or save a "
                 "matrix as .npy",
                 name);
-  return scores_of(std::make_shared<const ScoredLists>(collect(all, queries, references, stated)),
-                   kind, has_scores, files);
+  return scores_of(
+      std::make_shared<const ScoredLists>(collect(list, queries, references, stated, monitor)),
+      kind, has_scores, files);
 }
 
 bool is_index_array(const fs::path& path, size_t references) {
@@ -274,6 +327,14 @@ ScoreMatrix index_scores(const fs::path& path, size_t references) {
                     path.string(), query, row[k], counted(references, "training frame"));
       lists.queries[query].push_back({static_cast<size_t>(row[k]), static_cast<double>(k) + 1});
     }
+    std::ranges::sort(row);
+    for (size_t k = 1; k < row.size(); ++k)
+      if (row[k] >= 0 && row[k] == row[k - 1])
+        throw Error(
+            ErrorKind::data,
+            "{}, row {}: the index {} is listed twice. If these are scores, save one column "
+            "per training frame",
+            path.string(), query, row[k]);
   }
   return scores_of(std::make_shared<const ScoredLists>(std::move(lists)), {}, false, {path});
 }

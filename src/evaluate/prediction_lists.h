@@ -19,18 +19,19 @@ struct ListFrames {
 ///   each after a line that ends in a colon;
 /// - a text file with one "query reference" pair per line (hloc), best first per query;
 /// - the same with a score in every line;
-/// - a text file with one line per query: its name and those of its references, best first.
+/// - a text file with one line per query: its name and those of its references, best first. It
+///   needs a header if each query may also be a reference: lines may then lack their query.
 /// Fields are separated by commas, semicolons or tabs (kapture, CSV) if the first line has one,
 /// otherwise by blanks; a header "query,..." and lines that begin with # are skipped.
 /// Without scores, the rank among the references of the query, from 1, is the distance; `kind`
 /// applies to listed scores. If a pair is repeated, the better score counts; other pairs have no
-/// score. Fields that are all numbers, and not all names, are numbers of frames; if neither names
-/// nor `stated` tell how many there are, the largest one does. Throws Error(input) for a file that
-/// cannot be read; Error(data), with the line, for another format or an unknown name; Error(usage)
-/// for scores without `kind`.
+/// score. Fields that are all numbers are numbers of frames unless find_names decides otherwise; if
+/// neither names nor `stated` tell how many there are, the largest one does. Throws Error(input)
+/// for a file that cannot be read; Error(data), with the line, for another format or an unknown
+/// name; Error(usage) for scores without `kind`.
 ScoreMatrix prediction_scores(const std::filesystem::path& path, const FrameNames& queries,
                               const FrameNames& references, std::optional<ScoreOrder> kind,
-                              const ListFrames& stated = {});
+                              const ListFrames& stated = {}, const Monitor& monitor = {});
 
 /// Whether a .npy file has rows of integers that are fewer than the references: the indices of the
 /// best references of each query, as faiss returns them.

@@ -212,7 +212,11 @@ void add_recorded_names(EvaluationSettings& by, const ResultContext& context, si
   if (const std::string query = context.run.path("query"); !by.query_names && !query.empty())
     by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
   const std::string database = context.run.path("database");
-  if (!by.train_names.empty() || (database.empty() && !context.train)) return;
+  if (!by.train_names.empty()) return;
+  if (database.empty() && !context.train) {  // loops of the query
+    by.train_names.assign(sequences, by.query_names);
+    return;
+  }
   using Trained = std::shared_ptr<const std::vector<TrainSequence>>;
   const auto trained = std::make_shared<Trained>(context.train);  // read at most once
   for (size_t s = 0; s < sequences; ++s)

@@ -72,7 +72,7 @@ bool is_by_time(const std::vector<LoopLine>& lines, const Trajectory& trajectory
 
 size_t frame_of_index(const FileLocation& location, std::string_view text, size_t frames) {
   const auto frame = parse_frame(text);
-  if (!frame) location.fail("\"{}\" is not a frame number", text);
+  if (!frame) location.fail("\"{}\" is not a frame number{}", text, no_number_hint(text));
   if (!frame->in_range || frame->value >= frames)
     location.fail("there is no frame {}; the trajectory has {} (0 to {})", text, frames,
                   frames == 0 ? 0 : frames - 1);

@@ -158,6 +158,12 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
                 "{}: has positions, but its header has no column frame. Add one with the number of "
                 "each frame, from 0",
                 path.string());
+  if (start.bytes.starts_with('{'))
+    throw Error(
+        ErrorKind::usage,
+        "{}: is JSON, as results and reports are, not a ground truth. To check one with the "
+        "frames of a result, use vpr-eval check GROUND-TRUTH --result RESULT",
+        path.string());
   refuse_convertible(start.path, start.bytes);
   if (start.path.extension() == ".csv") return find_format("pairs");
   throw Error(

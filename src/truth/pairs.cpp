@@ -21,76 +21,82 @@ namespace {
 constexpr uint64_t kMaxLines = uint64_t{1} << 30;
 constexpr size_t kPieceBytes = size_t{1} << 20;  // a query may have a line for every reference
 
-/// A column of frames of one sequence. `names` is read when the first name occurs.
+/// A column of frames of one sequence, with the names of its recording.
 struct FrameColumn {
-  std::string_view what;
+  FrameCells& cells;
   const FrameCount& frames;
-  const NameReader& reader;
   std::optional<FrameNames> names = {};
-  bool digits_are_names = false;
+  std::string unnamed = {};     ///< the end of a sentence: why there are no names
+  bool are_names_lost = false;  ///< there were some
 };
 
-size_t find_name(const GroundTruthBuilder& builder, FrameColumn& side, const std::string& text) {
-  if (!side.reader)
-    builder.fail(
-        "{} \"{}\" is not a frame number. To use file names with vpr-eval, pass the "
-        "sequences: --query and --train",
-        side.what, shortened(text));
-  if (!side.names) side.names.emplace(side.reader());
-  const size_t count = side.names->count().value_or(0);
-  if (!side.frames.grows && count != side.frames.frames)
-    builder.fail(
-        "{} \"{}\" is one of {}, but the result has {}. Use the sequence that was evaluated",
-        side.what, shortened(text), counted(count, "name"), counted(side.frames.frames, "frame"));
-  const auto frame = side.names->find(text);
+void read_names(FrameColumn& column, const NameReader& reader) {
+  column.unnamed = ". To use file names with vpr-eval, pass the sequences: --query and --train";
+  if (!reader) return;
+  try {
+    column.names.emplace(reader());
+  } catch (const Error& error) {
+    column.are_names_lost = error.kind() == ErrorKind::input;  // not those of a video
+    column.unnamed = fmt::format(", and the names of its sequence are unknown: {}{}", error.what(),
+                                 column.unnamed);
+    return;
+  }
+  const size_t count = column.names->count().value_or(0);
+  if (column.frames.grows || count == column.frames.frames) {
+    column.cells.names = &*column.names;
+    return;
+  }
+  column.names.reset();
+  column.are_names_lost = count > 0;
+  column.unnamed =
+      fmt::format(", and its sequence has {}, but the result has {}{}", counted(count, "name"),
+                  counted(column.frames.frames, "frame"), column.unnamed);
+}
+
+size_t find_name(const GroundTruthBuilder& builder, const FrameColumn& column,
+                 const std::string& text) {
+  if (column.cells.names == nullptr)
+    builder.fail("{} \"{}\" is not a frame number{}{}", column.cells.what, shortened(text),
+                 no_number_hint(text), column.unnamed);
+  const auto frame = column.names->find(text);
   if (!frame)
-    builder.fail("{} \"{}\" is neither a frame number nor the name of exactly one of {}", side.what,
-                 shortened(text), counted(count, "frame"));
+    builder.fail("{} \"{}\" is {} the name of exactly one of {}", column.cells.what,
+                 shortened(text), column.cells.are_names ? "not" : "neither a frame number nor",
+                 counted(column.names->count().value_or(0), "frame"));
   return *frame;
 }
 
 // Nullopt if the frame is out of range, which is reported, or outside `range`, which applies to
 // numbers only.
 std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
-                                 FrameColumn& side, const FrameRange& range) {
+                                 const FrameColumn& column, const FrameRange& range) {
   const auto frame = parse_frame(text);
-  if (!frame || side.digits_are_names) return find_name(builder, side, text);
+  if (!frame || column.cells.are_names) return find_name(builder, column, text);
   if (frame->in_range) return frame_in_range(range, frame->value);
-  builder.report_out_of_range(side.what, text, side.frames);
+  builder.report_out_of_range(column.cells.what, text, column.frames);
   return std::nullopt;
 }
 
-// Digits are names if every cell of the column is the name of a frame. Warns if they are also
-// numbers of other frames.
-void decide_digits(const GroundTruthBuilder& builder, const std::vector<std::string>& cells,
-                   FrameColumn& side) {
-  const auto is_number = [](const std::string& cell) { return parse_frame(cell).has_value(); };
-  if (!side.reader || cells.empty() || !std::ranges::all_of(cells, is_number)) return;
-  try {
-    side.names.emplace(side.reader());
-  } catch (const Error&) {  // the frames have moved, or have no names
-    return;
+// Warns of numbers that may have been names.
+void warn_of_lost_names(const GroundTruthBuilder& builder,
+                        const std::vector<FrameColumn>& columns) {
+  const FrameColumn* lost = nullptr;
+  for (const FrameColumn& column : columns) {
+    const auto& texts = column.cells.texts;
+    const auto is_number = [](std::string_view text) { return parse_frame(text).has_value(); };
+    if (!std::ranges::all_of(texts, is_number)) continue;
+    if (std::ranges::count(texts, "0") > 0) return;  // frames count from 0
+    if (column.are_names_lost) lost = &column;
   }
-  if (!side.frames.grows && side.names->count().value_or(0) != side.frames.frames) return;
-  const std::string* other = nullptr;  // the number of another frame
-  bool are_surely_names = false;
-  for (const std::string& cell : cells) {
-    const auto frame = side.names->find(cell);
-    if (!frame) return;
-    if (other == nullptr && *frame != parse_frame(cell)->value) other = &cell;
-    are_surely_names = are_surely_names || (cell.size() > 1 && cell.front() == '0');
-  }
-  side.digits_are_names = true;
-  if (other != nullptr && !are_surely_names)
-    warn(builder.monitor(),
-         "{}: {} is read as the name of frame {}, because every cell of its column is a name. If "
-         "it is the number of a frame, use numbers that are not names, or other names",
-         builder.argument().path.string(), *other, *side.names->find(*other));
+  if (lost != nullptr)
+    warn(builder.monitor(), "{}: {} {} is read as the number of a frame, counted from 0{}",
+         builder.argument().path.string(), lost->cells.what, lost->cells.texts.front(),
+         lost->unnamed);
 }
 
 // Whether the query frame of the current row is in the range.
 bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, const FrameRange& range,
-              FrameColumn& queries, size_t sequence, FrameColumn& references) {
+              const FrameColumn& queries, size_t sequence, const FrameColumn& references) {
   const auto query = read_frame(builder, rows.text("query"), queries, range);
   const auto reference = read_frame(builder, rows.text("reference"), references, {});
   const std::string& label = rows.text("label");
@@ -124,6 +130,7 @@ void warn_of_anchors(const GroundTruthBuilder& builder, NamedRows& rows) {
 struct Anchor {
   size_t query = 0;  ///< in the whole recording, if the path has a range
   size_t reference = 0;
+  size_t line = 0;
 };
 
 /// By training sequence, with increasing query frames.
@@ -142,10 +149,10 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
   while (rows.next()) {
     builder.at("line", rows.line());
     const size_t sequence = has_sequences ? builder.find_sequence(rows.text("sequence")) : only;
-    const Anchor anchor{rows.frame("query"), rows.frame(column)};
+    const Anchor anchor{rows.frame("query"), rows.frame(column), rows.line()};
     const FrameCount& train = builder.train(sequence);
     if (!train.grows && anchor.reference >= train.frames)
-      rows.fail("reference {} is out of range; there are {} frames", anchor.reference,
+      rows.fail("{} {} is out of range; there are {} frames", column, anchor.reference,
                 train.frames);
     auto& known = anchors[sequence];
     if (!known.empty() && anchor.query <= known.back().query)
@@ -168,11 +175,13 @@ void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& a
     if (anchors[next].query < recorded) ++next;
     const auto query = frame_in_range(range, recorded);
     if (!query) continue;
-    if (!builder.query().grows && *query >= builder.query().frames)
-      builder.fail("query {} is out of range; there are {} frames{}", recorded,
+    const Anchor& b = anchors[next];
+    if (!builder.query().grows && *query >= builder.query().frames) {
+      builder.at("line", b.line);
+      builder.fail("query {} is out of range; there are {} frames{}", b.query,
                    builder.query().frames,
                    range.is_all() ? range_hint(builder.argument().path) : "");
-    const Anchor& b = anchors[next];
+    }
     auto position = static_cast<double>(b.reference);
     if (b.query != recorded) {
       const Anchor& a = anchors[next - 1];
@@ -256,24 +265,31 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
     builder.at("line", rows.line());
     return rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only_sequence;
   };
-  std::vector<std::string> queries;
-  std::map<size_t, std::vector<std::string>> references;
+  std::vector<FrameCells> cells = {{"query"}};  // then of training sequences
   while (rows.next()) {
-    queries.push_back(rows.text("query"));
-    references[sequence_of_row()].push_back(rows.text("reference"));
+    const size_t sequence = sequence_of_row();
+    cells.resize(std::max(cells.size(), sequence + 2), {"reference"});
+    cells[0].texts.emplace_back(rows.text("query"));
+    cells[sequence + 1].texts.emplace_back(rows.text("reference"));
   }
-  const GroundTruthScope& scope = builder.scope();
-  FrameColumn query{"query", builder.query(), scope.query_names};
-  decide_digits(builder, queries, query);
-  std::map<size_t, FrameColumn> train;
-  for (const auto& [s, cells] : references) {
-    const FrameColumn column{"reference", builder.train(s), scope.sequences[s].names};
-    decide_digits(builder, cells, train.emplace(s, column).first->second);
+  std::vector<FrameColumn> columns;
+  columns.reserve(cells.size());  // cells refer to their names
+  for (size_t i = 0; i < cells.size(); ++i) {
+    columns.push_back({cells[i], i == 0 ? builder.query() : builder.train(i - 1)});
+    if (!cells[i].texts.empty())
+      read_names(columns[i],
+                 i == 0 ? builder.scope().query_names : builder.scope().sequences[i - 1].names);
   }
+  find_names(cells, {path.string()},
+             "Convert numbers to a matrix: vpr-eval convert --to matrix, with --query-frames and "
+             "--train-frames",
+             builder.monitor());
+  warn_of_lost_names(builder, columns);
   size_t pairs = 0;
   while (rows.next()) {
     const size_t sequence = sequence_of_row();
-    pairs += read_row(builder, rows, source.range, query, sequence, train.at(sequence)) ? 1 : 0;
+    pairs +=
+        read_row(builder, rows, source.range, columns[0], sequence, columns[sequence + 1]) ? 1 : 0;
   }
   if (builder.argument().format.empty()) warn_of_anchors(builder, rows);
   const std::string text = "pairs: " + counted(pairs, "labeled pair");

@@ -216,7 +216,8 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
   while (rows.next()) {
     const std::string& text = rows.text("frame");
     const auto number = parse_frame(text);
-    if (!number || !number->in_range) rows.fail("\"{}\" is not a frame number", text);
+    if (!number || !number->in_range)
+      rows.fail("\"{}\" is not a frame number{}", text, no_number_hint(text));
     const auto frame = frame_in_range(source.range, number->value);
     if (!frame) continue;
     if (!frames && *frame >= std::min(most_frames, kFramesPerLine * (rows.size() + 1)))

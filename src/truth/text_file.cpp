@@ -13,6 +13,16 @@
 
 namespace vpr {
 
+namespace {
+
+// Whether digits begin with zeros, as only those of names do.
+bool is_padded(std::string_view text) {
+  return text.size() > 1 && text.front() == '0' &&
+         text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+}  // namespace
+
 void FileLocation::fail(std::string_view what) const {
   const std::string position = unit.empty() ? "" : fmt::format(", {} {}", unit, number);
   throw Error(ErrorKind::data, "{}{}: {}", file, position, what);
@@ -21,10 +31,69 @@ void FileLocation::fail(std::string_view what) const {
 std::optional<FrameText> parse_frame(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative) text.remove_prefix(1);
-  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos)
+  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos ||
+      is_padded(text))
     return std::nullopt;
   const auto value = parse_number<size_t>(text);
   return FrameText{value && (!negative || *value == 0), value.value_or(0)};
+}
+
+namespace {
+
+/// The numbers of a column.
+struct Digits {
+  FrameCells* column;
+  bool are_all = true;  // cells of the column
+  size_t named = 0;
+  std::string_view moved;     // the first one that is the name of another frame
+  std::string_view unnamed;   // the first one that is not a name
+  bool count_frames = false;  // from 0, which is not a name
+
+  explicit Digits(FrameCells& cells) : column(&cells) {
+    for (const std::string_view text : cells.texts) {
+      const auto number = parse_frame(text);
+      are_all = are_all && number;
+      if (is_padded(text)) cells.are_names = true;
+      if (!number) continue;
+      const auto frame = cells.names == nullptr ? std::nullopt : cells.names->find(text);
+      named += frame ? 1 : 0;
+      if (frame && moved.empty() && *frame != number->value) moved = text;
+      if (!frame && unnamed.empty()) unnamed = text;
+      count_frames = count_frames || (cells.names != nullptr && !frame && number->value == 0);
+    }
+    count_frames = count_frames && are_all;
+  }
+};
+
+}  // namespace
+
+void find_names(std::span<FrameCells> columns, const FileLocation& file, std::string_view advice,
+                const Monitor& monitor) {
+  const std::vector<Digits> all(columns.begin(), columns.end());
+  const bool count_frames = std::ranges::any_of(all, &Digits::count_frames);
+  for (const Digits& digits : all) {
+    FrameCells& column = *digits.column;
+    if (column.are_names || digits.moved.empty() || (digits.are_all && count_frames)) continue;
+    column.are_names = digits.unnamed.empty();
+    if (digits.are_all && !column.are_names && 2 * digits.named <= column.texts.size()) continue;
+    const auto other = std::ranges::find_if(all, [&](const Digits& one) {
+      return !one.unnamed.empty() && (one.column == &column || (one.are_all && digits.are_all));
+    });
+    if (other != all.end())
+      file.fail(
+          "{} {} is the number of one frame and the name of another, {}, but {} {} is not a name. "
+          "Write names with their extension. {}",
+          column.what, digits.moved, *column.names->find(digits.moved), other->column->what,
+          other->unnamed, advice);
+    if (digits.are_all)
+      warn(monitor,
+           "{}: {} is read as the name of frame {}, because every cell of its column is a name. {}",
+           file.file, digits.moved, *column.names->find(digits.moved), advice);
+  }
+}
+
+std::string_view no_number_hint(std::string_view text) {
+  return is_padded(text) ? " because of its leading zeros. Frames count from 0" : "";
 }
 
 std::optional<double> parse_real(std::string_view text) {
@@ -131,7 +200,7 @@ double NamedRows::real(std::string_view column) const {
 size_t NamedRows::frame(std::string_view column) const {
   const auto number = parse_frame(text(column));
   if (!number || !number->in_range || number->value > kMaxGrownFrames)
-    fail("{} \"{}\" is not a frame number", column, text(column));
+    fail("{} \"{}\" is not a frame number{}", column, text(column), no_number_hint(text(column)));
   return number->value;
 }
 

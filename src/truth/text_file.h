@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,7 +12,9 @@
 #include <fmt/format.h>
 
 #include "base/mapped_file.h"
+#include "base/monitor.h"
 #include "base/text.h"
+#include "sequence/sequence_source.h"
 
 namespace vpr {
 
@@ -34,12 +37,30 @@ struct FileLocation {
   }
 };
 
-/// A frame number: digits, optionally after a minus sign. Nullopt if `text` is not an integer.
+/// A frame number: digits, optionally after a minus sign. Nullopt if `text` is not an integer, or
+/// has leading zeros: those are of file names, which may count from 1.
 struct FrameText {
   bool in_range = false;  ///< neither negative nor too large for 64 bits
   size_t value = 0;
 };
 std::optional<FrameText> parse_frame(std::string_view text);
+/// The end of a sentence: why `text` is not a frame number; empty unless it has leading zeros.
+std::string_view no_number_hint(std::string_view text);
+
+/// The cells of a column that refer to the frames of one side, each by its number or its name.
+struct FrameCells {
+  std::string_view what;              ///< such as "query"
+  const FrameNames* names = nullptr;  ///< null: unknown
+  std::vector<std::string_view> texts = {};
+  bool are_names = false;  ///< numbers as well; set by find_names
+};
+
+/// Decides for all columns of a file whether numbers are names. They are if every cell of the
+/// column is a name, and nothing shows that the file counts frames: a 0 that is not a name. Warns
+/// where both readings are possible. Throws Error(data) if columns or cells contradict each other;
+/// `advice` says how to state that they are numbers.
+void find_names(std::span<FrameCells> columns, const FileLocation& file, std::string_view advice,
+                const Monitor& monitor);
 
 /// Parses a finite number with a decimal point in any locale; a leading + is allowed. Nullopt
 /// otherwise.

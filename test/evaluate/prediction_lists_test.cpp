@@ -60,8 +60,7 @@ TEST_CASE("frames are identified by the end of their paths") {
   CHECK(FrameNames({"q/a.jpg"}).find("/elsewhere/a.jpg") == 0U);
   const FrameNames numbers({});
   CHECK_FALSE(numbers.count());
-  CHECK(numbers.find("12") == 12U);
-  for (const char* word : {"-1", "1.5", "", "a", "99999999999"}) CHECK_FALSE(numbers.find(word));
+  CHECK_FALSE(numbers.find("12"));
 }
 
 TEST_CASE("names are the lines of a list, whether or not the files exist") {
@@ -89,6 +88,32 @@ TEST_CASE("lists of pairs have ranks, and those with scores have scores") {
   const List table("query,reference,score\n\"q/c.jpg\",db/left/2.jpg,-3e-1\n", "list.csv");
   CHECK(rows_of(table.matrix(ScoreOrder::distance)) == " - - - - | - - - - | - -0.3 - -");
   CHECK(rows_of(List("0 2\n2 1\n").matrix({}, {}, {})) == " - - 1 | - - - | - 1 -");
+}
+
+TEST_CASE("rankings begin with the query, or are refused") {
+  const auto rows = [](const std::string& text) { return rows_of(List(text).matrix({}, {}, {})); };
+  CHECK(rows("0 0 2 1\n1 1 0\n") == " 1 3 2 | 2 1 -");  // a query among its references
+  CHECK(rows("query,reference\n0,2,1\n1,0,1\n") == " - 2 1 | 1 2 -");
+  const auto error = [&](const std::string& text) { return test::error_text([&] { rows(text); }); };
+  CHECK(test::has(error("0 1 2 3\n1 0 2 3\n"), "line 1: cannot tell whether"));
+  CHECK(test::has(error("query reference\n0 1 2 3\n0 2 1 3\n"), "line 3: 0 has a line before"));
+  test::write_text("list.txt", "0 2\n0 1\n1 0\n");
+  const auto read = [&](size_t queries) {
+    prediction_scores("list.txt", FrameNames({}), FrameNames({}), {}, {queries, 4});
+  };
+  CHECK(test::has(test::error_text([&] { read(3); }), "cannot tell"));  // a line per query
+  CHECK_NOTHROW(read(4));
+}
+
+TEST_CASE("numbers in lists are names if all are, and nothing counts frames") {
+  const Names names = {"1.jpg", "2.jpg", "3.jpg"};
+  const auto rows = [&](const std::string& text) {
+    return rows_of(List(text).matrix({}, names, names));
+  };
+  CHECK(rows("1 2\n2 3\n") == " - 1 - | - - 1 | - - -");
+  CHECK(rows("0 1\n1 2\n") == " - 1 - | - - 1 | - - -");  // 0 is not a name
+  CHECK(test::has(test::error_text([&] { rows("1 2\n2 7\n"); }), "training 7 is not a name"));
+  CHECK(test::has(test::error_text([&] { List("01 2\n").matrix({}, {}, {}); }), "leading zeros"));
 }
 
 TEST_CASE("a folder has a file for each query") {

@@ -111,8 +111,8 @@ TEST_CASE("anchors that decrease, repeat or are out of range are refused with th
   };
   refused("2,2\n1,3\n", "line 3: query 1 is not after the previous anchor, 2");
   refused("2,2\n2,3\n", "line 3");
-  refused("2,5\n", "line 2: reference 5 is out of range; there are 5 frames");
-  refused("0,0\n7,2\n", "query 5 is out of range; there are 5 frames");
+  refused("2,5\n", "line 2: anchor 5 is out of range; there are 5 frames");
+  refused("0,0\n7,2\n", "line 3: query 7 is out of range; there are 5 frames");
   refused("-1,2\n", "line 2");
   refused("1,2,3\n", "line 2");
   // Without known numbers of frames, as many as the anchors need.

@@ -55,9 +55,31 @@ TEST_CASE("pairs may use frame names if the scope has names") {
   // two candidates
   CHECK(test::has(error("a.png,y"), "reference \"y\" is neither"));
   scope.query.frames = 4;
-  CHECK(test::has(error("a.png,0"), "one of 3 names, but the result has 4 frames"));
+  CHECK(test::has(error("a.png,0"), "has 3 names, but the result has 4 frames"));
   scope.query_names = nullptr;
   CHECK(test::has(error("a.png,0"), "--query and --train"));
+}
+
+TEST_CASE("digits of pairs are numbers or names, the same in all columns") {
+  GroundTruthScope scope = {{"", 4}, {{"ref", 4}}};
+  const auto names = [] { return std::vector<std::string>{"1.png", "2.png", "3.png", "4.png"}; };
+  scope.query_names = scope.sequences[0].names = names;
+  const auto labels = [&](const std::string& rows) {
+    return test::draw(read("query,reference\n" + rows, scope), 4, 4);
+  };
+  CHECK(labels("1,2\n4,4\n") == ".S.. .... .... ...S");  // names
+  CHECK(labels("1,0\n3,3\n") == ".... S... .... ...S");  // numbers, since 0 is not a name
+  CHECK(labels("1.png,3\n2,3\n") == "..S. ..S. .... ....");
+  const auto error = [&](const std::string& rows) {
+    return test::error_text([&] { labels(rows); });
+  };
+  CHECK(test::has(error("1,2\n2,9\n"), "query 1 is the number of one frame and the name of"));
+  CHECK(test::has(error("a,2\n2,2\n"), "query \"a\" is not the name"));
+  CHECK(test::has(error("1.png,2\n2,2\n9,2\n"), "query 9 is not a name"));
+  CHECK(test::has(error("01,2\n"), "query \"01\" is not the name"));
+  scope.sequences[0].names = nullptr;
+  CHECK(test::has(error("1,2\n"), "reference 2 is not a name"));
+  CHECK(test::has(error("1,02\n"), "because of its leading zeros. Frames count from 0. To use"));
 }
 
 TEST_CASE("frame numbers that only a file states have an upper bound") {
@@ -86,6 +108,13 @@ TEST_CASE("the number of nearby poses is limited before the comparison") {
     return test::error_text([&] { read_ground_truth(argument, {{"", 20000}, {{"", 20000}}}); });
   };
   CHECK(test::has(error(1), "more than 134217728 pairs of frames lie within 1 m"));
+}
+
+TEST_CASE("places of FAB-MAP have no order, and so no tolerance") {
+  GroundTruthScope places = kOne;
+  places.has_places = true;
+  CHECK(read("query,reference\n1,2\n", places).has_match(1));
+  CHECK_THROWS_WITH(read("query,reference\n1,2\n", places, 1), Catch::Contains("have no order"));
 }
 
 TEST_CASE("a query whose pairs are all ignored has no match") {
