@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval.h"
+#include "evaluate/metrics.h"
 #include "loops/loops_report.h"
 #include "truth/times.h"
 
@@ -31,7 +32,21 @@ struct LoopInputs {
   TableFormat format = TableFormat::text;
 };
 
-LoopsEvaluation evaluate(const LoopInputs& inputs) {
+void warn_of_order(const LoopsEvaluation& found, const Monitor& monitor) {
+  constexpr double kClear = 1.5;
+  if (!found.judgment.curve) return;
+  const bool is_distance = found.rules.order == ScoreOrder::distance;
+  LoopRules other = found.rules;
+  other.order = is_distance ? ScoreOrder::similarity : ScoreOrder::distance;
+  const auto reversed = judge_loops(found.list, found.trajectory, other);
+  const auto ap = average_precision(*found.judgment.curve).value;
+  const auto other_ap = average_precision(*reversed.curve).value;
+  if (ap && other_ap && *other_ap > kClear * *ap)
+    warn(monitor, "{}: AP is {:.4f} with --{} and {:.4f} with --{}", found.name, *ap,
+         enum_name(found.rules.order), *other_ap, enum_name(other.order));
+}
+
+LoopsEvaluation evaluate(const LoopInputs& inputs, const Monitor& monitor) {
   const std::filesystem::path path = inputs.path;
   LoopsEvaluation found;
   found.name = inputs.name.empty() ? path.stem().string() : inputs.name;
@@ -64,13 +79,14 @@ LoopsEvaluation evaluate(const LoopInputs& inputs) {
                   path.string());
   }
   found.judgment = judge_loops(found.list, found.trajectory, found.rules);
+  if (inputs.scores.has_order()) warn_of_order(found, monitor);
   return found;
 }
 
 void run_loops(Session& session, const LoopInputs& inputs) {
   session.claim_output({inputs.html}, inputs.plots);
   const Stopwatch watch;
-  const LoopsEvaluation evaluation = evaluate(inputs);
+  const LoopsEvaluation evaluation = evaluate(inputs, session.monitor);
   Json report = loops_json(evaluation, session.run);
   RunInfo run = session.run;
   run.paths = {{"loops", inputs.path}, {"poses", inputs.poses}};

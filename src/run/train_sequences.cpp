@@ -31,6 +31,13 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
     throw Error(ErrorKind::data, "{}: its descriptors have {} {}, descriptors of the database {}",
                 argument.sequence.path.string(), found.length, element_noun(found),
                 expected.length);
+  const DescriptorRows rows = described.descriptors.rows();
+  const std::vector<DescribedFrames> known = descriptor_spans(database);
+  for (size_t s = 0; s < known.size(); ++s)
+    if (std::ranges::equal(known[s].rows.bytes, rows.bytes))
+      throw Error(ErrorKind::usage,
+                  "{}: has the same frames as the training sequence {}. Train each recording once",
+                  argument.sequence.path.string(), database.sequences[s].sequence.name);
   database.descriptors.append(std::move(described.descriptors));
   database.sequences.push_back({std::move(sequence)});
   database.sequences.back().path = argument_text(argument.sequence);

@@ -76,7 +76,7 @@ TEST_CASE("adding a sequence yields the database of training both together") {
   CHECK(info["sequences"][1]["name"] == "two");
   CHECK(info["descriptor"] == "ldb+hog");
   CHECK(printed_json(
-            "vpr-train add a.vprdb --train $one -o x.vprdb --json")["sequences"][1]["name"] ==
+            "vpr-train add a.vprdb --train $one@0:20 -o x.vprdb --json")["sequences"][1]["name"] ==
         "walk/one");
 }
 

@@ -61,6 +61,10 @@ def columns_of_poses():
     assert (loops()["correct"], loops()["incorrect"]) == (2, 1)
     assert (loops("--angle", 45)["correct"], loops("--angle", 45)["incorrect"]) == (1, 2)
     assert loops("--ignore-radius", 4)["ignored"] == 1
+    write("scored.csv", "query,match,score\n2,0,1\n3,1,2\n4,0,8\n5,0,9\n")
+    scored = ("vpr-eval", "loops", "scored.csv", "--poses", "line.csv", "--radius", 2.5, "--gap", 1)
+    assert "with --similarity and 0.4000 with --distance" in said(*scored, "--similarity")
+    assert said(*scored, "--distance") == ""
     # Poses without times of their own, and frames of loops that are times.
     write("line.kitti", "".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(6)))
     times = ("--pose-times", write("line.times", "0\n10\n20\n30\n40\n50\n"), "--frames-by", "time")
@@ -119,6 +123,17 @@ def recordings():
     numbers = "query,reference\n" + "".join(f"{i},{i}\n" for i in range(40))
     by_number = printed_json("vpr-eval", *truth, write("numbers.csv", numbers))
     assert by_name["provenance"]["ground_truth"] == by_number["provenance"]["ground_truth"]
+    (folder / "again").rename(folder / "moved")
+    refused(4, "the names of its sequence are unknown: again: no such folder", "vpr-eval", *truth, "names.csv")
+    assert printed_json("vpr-eval", *truth, "names.csv", "--query", "moved")["metrics"] == by_name["metrics"]
+    assert "8 is read as the number of a frame" in said("vpr-eval", *truth, write("late.csv", "query,reference\n8,8\n"))
+    assert said("vpr-eval", *truth, "numbers.csv") == ""
+    (folder / "moved").rename(folder / "again")
+    # Loops have the names of the query on both sides.
+    run("vpr-query", "loops", "--query", "walk", "--c-l", 2, "--gap", 9, "-o", "own.json")
+    by_both = [printed_json("vpr-eval", "own.json", "--ground-truth", name)["provenance"]["ground_truth"]
+               for name in ("names.csv", "numbers.csv")]
+    assert by_both[0] == by_both[1]
     # Lists with blanks at the ends of lines, and a frame that is listed twice.
     run(*query, write("blanks.txt", "".join(f"walk/{i:06d}.png \n" for i in range(1, 41))))
     write("twice.txt", "walk/000001.png\n" * 2)
@@ -164,6 +179,9 @@ def utm_names():
     write("ud/@0@0@11@.jpg", "")
     np.save(folder / "more.npy", np.eye(25)[:, :24].astype(np.float32) + 0.01)
     refused(4, "which touches it", *judge[:5], "more.npy", *judge[6:])
+    for band in "UH":
+        write(f"equator/@0@0@33@{band}@.jpg", "")
+    refused(4, "zone 33 south", "vpr-eval", "check", "equator", "--ground-truth-train", "equator")
 
 
 def lists():
@@ -189,6 +207,12 @@ def lists():
     stated = ("--query-frames", 20, "--train-frames", 30, "--ground-truth", "gt.csv")
     for name in ("numbers.txt", "top5.npy"):
         run("vpr-eval", "matrix", name, *stated)
+    np.savetxt(folder / "faiss.txt", best, "%d")  # without the queries
+    refused(4, "has a line before" if len(set(best[:, 0])) < 20 else "cannot tell", "vpr-eval", "matrix", "faiss.txt", *stated)
+    for flag in ("--distance", "--similarity"):
+        np.save(folder / "full.npy", np.argsort(-scores, axis=1))
+        refused(4, "every row has the integers 0 to 29 once", "vpr-eval", "matrix", "full.npy", flag, "--ground-truth", "gt.csv")
+    refused(2, "as indices of references are", "vpr-eval", "matrix", "top5.npy", "--distance", *stated)
     np.savez(folder / "scores.npz", scores)
     np.savetxt(folder / "grid.csv", 9 * scores, "%d", ",")
     for part, name in {"it is not text": "scores.npz", "a reference is listed twice": "grid.csv",
