@@ -83,7 +83,10 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
                     "the reports have different ground truths: {}. Evaluate all results with one "
                     "of them, or add --allow-different",
                     words);
-      warn(monitor, "the ground truths are different: {}", words);
+      warn(monitor,
+           "the ground truths are different, and frames with a match in only some of them are "
+           "omitted: {}",
+           words);
   }
 }
 
@@ -274,7 +277,7 @@ std::vector<std::vector<Report>> by_query(std::span<const Report> grid) {
 std::string overview_texts(std::span<const Report> grid) {
   std::string text;
   for (const std::vector<Report>& reports : by_query(grid))
-    text += (text.empty() ? "" : "\n") + short_text(overview_table(reports, "method"));
+    text += (text.empty() ? "" : "\n") + overview_text(reports, "method");
   return text;
 }
 
@@ -357,8 +360,8 @@ void add_compare(Program& program) {
               "other (default: the longest window, at least 10)",
               kMoreGroup);
   command.add_flag("--common", inputs->only_common,
-                   "compare only frames for which every report has a best match; all numbers are "
-                   "then over these frames",
+                   "compare only frames for which every report has a best match that is correct or "
+                   "incorrect; all numbers are then over these frames",
                    kMoreGroup);
   command.add_flag("--allow-different", inputs->allow_different,
                    "compare reports with different ground truths; the output states them",

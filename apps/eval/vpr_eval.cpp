@@ -257,8 +257,8 @@ void run_table(Session& session, const EvalInputs& inputs, const std::vector<Eva
                                      : reports_text(reports, inputs.format);
   if (has_protocols && inputs.format == TableFormat::text)
     for (const Report& report : reports) tables += report.protocol.ground_truth + "\n";
-  const Table overview = overview_table(reports, has_protocols ? "protocol" : "name");
-  session.print_result(output_text(session, inputs.format, short_text(overview), tables), json);
+  const std::string overview = overview_text(reports, has_protocols ? "protocol" : "name");
+  session.print_result(output_text(session, inputs.format, overview, tables), json);
 }
 
 void run_several(Session& session, const EvalInputs& inputs) {

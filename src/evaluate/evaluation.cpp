@@ -161,15 +161,19 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
-GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
-                           const Monitor& monitor) {
-  GroundTruth truth = truth_of(by, std::move(scope), monitor);
+void require_all_pairs(const GroundTruth& truth, const EvaluationSettings& by) {
   if (!truth.asked.empty())
     throw Error(
         ErrorKind::usage,
         "{}: labels of single pairs judge results, but cannot choose settings, because most "
         "mistakes of other settings are not labeled. Use anchors or another ground truth",
         by.ground_truth->path.string());
+}
+
+GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
+                           const Monitor& monitor) {
+  GroundTruth truth = truth_of(by, std::move(scope), monitor);
+  require_all_pairs(truth, by);
   return truth;
 }
 

@@ -71,8 +71,11 @@ void check_evaluation(const EvaluationSettings& by);
 /// Throws what read_ground_truth throws.
 GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor);
 
-/// As truth_of, for the choice of settings. Throws Error(usage) for labels of single pairs: other
-/// pairs are unknown, and a looser threshold would seem to make no mistake.
+/// Throws Error(usage) for labels of single pairs, which cannot choose settings: other pairs are
+/// unknown, and a looser threshold would seem to make no mistake.
+void require_all_pairs(const GroundTruth& truth, const EvaluationSettings& by);
+
+/// As truth_of, for the choice of settings. Throws as require_all_pairs does.
 GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
                            const Monitor& monitor);
 

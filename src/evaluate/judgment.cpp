@@ -65,22 +65,18 @@ void judge_by_places(Judgment& judgment, const Result& result, std::span<const P
                      std::span<const double> traveled_m) {
   judgment.by = JudgedBy::places;
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
-  const auto verdict_at = [&](size_t frame) {
-    const size_t recognition = recognitions[frame] - result.recognitions.data();
-    return verdict_of(labels[result.clusters->of_recognition[recognition]]);
-  };
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
-    if (recognitions[frame] != nullptr) judgment.verdicts[frame] = verdict_at(frame);
+    if (const Match* recognition = recognitions[frame])
+      judgment.verdicts[frame] = verdict_of(labels[cluster_of(result, *recognition)]);
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = judgment.outcomes.at_window(window);
     const Match* recognition = recognitions[query.frame];
-    if (recognition == nullptr || result.best[window] != *recognition) continue;
-    query.verdict = verdict_at(query.frame);
-    query.has_match = true;
+    if (recognition != nullptr && result.best[window] == *recognition)
+      query.verdict = judgment.verdicts[query.frame];
   }
-  judgment.localization = localize(judgment.verdicts, traveled_m, decided_frames(result));
-  // Whether a frame without an answer has a match is unknown.
-  judgment.localization.frames_with_match = judgment.localization.frames;
+  // Which other frames have a match is unknown: all frames count.
+  for (QueryOutcome& query : judgment.outcomes.queries) query.has_match = true;
+  set_verdicts(judgment, judgment.verdicts, traveled_m, decided_frames(result));
 }
 
 Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
@@ -108,7 +104,14 @@ Judgment judge(const Result& result, const ScoreMatrix& matrix, const GroundTrut
   Judgment judgment = judge(result, truth, traveled_m, monitor);
   require_fit(matrix, judgment.layout);
   if (!truth.is_known) return judgment;
-  set_pairs(judgment, scan_matrix(matrix, truth, judgment.layout, monitor));
+  MatrixScan scan = scan_matrix(matrix, truth, judgment.layout, monitor);
+  for (const QueryOutcome& query : scan.outcomes.queries)
+    if (query.best != judgment.outcomes.queries[query.frame].best)
+      throw Error(ErrorKind::data,
+                  "the matrix has another best match for query frame {} than the result. Use the "
+                  "matrix that was saved with it, or vpr-eval matrix SCORES",
+                  query.frame);
+  set_pairs(judgment, std::move(scan));
   add_margins(judgment.outcomes, result);
   set_confidence(judgment, judgment.outcomes.confidence);
   return judgment;

@@ -12,16 +12,21 @@ namespace vpr {
 /// Per query frame, the recognition of the window that ends there: of several the one with the best
 /// score, ties to the first; null if there is none. They point into the result.
 std::vector<const Match*> recognitions_by_frame(const Result& result);
+/// The index of the cluster of one of the result's recognitions.
+inline size_t cluster_of(const Result& result, const Match& recognition) {
+  return result.clusters
+      ->of_recognition[static_cast<size_t>(&recognition - result.recognitions.data())];
+}
 /// The verdicts by these recognitions.
 std::vector<Verdict> verdicts_of(const Result& result, const GroundTruth& truth);
 /// The verdicts by best matches whose key is at most `accepted`; unset: none.
 std::vector<Verdict> verdicts_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
 
-/// All pairs of readable queries, except pairs labeled ignore.
+/// All pairs of frames, except pairs labeled ignore.
 struct PairJudgment {
   Curve curve;                      ///< recall is over all pairs of the same place
   uint64_t ignored = 0;             ///< pairs labeled ignore
-  uint64_t same_without_score = 0;  ///< included in curve.positives, but never found
+  uint64_t same_without_score = 0;  ///< of curve.positives: never found
   uint64_t worst_correct = 0;       ///< queries whose worst score, ties to the first, is correct
 };
 
@@ -30,8 +35,8 @@ struct MatrixScan {
   PairJudgment pairs;
 };
 
-/// Best matches and ranks skip references labeled ignore; ties go to the first column. Reads the
-/// matrix twice: memory is 8 bytes per pair of the same place, and about 60 per distinct score
+/// References labeled ignore count for best matches and ranks; ties go to the first column. Reads
+/// the matrix twice: memory is 8 bytes per pair of the same place, and about 60 per distinct score
 /// among them, since all other pairs are only counted between these. Throws as
 /// ScoreMatrix::for_each_row does.
 MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
@@ -65,7 +70,8 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
                const Monitor& monitor = {});
 
 /// Replaces the verdicts of recognized frames, and of best matches that are their recognitions, by
-/// `labels` of the clusters. `traveled_m`: as in localize.
+/// `labels` of the clusters. All frames then count as frames with a match. `traveled_m`: as in
+/// localize.
 void judge_by_places(Judgment& judgment, const Result& result, std::span<const PlaceLabel> labels,
                      std::span<const double> traveled_m);
 
@@ -75,8 +81,9 @@ Judgment judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Groun
                std::optional<double> threshold, std::span<const double> traveled_m,
                const Monitor& monitor);
 
-/// Outcomes and curves of the matrix, recognitions of the result with which it was saved. Without a
-/// known ground truth, outcomes are also of the result. Throws Error(data) if the two do not fit.
+/// As for the result, with the ranks and pairs of the matrix that was saved with it; without them
+/// if the ground truth is unknown. Throws Error(data) if the sizes or the best matches of the two
+/// differ.
 Judgment judge(const Result& result, const ScoreMatrix& matrix, const GroundTruth& truth,
                std::span<const double> traveled_m, const Monitor& monitor);
 

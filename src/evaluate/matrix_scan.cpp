@@ -17,13 +17,10 @@ struct ScoredColumn {
 
 struct ScanPart {
   std::vector<PlaceLabel> labels;  ///< of the current row
-  bool keeps_ignored = false;      ///< they are unknown, and compete for ranks
   std::vector<ScoredColumn> ranked;
   PairJudgment pairs;  ///< without the curve
   size_t known_ranks = std::numeric_limits<size_t>::max();
   std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
-
-  bool skips(size_t column) const { return labels[column] == PlaceLabel::ignore && !keeps_ignored; }
 };
 
 /// Better scores first, ties to the first column.
@@ -35,10 +32,8 @@ bool is_ahead(const ScoredColumn& a, const ScoredColumn& b) {
 void rank_correct_ones(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> keys) {
   std::vector<ScoredColumn>& ranked = part.ranked;
   ranked.clear();
-  for (size_t c = 0; c < keys.size(); ++c) {
-    query.correct_count += part.labels[c] == PlaceLabel::same ? 1 : 0;
-    if (keys[c] != kNoScore && !part.skips(c)) ranked.push_back({keys[c], c});
-  }
+  for (size_t c = 0; c < keys.size(); ++c)
+    if (keys[c] != kNoScore) ranked.push_back({keys[c], c});
   const size_t count = std::min(ranked.size(), kMaxRank);
   std::partial_sort(ranked.begin(), ranked.begin() + static_cast<ptrdiff_t>(count), ranked.end(),
                     is_ahead);
@@ -57,24 +52,18 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   size_t ranked = 0;
   for (size_t c = 0; c < keys.size(); ++c) {
     if (labels[c] == PlaceLabel::ignore) ++part.pairs.ignored;
-    if (part.skips(c)) continue;
     const bool has_score = keys[c] != kNoScore;
     ranked += has_score ? 1 : 0;
     if (has_score && (!worst || keys[c] > keys[*worst])) worst = c;
     query.is_tied = (query.is_tied && keys[c] >= best.key) || (keys[c] == best.key && has_score);
     if (keys[c] < best.key) best = {keys[c], c};
     if (labels[c] != PlaceLabel::same) continue;
-    ++part.pairs.curve.positives;
-    if (!has_score)
-      ++part.pairs.same_without_score;
-    else
-      part.same_keys.push_back(keys[c]);
+    if (has_score) part.same_keys.push_back(keys[c]);
     if (keys[c] < correct.key) correct = {keys[c], c};
   }
   if (correct.key != kNoScore) {
     query.rank = 1;
-    for (size_t c = 0; c < keys.size(); ++c)
-      *query.rank += is_ahead({keys[c], c}, correct) && !part.skips(c) ? 1 : 0;
+    for (size_t c = 0; c < keys.size(); ++c) *query.rank += is_ahead({keys[c], c}, correct) ? 1 : 0;
   }
   query.key = best.key;
   rank_correct_ones(query, part, keys);
@@ -222,8 +211,15 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
   outcomes = unanswered(truth, layout.scope.query.frames, layout.window_length, matrix.kind);
   outcomes.has_scores = matrix.has_scores;
   outcomes.has_ranks = true;
+  const auto& sequences = layout.scope.sequences;
+  for (QueryOutcome& query : outcomes.queries) {
+    for (size_t s = 0; s < sequences.size(); ++s)
+      for (const LabelStretch& run :
+           label_runs(truth, query.frame, s, sequences[s].sequence.frames))
+        if (run.label == PlaceLabel::same) query.correct_count += run.last - run.first + 1;
+    pairs.curve.positives += query.correct_count;
+  }
   std::vector<ScanPart> parts(thread_count());
-  for (ScanPart& part : parts) part.keeps_ignored = !truth.asked.empty();
   matrix.for_each_row(parts.size(), monitor, "reading scores",
                       [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
                         label_row(truth, layout, row, parts[worker].labels);
@@ -234,14 +230,13 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
   std::vector<uint64_t> same_keys;
   same_keys.reserve(count);
   for (ScanPart& part : parts) {
-    pairs.curve.positives += part.pairs.curve.positives;
     pairs.ignored += part.pairs.ignored;
-    pairs.same_without_score += part.pairs.same_without_score;
     pairs.worst_correct += part.pairs.worst_correct;
     outcomes.known_ranks = std::min(outcomes.known_ranks, part.known_ranks);
     same_keys.insert(same_keys.end(), part.same_keys.begin(), part.same_keys.end());
     part.same_keys = {};
   }
+  pairs.same_without_score = pairs.curve.positives - same_keys.size();
   std::ranges::sort(same_keys);
   pairs.curve =
       pair_curve(matrix, truth, layout, std::move(same_keys), pairs.curve.positives, monitor);

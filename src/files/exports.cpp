@@ -23,11 +23,14 @@ std::string outcomes_csv(const Judgment& judgment, const std::string& name,
                   csv_field(judgment.layout.scope.sequences[query.best->sequence].sequence.name),
                   query.best->reference, score_of_key(query.key, outcomes.kind))
             : ",,";
+    const char* has_match = judgment.by != JudgedBy::ground_truth ? ""
+                            : query.has_match                     ? "yes"
+                                                                  : "no";
     text += fmt::format("{}{},{},{},{},{},{},{},{}\n", start,
                         query.frame + 1 < outcomes.window_length
                             ? ""
                             : std::to_string(query.frame + 1 - outcomes.window_length),
-                        query.frame, best, enum_name(query.verdict), query.has_match ? "yes" : "no",
+                        query.frame, best, enum_name(query.verdict), has_match,
                         enum_name(judgment.verdicts[query.frame]),
                         query.rank ? std::to_string(*query.rank) : "",
                         query.margin ? fmt::format("{}", *query.margin) : "");

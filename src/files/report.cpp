@@ -88,12 +88,10 @@ void define_metrics(Definitions& define, const Judgment& judgment, bool is_resul
   define.emplace_back(
       "single_best",
       fmt::format("a {}; recall is over frames with a match; the best match of a frame without one "
-                  "is incorrect; {}",
+                  "is incorrect; a best match labeled ignore is not accepted",
                   judgment.outcomes.confidence == Confidence::margin
                       ? "margin accepts best matches that have at least this margin"
-                      : "threshold accepts best matches that score at least as well",
-                  has_ranks ? "references labeled ignore are skipped"
-                            : "a best match labeled ignore is not accepted"));
+                      : "threshold accepts best matches that score at least as well"));
   if (judgment.outcomes.has_margins)
     define.emplace_back(
         "margin",
@@ -103,7 +101,7 @@ void define_metrics(Definitions& define, const Judgment& judgment, bool is_resul
     define.emplace_back(
         "all_pairs",
         "a threshold accepts pairs that score at least as well; recall is over all pairs of the "
-        "same place; pairs labeled ignore, and queries without any score, are omitted");
+        "same place, also without a score; pairs labeled ignore are omitted");
   if (has_ranks)
     define.emplace_back(
         "precision_at",
@@ -212,6 +210,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   report.judged = judgment.by;
   report.query = evaluation.query().name;
   report.name = evaluation.name;
+  report.caution = evaluation.caution;
   report.protocol = {truth.protocol, truth.tolerance_frames, {}};
   report.provenance.made_by = provenance_of(run);
   report.provenance.ground_truth = ground_truth_fingerprint(truth, judgment.layout.scope, monitor);

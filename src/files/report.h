@@ -116,6 +116,7 @@ struct Report {
   ReportSources provenance;
   std::optional<std::string> name;  ///< set by the user
   std::string row_name;             ///< in tables of several reports; not in the file
+  std::string caution;              ///< of the evaluation; not in the file
 
   /// Null for scores.
   const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }
@@ -123,6 +124,8 @@ struct Report {
   bool has_paths() const;
   /// Whether the ground truth is labels of single pairs.
   bool has_labels() const { return !protocol.definition("labels").empty(); }
+  /// Frames that are labeled, but not with their best match.
+  uint64_t unlabeled() const { return has_labels() ? counts.best_match.ignored : 0; }
   /// "with a match" or "that are labeled".
   std::string_view frames_that_count() const {
     return has_labels() ? "that are labeled" : "with a match";

@@ -18,7 +18,8 @@ namespace {
 
 using Value = std::optional<double>;
 
-/// A share of the frames with a match, which are the same for all methods on a query.
+/// A share of the frames with a match, which are the same for all methods on a query, or for a
+/// number of frames, of all query frames.
 struct GridMetric {
   MetricAt measure;
   std::string_view name;
@@ -26,6 +27,10 @@ struct GridMetric {
 
   const Metric& row() const { return *measure.metric; }
   bool is_of_path() const { return row().of_path.has_value(); }  ///< not of best matches
+  bool is_count() const { return row().digits == 0; }
+  uint64_t frames_of(const Report& report) const {
+    return is_count() ? report.localization.frames : report.counts.best_match.frames;
+  }
 };
 
 const std::vector<GridMetric>& grid_metrics() {
@@ -34,18 +39,15 @@ const std::vector<GridMetric>& grid_metrics() {
       {metric_at("average_precision"), "AP", "AP of best matches"},
       {metric_at("recall_at_100_precision"), "R@100P", "R@100P of best matches"},
       {metric_at("share"), "recognized correctly", "Share of frames that are recognized correctly"},
-      {metric_at("incorrect"), "incorrectly",
-       "Frames that are recognized incorrectly, per frame with a match"}};
+      {metric_at("incorrect"), "incorrectly", "Share of frames that are recognized incorrectly"}};
   return metrics;
 }
-
-uint64_t frames_of(const Report& report) { return report.counts.best_match.frames; }
 
 /// A number of frames as their share.
 Value value_of(const Report& report, const GridMetric& metric) {
   const Value value = value_of(report, metric.measure);
-  if (!value || metric.row().digits > 0) return value;
-  const auto frames = static_cast<double>(frames_of(report));
+  if (!value || !metric.is_count()) return value;
+  const auto frames = static_cast<double>(metric.frames_of(report));
   return frames > 0 ? Value(*value / frames) : std::nullopt;
 }
 
@@ -54,10 +56,10 @@ std::string cell_text(const Report& report, const GridMetric& metric) {
   const Value value = value_of(report, metric);
   if (!value) return "-";
   std::string text = fmt::format("{:.4f}", *value);
-  if (metric.row().is_share || metric.row().digits == 0)
-    text +=
-        fmt::format(" ({} of {}{})", std::llround(*value * static_cast<double>(frames_of(report))),
-                    frames_of(report), metric.is_of_path() && report.is_oracle ? ", oracle" : "");
+  const uint64_t frames = metric.frames_of(report);
+  if (metric.row().is_share || metric.is_count())
+    text += fmt::format(" ({} of {}{})", std::llround(*value * static_cast<double>(frames)), frames,
+                        metric.is_of_path() && report.is_oracle ? ", oracle" : "");
   return text;
 }
 
@@ -93,7 +95,8 @@ Table grid_table(std::span<const Report> reports, const GridMetric& metric) {
   const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
   const bool any_oracle = std::ranges::any_of(reports, &Report::is_oracle);
   table.title = fmt::format(
-      "{} (over all frames with a match{})", metric.title,
+      "{} (over all {}{})", metric.title,
+      metric.is_count() ? "query frames" : "frames with a match",
       metric.is_of_path() && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
   const std::vector<std::string> queries = distinct(reports, &Report::query);
   table.columns = {"method"};
@@ -119,14 +122,14 @@ Table grid_table(std::span<const Report> reports, const GridMetric& metric) {
     for (size_t c = 0; c < columns.size(); ++c)
       columns[c].push_back(may_be_best ? values[c] : std::nullopt);
   }
-  if (!metric.row().is_low_good && table.rows.size() > 1)
+  if (!metric.row().is_low_good && table.rows.size() > 1 && !lack_labels(reports))
     for (size_t c = 0; c < columns.size(); ++c) mark_best(table, c + 1, columns[c], false);
   return table;
 }
 
 /// One row per method on this query, and one column per metric.
 Table query_table(std::span<const Report> reports, const std::string& query) {
-  Table table{"Over all frames with a match", {"method"}, {}};
+  Table table{"Over all frames with a match; incorrectly: over all query frames", {"method"}, {}};
   for (const std::string& method : distinct(reports, &Report::row_name))
     if (report_of(reports, method, query) != nullptr) table.rows.push_back({method});
   for (const GridMetric& metric : grid_metrics()) {
@@ -137,7 +140,7 @@ Table query_table(std::span<const Report> reports, const std::string& query) {
       values.push_back(metric.is_of_path() && report.is_oracle ? std::nullopt
                                                                : value_of(report, metric));
     }
-    if (!metric.row().is_low_good && table.rows.size() > 1)
+    if (!metric.row().is_low_good && table.rows.size() > 1 && !lack_labels(reports))
       mark_best(table, table.columns.size(), values, false);
     table.columns.emplace_back(metric.name);
   }
@@ -193,9 +196,9 @@ Table grid_rows(std::span<const Report> reports) {
   Table table{"", {"method", "query", "metric", "value", "frames", "oracle"}, {}};
   for (const Report& report : reports)
     for (const GridMetric& metric : grid_metrics()) {
-      const Value value = value_of(report, metric);
+      const Value value = value_of(report, metric.measure);
       add_row(table, report.row_name, report.query, metric.measure.key(),
-              value ? fmt::format("{}", *value) : "", frames_of(report),
+              value ? fmt::format("{}", *value) : "", metric.frames_of(report),
               metric.is_of_path() && report.is_oracle ? "yes" : "no");
     }
   return table;

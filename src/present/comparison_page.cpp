@@ -35,10 +35,7 @@ std::string sentence_of(const ComparisonReport& comparison) {
       values.push_back(&value);
   if (values.empty()) return "No frame has a match.";
   std::ranges::stable_sort(values, std::greater(), [](const auto* value) { return *value->value; });
-  std::string text =
-      fmt::format("Best matches of {} are correct in ",
-                  counted(comparison.found.with_match,
-                          comparison.settings.only_common ? "common frame" : "frame"));
+  std::string text = fmt::format("Best matches of {} are correct in ", comparison.frames());
   for (size_t i = 0; i < std::min(values.size(), kMostNamed); ++i)
     text += fmt::format("{}{:.1f} % by {}", i == 0 ? "" : ", ", 100 * *values[i]->value,
                         comparison.reports[values[i]->method].row_name);
@@ -97,8 +94,7 @@ Table difference_table(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
   Table table;
   table.title = fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
-                            comparison.reports.front().row_name,
-                            counted(found.frames.size(), "frame"), found.block);
+                            comparison.reports.front().row_name, comparison.frames(), found.block);
   table.columns = {"method"};
   std::map<size_t, size_t> rows;  // by method
   for (size_t r = 1; r < comparison.reports.size(); ++r) {

@@ -50,9 +50,9 @@ std::array<Value, 3> differences(const ComparedValue& value) {
   return {value.difference, value.interval->low, value.interval->high};
 }
 
-// Empty if the interval contains 0.
-std::string verdict_of(const ComparedValue& value) {
-  if (!value.interval) return "";
+// Empty if the interval contains 0, and if best matches of the reports are not judged.
+std::string verdict_of(const ComparisonReport& comparison, const ComparedValue& value) {
+  if (!value.interval || lack_labels(comparison.reports)) return "";
   const bool is_higher = value.interval->low > 0;
   if (!is_higher && value.interval->high >= 0) return "";
   return is_higher != value.metric.metric->is_low_good ? "better" : "worse";
@@ -73,32 +73,32 @@ std::string note_of(const ComparisonReport& comparison, size_t r) {
     notes.push_back(fmt::format("not paired, over {} of its own",
                                 counted(report.counts.best_match.frames, "frame")));
   if (report.is_oracle) notes.emplace_back("threshold from the ground truth");
+  if (const std::string caution = caution_of(report); !caution.empty())
+    notes.push_back(caution.substr(1));
   if (compare_ground_truths(comparison.reports) != GroundTruths::same)
     notes.push_back(report.protocol.ground_truth);
   return fmt::format("{}", fmt::join(notes, "; "));
 }
 
-std::string compared_frames(const ComparisonReport& comparison) {
-  const Comparison& found = comparison.found;
-  return fmt::format(
-      "{} {}",
-      counted(found.with_match, comparison.settings.only_common ? "common frame" : "frame"),
-      comparison.reports.front().frames_that_count());
-}
-
 // The report over these frames of the query alone.
 void restrict_to(Report& report, const std::vector<size_t>& frames) {
   std::vector<QueryOutcome>& queries = report.outcomes.queries;
+  std::vector<Verdict> verdicts;
+  uint64_t off_map = 0;
   for (size_t frame = 0; frame < queries.size(); ++frame) {
-    if (std::ranges::binary_search(frames, frame)) continue;
+    if (std::ranges::binary_search(frames, frame)) {
+      verdicts.push_back(report.verdicts[frame]);
+      off_map += !queries[frame].has_match && verdicts.back() == Verdict::incorrect;
+      continue;
+    }
     queries[frame] = QueryOutcome{};
     queries[frame].frame = frame;
     report.verdicts[frame] = Verdict::none;
   }
   report.counts.best_match = best_match_counts(report.outcomes);
-  report.localization = localize(report.verdicts, {});
-  report.localization.frames = frames.size();
+  report.localization = localize(verdicts, {});
   report.localization.frames_with_match = report.counts.best_match.frames;
+  report.localization.off_map = off_map;
   report.metrics.curves.single_best = numbers_of(single_best_curve(report.outcomes));
 }
 
@@ -108,7 +108,8 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
                    std::span<const MetricAt> columns) {
   const std::vector<Report>& reports = comparison.reports;
   Table table;
-  table.title = comparison.query() + ": " + fmt::format(title, compared_frames(comparison));
+  table.title = fmt::format("{}: {}{}", comparison.query(), fmt::format(title, comparison.frames()),
+                            off_map_words(reports));
   table.columns = {"method"};
   for (const Report& report : reports) table.rows.push_back({report.row_name});
   const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
@@ -119,7 +120,8 @@ Table method_table(const ComparisonReport& comparison, fmt::format_string<std::s
       values.push_back(value_of(comparison, r, column));
       table.rows[r].push_back(metric_cell(metric, values.back()));
       // An easier query, or a threshold from the ground truth, does not make a better method.
-      if (!comparison.is_paired(r) || (metric.of_path && reports[r].is_oracle != all_oracle))
+      if (!comparison.is_paired(r) || (metric.of_path && reports[r].is_oracle != all_oracle) ||
+          lack_labels(reports))
         values.back() = {};
     }
     if (std::ranges::count_if(values, &Value::has_value) > 1 &&
@@ -182,13 +184,18 @@ std::string ComparisonReport::query() const {
   return named == reports.end() ? kUnnamedQuery : named->query;
 }
 
+std::string ComparisonReport::frames() const {
+  return fmt::format("{} {}",
+                     counted(found.with_match, settings.only_common ? "common frame" : "frame"),
+                     reports.front().frames_that_count());
+}
+
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     methods.push_back(
         {comparison.reports[r].row_name, comparison.reports[r].outcomes, comparison.is_paired(r)});
   comparison.found = compare_outcomes(methods, comparison.settings, monitor);
-  if (!comparison.settings.only_common) return;
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     if (comparison.is_paired(r)) restrict_to(comparison.reports[r], comparison.found.frames);
 }
@@ -221,7 +228,8 @@ Json comparison_json(const ComparisonReport& comparison) {
       {"frames",
        comparison.settings.only_common
            ? "query frames for which every paired report has a best match that is not ignored"
-           : "all query frames; a frame without an answer is not recognized; a report of another "
+           : "all query frames except disputed ones; a frame without an answer is not recognized; "
+             "a report of another "
              "selection is not paired, and is measured over its own"},
       {"localization",
        "share of the frames with a match that are recognized correctly, frames recognized "
@@ -289,7 +297,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
     if (column == 1) best.push_back(comparison.reports[row].row_name);
   std::string text;
   if (!best.empty())
-    text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", compared_frames(comparison),
+    text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", comparison.frames(),
                                     fmt::join(best, ", "))) +
            "\n";
   text += short_text(table);
@@ -298,7 +306,7 @@ std::string comparison_text(const ComparisonReport& comparison) {
       text += wrapped_text(fmt::format("{}: {}", comparison.reports[r].row_name, note), 2);
   for (const ComparedValue& value : comparison.found.values)
     if (value.metric == metric_at("recall_at", 1) && value.interval) {
-      const std::string verdict = verdict_of(value);
+      const std::string verdict = verdict_of(comparison, value);
       text += wrapped_text(
           fmt::format("{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}",
                       comparison.reports[value.method].row_name,
@@ -314,7 +322,7 @@ Table comparison_table(const ComparisonReport& comparison) {
   Table table;
   table.title =
       fmt::format("{}: differences to {} over {}, 95 % by blocks of {}", comparison.query(),
-                  comparison.reports.front().row_name, compared_frames(comparison), found.block);
+                  comparison.reports.front().row_name, comparison.frames(), found.block);
   const GroundTruths truths = compare_ground_truths(comparison.reports);
   if (truths != GroundTruths::same)
     table.title += fmt::format("; ground truths: {}", enum_name(truths));
@@ -326,7 +334,7 @@ Table comparison_table(const ComparisonReport& comparison) {
            metric_cell(*value.metric.metric, value.value)};
     for (const Value& number : differences(value))
       row.push_back(number ? fmt::format("{:+.4f}", *number) : "-");
-    row.push_back(verdict_of(value));
+    row.push_back(verdict_of(comparison, value));
   }
   return table;
 }
@@ -350,7 +358,8 @@ Table comparison_rows(const ComparisonReport& comparison) {
                             text(metric, difference[2]), verdict});
     };
     for (const ComparedValue& value : comparison.found.values)
-      if (value.method == r) add(value.metric, value.value, differences(value), verdict_of(value));
+      if (value.method == r)
+        add(value.metric, value.value, differences(value), verdict_of(comparison, value));
     for (const std::string_view key : kPathKeys)
       add(metric_at(key), value_of(report, metric_at(key)), {}, "");
   }

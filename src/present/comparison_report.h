@@ -38,14 +38,16 @@ struct ComparisonReport {
   Provenance made_by;
 
   std::string query() const;
+  /// The frames of all numbers of paired reports: "80 common frames with a match".
+  std::string frames() const;
   /// Whether the report has the same selection of the query as the first report.
   bool is_paired(size_t report) const {
     return reports[report].selection_words() == reports.front().selection_words();
   }
 };
 
-/// Compares the reports, whose rows have names. With only_common, paired reports are first
-/// restricted to the common frames, so that all of their numbers are over them. Throws as
+/// Compares the reports, whose rows have names. Restricts paired reports to the compared frames, so
+/// that all of their numbers are over them. Throws as
 /// compare_outcomes does.
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
 
@@ -85,14 +87,15 @@ void draw_comparison(const ComparisonReport& comparison, const std::filesystem::
 std::string grid_name(const Report& report);
 
 /// Five tables of reports that are named by their method, no two with the same query. They have a
-/// row per method and a column per query: R@1, AP, R@100P, and the shares of the
-/// path with a correct and with an incorrect recognition. The best of each query is bold. A method
-/// with reports on all queries has a mean. The denominator is the query's frames with a match (all
-/// frames for shares of the path), so that frames without a window count as misses. Shares at a
-/// threshold from the ground truth are marked, and compared only if all are.
+/// row per method and a column per query: R@1, AP, R@100P, and the shares of frames with a correct
+/// and with an incorrect recognition. The best of each query is bold. A method with reports on all
+/// queries has a mean. The denominator is the query's frames with a match, for incorrect
+/// recognitions all of its frames. Shares at a threshold from the ground truth are marked, and
+/// compared only if all are.
 std::vector<Table> grid_tables(std::span<const Report> reports);
 
-/// The same as rows of method, query, metric and value in full precision.
+/// The same as rows of method, query, metric, value in full precision, and frames of the
+/// denominator; incorrect recognitions as their number.
 Table grid_rows(std::span<const Report> reports);
 
 /// One file without external references: for each query methods_html and a table with one row per

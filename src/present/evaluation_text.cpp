@@ -60,24 +60,30 @@ std::string recall_text(const Report& report) {
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
-std::vector<RecognizedRange> judged_ranges(const Result& result, const GroundTruth& truth) {
+std::vector<RecognizedRange> judged_ranges(const Evaluation& evaluation) {
+  const Result& result = *evaluation.result->result;
   std::vector<RecognizedRange> ranges = recognized_ranges(result);
-  if (!truth.is_known) return ranges;
+  if (evaluation.judgment.by == JudgedBy::nothing) return ranges;
   const std::vector<const Match*> closest = recognitions_by_frame(result);
   for (RecognizedRange& range : ranges) {
     size_t frames = 0;  // whose closest recognition is in the range
     size_t incorrect = 0;
-    bool all_incorrect = true;  // its recognitions
+    LabelCounts labels;  // of its recognitions
     for (const uint32_t recognition : range.recognitions) {
       const Match& match = result.recognitions[recognition];
       const MatchedFrame at = anchors_of(match, result.window_length());
-      const bool is_different = label_of(truth, at) == PlaceLabel::different;
-      all_incorrect = all_incorrect && is_different;
+      const PlaceLabel label =
+          evaluation.judgment.by == JudgedBy::places
+              ? evaluation.result->clusters[result.clusters->of_recognition[recognition]].label
+              : label_of(evaluation.truth, at);
+      labels.add(label);
       if (closest[at.query] != &match) continue;
       ++frames;
-      incorrect += is_different;
+      incorrect += label == PlaceLabel::different;
     }
-    if (all_incorrect)
+    if (labels.ignored == labels.all())
+      range.verdict = ": not judged";
+    else if (labels.incorrect == labels.all())
       range.verdict = frames > 0 ? ": incorrect" : ": incorrect, not the best";
     else if (incorrect > 0)
       range.verdict = fmt::format(": {} of {} incorrect", incorrect, counted(frames, "frame"));
@@ -137,8 +143,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
   if (result != nullptr && report.judged != JudgedBy::ground_truth && report.counts.clusters)
     text += line("places", places_text(report));
   if (result != nullptr)
-    text +=
-        ranges_text(*result, judged_ranges(*result, evaluation.truth), most_ranges, "other range");
+    text += ranges_text(*result, judged_ranges(evaluation), most_ranges, "other range");
   return text;
 }
 
@@ -165,6 +170,7 @@ Table overview_table(std::span<const Report> reports, const std::string& key) {
                                            counted(first.counts.best_match.frames, "frame"),
                                            first.frames_that_count())
                              : "Over all frames with a match";
+  table.title += off_map_words(reports);
   table.label = "results";
   table.columns = {key};
   for (const Report& report : reports) table.rows.push_back({report.row_name});
@@ -178,7 +184,8 @@ Table overview_table(std::span<const Report> reports, const std::string& key) {
                                  metric_at("recall_at_100_precision")}) {
     std::vector<std::optional<double>> values;
     for (const Report& report : reports) values.push_back(value_of(report, metric));
-    if (is_one_query && reports.size() > 1) mark_best(table, table.columns.size(), values, false);
+    if (is_one_query && reports.size() > 1 && !lack_labels(reports))
+      mark_best(table, table.columns.size(), values, false);
     add(metric.symbol(),
         [&](const Report& one) { return metric_cell(*metric.metric, value_of(one, metric)); });
   }
@@ -190,6 +197,14 @@ Table overview_table(std::span<const Report> reports, const std::string& key) {
     });
   if (has_pairs) add("pairs incorrect", pairs_cell);
   return table;
+}
+
+std::string overview_text(std::span<const Report> reports, const std::string& key) {
+  std::string text = short_text(overview_table(reports, key));
+  for (const Report& report : reports)
+    if (const std::string caution = caution_of(report); !caution.empty())
+      text += wrapped_text(fmt::format("{}:{}", report.row_name, caution), 2);
+  return text;
 }
 
 }  // namespace vpr

@@ -27,6 +27,9 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
 /// different ground truths have a column with their frames, and no best value.
 Table overview_table(std::span<const Report> reports, const std::string& key);
 
+/// The same as text, with the cautions of each report.
+std::string overview_text(std::span<const Report> reports, const std::string& key);
+
 /// The table as text. On a terminal, the names in its first column are cut to 22 characters.
 std::string short_text(Table table, bool is_terminal = ::isatty(STDOUT_FILENO) != 0);
 

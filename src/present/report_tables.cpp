@@ -110,21 +110,23 @@ std::string best_match_words(const Evaluation& evaluation) {
 
 std::string pair_words(const Evaluation& evaluation) {
   if (!evaluation.result) return "";
-  return incorrect_pairs_text(
-      {evaluation.judgment.localization, evaluation.result->counts.recognitions},
-      evaluation.result->result->places.has_value(), !evaluation.truth.asked.empty());
+  const bool by_places = evaluation.judgment.by == JudgedBy::places;
+  const Counts& counts = evaluation.result->counts;
+  const LabelCounts& pairs =
+      by_places ? counts.recognitions_by_place.value_or(LabelCounts{}) : counts.recognitions;
+  return incorrect_pairs_text({evaluation.judgment.localization, pairs},
+                              evaluation.result->result->places.has_value(),
+                              by_places || !evaluation.truth.asked.empty());
 }
 
 // "17 of 111 frames recognized, 3 of them incorrectly".
 std::string recognized_words(const Evaluation& evaluation) {
   const Judgment& judgment = evaluation.judgment;
   const Localization& path = judgment.localization;
-  size_t on_map = path.recognized;
-  if (judgment.by == JudgedBy::ground_truth)
-    on_map = static_cast<size_t>(
-        std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
-          return query.has_match && judgment.verdicts[query.frame] != Verdict::none;
-        }));
+  const auto on_map = static_cast<size_t>(
+      std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
+        return query.has_match && judgment.verdicts[query.frame] != Verdict::none;
+      }));
   const size_t incorrect = path.incorrect - path.off_map;
   const size_t unjudged = on_map - path.correct - incorrect;
   const std::string pairs = pair_words(evaluation);
@@ -134,9 +136,10 @@ std::string recognized_words(const Evaluation& evaluation) {
   if (on_map > 0 && incorrect > 0)
     text += fmt::format(", {} of them incorrectly", incorrect);
   else if (path.correct > 0)
-    text += pairs.empty() ? ", all correctly"
-            : on_map == 1 ? ", its best match correct"
-                          : ", their best matches all correct";
+    text += unjudged > 0    ? fmt::format(", {} correctly", path.correct)
+            : pairs.empty() ? ", all correctly"
+            : on_map == 1   ? ", its best match correct"
+                            : ", their best matches all correct";
   if (unjudged > 0)
     text += fmt::format(", {} {}", unjudged,
                         judgment.by == JudgedBy::places  ? "without an answer"
@@ -203,9 +206,8 @@ Table rank_table(const Report& report, bool needs_all_ranks) {
     for (const auto& [k, value] : report.metrics.ranks[m])
       add_column(table, MetricAt{&metric, k}.symbol(), metric_cell(metric, value));
   }
-  table.title = fmt::format("{} (over frames {}; ties to the first; ignored references {})",
-                            fmt::join(titles, " and "), report.frames_that_count(),
-                            report.has_labels() ? "count" : "skipped");
+  table.title = fmt::format("{} (over frames {}; ties to the first)", fmt::join(titles, " and "),
+                            report.frames_that_count());
   return table;
 }
 
@@ -390,6 +392,25 @@ std::string summary_sentence(const Evaluation& evaluation,
   if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + evaluation.caution;
   return (judgment.threshold ? best_match + ". " : "") + recognized_words(evaluation) + "." +
          first_of(judgment, frames_per_second) + evaluation.caution;
+}
+
+std::string off_map_words(std::span<const Report> reports) {
+  const bool any = std::ranges::any_of(
+      reports, [](const Report& report) { return report.localization.off_map > 0; });
+  return any ? "; incorrect also counts frames without a match" : "";
+}
+
+bool lack_labels(std::span<const Report> reports) {
+  return std::ranges::any_of(reports, [](const Report& report) { return report.unlabeled() > 0; });
+}
+
+std::string caution_of(const Report& report) {
+  if (report.unlabeled() == 0) return report.caution;
+  return report.caution + fmt::format(
+                              " Caution: {} without a label {} as not recognized. Label them with "
+                              "--ask-frames to compare results.",
+                              counted(report.unlabeled(), "best match", "best matches"),
+                              report.unlabeled() == 1 ? "counts" : "count");
 }
 
 Table report_table(const Report& report) {

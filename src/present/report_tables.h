@@ -45,6 +45,15 @@ std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, boo
 /// incorrect_pairs_text. The whole are the frames with a match.
 std::string frame_counts_text(const FrameCounts& counts, bool has_places);
 
+/// "; incorrect also counts frames without a match", for the title of a table of reports; empty if
+/// there are none among these frames.
+std::string off_map_words(std::span<const Report> reports);
+
+/// Whether a best match is not labeled where others are, so that the best report is unknown.
+bool lack_labels(std::span<const Report> reports);
+/// Cautions about labels of single pairs; empty if there are none.
+std::string caution_of(const Report& report);
+
 /// One row: settings and counts.
 Table report_table(const Report& report);
 

@@ -1,6 +1,7 @@
 // Lines about a result for a terminal: its settings, and the recognized ranges of its path.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 

@@ -133,7 +133,7 @@ void GroundTruthBuilder::add(size_t query, size_t sequence, size_t first, size_t
   const bool is_good = accept(query, query_, "query") &&
                        accept(first, train_[sequence], "reference") &&
                        accept(last, train_[sequence], "reference");
-  if (!is_good || !scope_.sequences[sequence].searched) return;
+  if (!is_good) return;
   if (pairs_.size() <= query) pairs_.resize(query + 1);
   append(query, {static_cast<uint32_t>(sequence), static_cast<uint32_t>(first), label,
                  static_cast<uint32_t>(last - first)});

@@ -317,10 +317,10 @@ void require_undamaged(const InspectedGroundTruth& ground_truth, const std::stri
 
 std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
                                      const Monitor& monitor) {
-  std::vector<uint64_t> place_among_searched;
-  uint64_t searched = 0;
-  for (const auto& sequence : scope.sequences)
-    place_among_searched.push_back(sequence.searched ? searched++ : searched);
+  std::vector<char> counts(scope.sequences.size());
+  for (size_t s = 0; s < counts.size(); ++s) counts[s] = scope.sequences[s].searched;
+  for (const auto& row : truth.pairs)
+    for (const Pair& pair : row) counts[pair.sequence] = true;
   ChecksumStream sum;
   const auto add = [&](const auto& numbers) { sum.add(std::as_bytes(std::span(numbers))); };
   add(std::array<uint64_t, 1>{truth.pairs.size()});
@@ -330,10 +330,11 @@ std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruth
     for (size_t i = 0; i < row.size();) {
       const size_t s = row[i].sequence;
       i += truth.pairs_of(query, s).size();
-      if (!scope.sequences[s].searched) continue;
+      const auto place = static_cast<uint64_t>(
+          std::count(counts.begin(), counts.begin() + static_cast<ptrdiff_t>(s), true));
       for (const LabelStretch& run :
            label_runs(truth, query, s, scope.sequences[s].sequence.frames))
-        add(std::array<uint64_t, 5>{query, place_among_searched[s], run.first, run.last,
+        add(std::array<uint64_t, 5>{query, place, run.first, run.last,
                                     static_cast<uint64_t>(run.label)});
     }
   }

@@ -36,7 +36,7 @@ using NameReader = std::function<std::vector<std::string>()>;
 struct GroundTruthScope {
   struct TrainSequence {
     Sequence sequence;
-    bool searched = true;  ///< false: its pairs are skipped
+    bool searched = true;  ///< false: no match is in it, but its pairs count
     NameReader names = {};
   };
   Sequence query;
@@ -74,8 +74,8 @@ struct GroundTruth {
   PlaceLabel label(size_t query, size_t sequence, size_t reference) const;
   /// The labels of all references 0 .. labels.size() - 1.
   void label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const;
-  /// Whether the frame counts: some frame of the searched sequences shows its place or, if not all
-  /// pairs are known, a person labeled one of its pairs.
+  /// Whether the frame counts: some frame of the training sequences, searched or not, shows its
+  /// place or, if not all pairs are known, a person labeled one of its pairs.
   bool has_match(size_t query) const;
 };
 
@@ -164,9 +164,9 @@ void require_undamaged(const InspectedGroundTruth& ground_truth, const std::stri
 
 /// The checksum of the labels of all pairs, with the tolerance applied, and of the number of query
 /// frames. It does not depend on the file's name, its format or the origin of the pairs: ground
-/// truths with equal labels have equal fingerprints. Training sequences count in their order among
-/// the searched ones, without their names; those at the end without any pair do not count. Time
-/// linear in the runs of labels.
+/// truths with equal labels have equal fingerprints. Training sequences that are searched or have
+/// pairs count in their order, without their names; those at the end without any pair do not count.
+/// Time linear in the runs of labels.
 std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
                                      const Monitor& monitor = {});
 

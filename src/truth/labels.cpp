@@ -82,7 +82,7 @@ std::string read_labels(GroundTruthBuilder& builder) {
   }
   for (size_t query = 0; query < asked.size(); ++query)
     for (size_t s = 0; s < builder.scope().sequences.size(); ++s)
-      if (builder.scope().sequences[s].searched) add_row(builder, query, s, labels[{query, s}]);
+      if (rows.has("sequence") || s == only) add_row(builder, query, s, labels[{query, s}]);
   const auto labeled = asked.size() - static_cast<size_t>(std::ranges::count_if(
                                           asked, [](const auto& pairs) { return pairs.empty(); }));
   builder.set_asked(std::move(asked));

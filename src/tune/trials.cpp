@@ -66,6 +66,7 @@ void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& t
     for (const auto& [step, seconds] : done.seconds) trial.seconds += seconds;
     const Evaluation found = evaluate_result(std::make_shared<const Result>(std::move(done.result)),
                                              std::nullopt, query.by, truth_monitor);
+    require_all_pairs(found.truth, query.by);
     trial.counts.push_back({found.judgment.localization, found.result->counts.recognitions});
   }
 }

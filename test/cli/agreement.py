@@ -3,9 +3,10 @@
 frames; the counts of the small building are those of configs/expected.   agreement.py SOURCE BIN"""
 import csv
 import io
+import json
 import re
 
-from support import folder, read_json, run, source, write
+from support import folder, read_json, refused, run, source, write
 
 NAMES = ("R@1", "AP", "R@100P", "correct", "incorrect")
 
@@ -89,6 +90,7 @@ run("vpr-train", "fastable", *truth, "--c-l", 20, "-o", "s.vprdb", "--quiet")
 run("vpr-train", "fabmap", *truth, "--words", 300, "-o", "f.vprdb", "--quiet")
 windows = ("--c-l", 20, "--score", "zscore", "--decide", "margin", "--margin", 0.5)
 for name, words in {"filter": (), "windows": windows, "fastable": ("--c-l", 20, "--t-r", 0.6),
+                    "part": ("--c-l", 20, "--t-r", 0.6, "--only-sequence", "corridor"),
                     "fabmap": ("--c-w", 3, "--t-p", 0.99)}.items():
     database = "f.vprdb" if name == "fabmap" else "s.vprdb"
     run("vpr-query", database, *truth, *words, "-o", f"{name}.json", "--quiet")
@@ -98,9 +100,9 @@ for method in ("fastable", "openable"):
     run("vpr-eval", f"auto-{method}.json", *truth, "--expect", source / "configs/expected/small-fastable.json")
 run("vpr-eval", "fabmap.json", *truth, "--expect", source / "configs/expected/small-fabmap.json", "--html", "f.html")
 numbers, frames = {}, {}
-for name in ("filter", "windows", "fastable", "fabmap"):
+for name in ("filter", "windows", "fastable", "part", "fabmap"):
     numbers[name], frames[name] = check(name, (f"{name}.json",), truth)
-sequences = ("filter", "windows", "fastable")
+sequences = ("filter", "windows", "fastable", "part")
 assert len({frames[name] for name in sequences}) == 1, frames
 together = run("vpr-eval", *(f"{name}.json" for name in sequences), *truth)
 assert frames_of(together) == frames["filter"], together
@@ -110,16 +112,20 @@ compare(sequences, numbers, frames["filter"])
 for name in sequences:
     write(f"all/{name}.json", read_json(f"{name}.report.json"))
 overview = run("vpr-eval", "report", "all")
+rows = list(csv.DictReader(io.StringIO(run("vpr-eval", "report", "all", "--format", "csv"))))
 for name in sequences:
     assert row(overview, name) == numbers[name], (overview, numbers[name])
+    wrong = next(one for one in rows if one["method"] == name and one["metric"] == "incorrect")
+    all_frames = len(read_json(f"{name}.report.json")["outcomes"]["best"])
+    assert (wrong["value"], wrong["frames"]) == (numbers[name][4], str(all_frames)), wrong
 
 # A matrix of one training sequence, and lists made from it.
 run("vpr-train", "fastable", "--train", "world/corridor", "-o", "c.vprdb", "--quiet")
 run("vpr-query", "c.vprdb", "--query", "world/query", "--c-l", 1, "--t-r", 0.4, "--save-matrix", "S.npy", "-o", "one.json",
     "--quiet")
 labeled = csv.DictReader((folder / "world/query.ground_truth.csv").open())
-pairs = ["query,reference"] + [f"{one['query']},{one['reference']}" for one in labeled
-                               if one["sequence"] == "corridor" and one["label"] == "same"]
+pairs = ["query,reference,label"] + [f"{one['query']},{one['reference']},{one['label']}" for one in labeled
+                                     if one["sequence"] == "corridor"]
 truth = ("--ground-truth", write("pairs.csv", "\n".join(pairs) + "\n"))
 names = ("--query", "world/query", "--train", "world/corridor")
 numbers["single"], frames["single"] = check("single", ("one.json",), truth)
@@ -127,10 +133,43 @@ run("vpr-eval", "matrix", "S.npy", "--distance", *names, "--top-k", 5, "--pairs"
 matrix, list_ = ("matrix", "S.npy", "--distance"), ("matrix", "list.txt", *names)
 numbers["matrix"], frames["matrix"] = check("matrix", matrix, truth)
 numbers["list"], frames["list"] = check("list", list_, truth)
+numbers["both"], frames["both"] = check("both", ("one.json", "--matrix", "S.npy"), truth)
+assert numbers["both"] == numbers["single"] and read_json("single.report.json")["best_match"]["ignored"], numbers
 assert frames["matrix"] == frames["list"] == frames["single"], frames
 assert numbers["matrix"][:3] == numbers["single"][:3], numbers
 assert numbers["list"][:3] == (numbers["matrix"][0], "-", "-"), numbers
 compare(("single", "matrix"), numbers, frames["matrix"])
+
+# Different ground truths: all numbers are over the frames that have a match in both.
+few = write("few.csv", "\n".join(line for line in pairs if not line[0].isdigit() or int(line.split(",")[0]) % 3) + "\n")
+run("vpr-eval", "one.json", "--ground-truth", few, "-o", "few.report.json", "--quiet")
+both = json.loads(run("vpr-eval", "compare", "single.report.json", "few.report.json", "--allow-different", "--json"))
+judged = [one for one in csv.DictReader((folder / "single.outcomes.csv").open()) if int(one["frame"]) % 3 or one["has_match"] == "no"]
+for one in both["reports"]:
+    matched = sum(one["has_match"] == "yes" for one in judged)
+    assert one["frames"] == both["frames"]["with_match"] == matched < frames["single"], (both, matched)
+    for key, count in (("correct", round(one["localization"]["share"] * matched)),
+                       ("incorrect", one["localization"]["incorrect"])):
+        assert count == sum(frame["recognition"] == key for frame in judged), (one, key)
+
+# Answers to places: all frames count, and each place has its verdict.
+places = json.loads(run("vpr-eval", "one.json", "--json"))["recognized_places"]
+answers = "".join(f"{i},{one['query']},{one['sequence']},{one['train']},{'no' if i > 1 else 'yes'}\n"
+                  for i, one in enumerate(places[:-1], 1))
+judge = ("vpr-eval", "one.json", "--places", write("places.csv", "place,query,sequence,train,same\n" + answers))
+path, text = json.loads(run(*judge, "--json"))["localization"], " ".join(run(*judge, "-v").split())
+assert text.startswith(f"{path['recognized']} of {path['frames']} frames recognized, "), text
+assert text.count(": incorrect") == len(places) - 2 > 1 and text.count(": not judged") == 1, text
+
+# Labels of the matches of one result: the other is not worse, but not labeled.
+best = csv.DictReader((folder / "single.outcomes.csv").open())
+labels = write("labels.csv", "query,reference,label,tolerance\n" + "".join(
+    f"{one['frame']},{one['train_frame']},{'same' if one['outcome'] == 'correct' else 'different'},0\n" for one in best))
+run("vpr-query", "c.vprdb", "--query", "world/query", "--c-l", 20, "--t-r", 0.4, "-o", "other.json", "--quiet")
+for words in ((), ("compare",)):
+    text = run("vpr-eval", *words, "one.json", "other.json", "--ground-truth", labels)
+    assert "*" not in text and "worse" not in text and "without a label count" in text, text
+refused(2, "cannot choose settings", "vpr-tune", "c.vprdb", "--query", "world/query", "--ground-truth", labels)
 
 # Loops within the query: frames of the way back through the corridor have none.
 run("vpr-query", "loops", "--query", "world/query", "--gap", 40, "--c-l", 10, "--score", "zscore", "--t-r", -1.5,

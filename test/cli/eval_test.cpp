@@ -319,8 +319,9 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
   write_report("bad", 4);
   run_ok("vpr-eval compare <good>.json bad.json --html c.html --plot plots");
   const std::string page = read_text("c.html");
-  CHECK(
-      has(page, "Best matches of 10 frames are correct in 80.0 % by &lt;good&gt;, 40.0 % by bad."));
+  CHECK(has(page,
+            "Best matches of 10 frames with a match are correct in 80.0 % by &lt;good&gt;, 40.0 % "
+            "by bad."));
   CHECK(has(page, "<b>0.8000</b>"));
   CHECK(has(page, "class=\"line series-1\""));
   CHECK(has(page, "stroke-dasharray:9 4"));  // methods differ without color

@@ -8,7 +8,7 @@ import time
 import numpy as np
 from PIL import Image
 
-from support import call, folder, ok, programs, run, write
+from support import call, folder, ok, programs, refused, run, write
 
 
 def said(*words):
@@ -18,13 +18,6 @@ def said(*words):
 
 def printed_json(*words):
     return json.loads(run(*words, "--json"))
-
-
-def refused(code, part, *words):
-    done = call(*words)
-    text = " ".join(done.stderr.split())
-    assert done.returncode == code and part in text, (words, done.returncode, done.stderr)
-    assert len(done.stderr) < 1000, len(done.stderr)
 
 
 def same_pairs(*words):

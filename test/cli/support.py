@@ -18,6 +18,13 @@ def call(*words, **more):
     return subprocess.run([program, *map(str, words[1:])], **{"cwd": folder, "text": True, "capture_output": True, **more})
 
 
+def refused(code, part, *words):
+    done = call(*words)
+    text = " ".join(done.stderr.split())
+    assert done.returncode == code and part in text, (words, done.returncode, done.stderr)
+    assert len(done.stderr) < 1000, len(done.stderr)
+
+
 def ok(done):
     assert done.returncode == 0, (done.args, done.returncode, done.stdout[-2000:], done.stderr[-4000:])
     return done

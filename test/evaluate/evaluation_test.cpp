@@ -162,7 +162,11 @@ TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix 
                                                         Verdict::incorrect, Verdict::none});
   REQUIRE(alone.judgment.all_pairs);
 
-  const Evaluation both = evaluate_result(shared(example()), matrix(), kAligned, {});
+  Result result = example();
+  CHECK(test::error_kind([&] { evaluate_result(shared(result), matrix(), kAligned, {}); }) ==
+        ErrorKind::data);  // another best match
+  result.best.back() = Match{3, 0, 0, 0, 9};
+  const Evaluation both = evaluate_result(shared(result), matrix(), kAligned, {});
   REQUIRE(both.matrix);
   REQUIRE(both.judgment.all_pairs);
   CHECK(both.judgment.all_pairs->curve.points.size() ==

@@ -134,20 +134,21 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   CHECK_FALSE(queries[2].rank);
   CHECK(queries[3].verdict == Verdict::incorrect);
   CHECK_FALSE(queries[3].rank);
-  CHECK(queries[4].verdict == Verdict::correct);  // the ignored reference is skipped
-  CHECK(queries[4].rank == 1);
+  CHECK(queries[4].verdict == Verdict::ignored);  // as without the matrix
+  CHECK(queries[4].rank == 2);
   CHECK(queries[5].verdict == Verdict::none);
-  CHECK(found.pairs.curve.positives == 4);
-  CHECK(found.pairs.same_without_score == 1);
+  CHECK(found.pairs.curve.positives == 5);
+  CHECK(found.pairs.same_without_score == 2);
   CHECK(found.pairs.ignored == 1);
-  CHECK(*recall_at(found.outcomes, 1) == Approx(2 / 5.0));
+  CHECK(*recall_at(found.outcomes, 1) == Approx(1 / 5.0));
   CHECK(*recall_at(found.outcomes, 2) == Approx(2 / 5.0));
   CHECK(found.outcomes.known_ranks == 2);  // of query 3; query 5 has none
   CHECK_FALSE(recall_at(found.outcomes, 3));
   const BestMatchCounts best = best_match_counts(found.outcomes);
   CHECK(best.frames == 5);
-  CHECK(best.correct == 2);
+  CHECK(best.correct == 1);
   CHECK(best.incorrect == 2);
+  CHECK(best.ignored == 1);
   CHECK(best.no_answer == 1);
   CHECK(best.without_match == 1);
   CHECK(std::ranges::count(found.outcomes.queries, true, &QueryOutcome::is_tied) == 1);
@@ -176,14 +177,15 @@ TEST_CASE("windows of a matrix are evaluated at their anchors") {
   const ScoreLayout layout = layout_of(matrix, 4);
   CHECK(layout.scope.query.frames == 5);
   CHECK(layout.scope.sequences[0].sequence.frames == 6);
-  const GroundTruth truth = truth_of(5, {{3, 3, 0}, {4, 5, 0}, {4, 1, 0}});
+  const GroundTruth truth = truth_of(5, {{3, 3, 0}, {4, 1, 0}, {4, 5, 0}});
   const MatrixScan found = scan_matrix(matrix, truth, layout, {});
   REQUIRE(found.outcomes.queries.size() == 5);  // frames 0 to 2 end no window
   CHECK_FALSE(found.outcomes.queries[2].best);
   CHECK(found.outcomes.queries[3].best == FrameMatch{0, 3});
   CHECK(found.outcomes.queries[3].rank == 1);
   CHECK(found.outcomes.queries[4].rank == 3);
-  CHECK(found.pairs.curve.positives == 2);  // reference 1 is not the anchor of a window
+  CHECK(found.pairs.curve.positives == 3);  // of which reference 1 is not the anchor of a window
+  CHECK(found.pairs.same_without_score == 1);
 }
 
 TEST_CASE("the labels of a row equal those of single pairs") {
@@ -240,18 +242,13 @@ TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
       const MatrixScan found = scan_matrix(matrix, truth, layout, {});
       std::vector<ScoredItem> items;
       uint64_t positives = 0;
-      for (size_t q = 0; q < rows; ++q) {
-        if (std::isnan(*std::ranges::max_element(
-                std::span(scores).subspan(q * cols, cols),
-                [](double a, double b) { return std::isnan(a) && !std::isnan(b); })))
-          continue;  // without any score
+      for (size_t q = 0; q < rows; ++q)
         for (size_t r = 0; r < cols; ++r) {
           const PlaceLabel label = truth.label(q, 0, r);
           if (label == PlaceLabel::ignore) continue;
           positives += label == PlaceLabel::same;
           items.push_back({score_key(scores[q * cols + r], kind), label == PlaceLabel::same});
         }
-      }
       sort_items(items);
       REQUIRE(found.pairs.curve == curve_of(items, positives, kind));
     }
@@ -295,11 +292,10 @@ TEST_CASE("ranks of correct references equal those of sorting the row") {
   for (size_t query = 0; query < 6; ++query) {
     std::vector<std::pair<float, size_t>> order;
     std::vector<bool> is_right(kReferences);
-    std::vector<bool> is_ignored(kReferences);
     for (const auto& pair : truth.pairs[query])
-      (pair.label == PlaceLabel::same ? is_right : is_ignored)[pair.first] = true;
+      is_right[pair.first] = pair.label == PlaceLabel::same;
     for (size_t r = 0; r < kReferences; ++r)
-      if (const float value = values[query * kReferences + r]; value == value && !is_ignored[r])
+      if (const float value = values[query * kReferences + r]; value == value)
         order.emplace_back(value, r);
     std::sort(order.begin(), order.end());
     std::vector<uint8_t> expected;
