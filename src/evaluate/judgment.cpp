@@ -104,7 +104,7 @@ Judgment judge(const Result& result, const ScoreMatrix& matrix, const GroundTrut
   Judgment judgment = judge(result, truth, traveled_m, monitor);
   require_fit(matrix, judgment.layout);
   if (!truth.is_known) return judgment;
-  MatrixScan scan = scan_matrix(matrix, truth, judgment.layout, monitor);
+  MatrixScan scan = scan_matrix(matrix, truth, judgment.layout, monitor, false);
   for (const QueryOutcome& query : scan.outcomes.queries)
     if (query.best != judgment.outcomes.queries[query.frame].best)
       throw Error(ErrorKind::data,

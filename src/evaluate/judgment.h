@@ -35,12 +35,13 @@ struct MatrixScan {
   PairJudgment pairs;
 };
 
-/// References labeled ignore count for best matches and ranks; ties go to the first column. Reads
-/// the matrix twice: memory is 8 bytes per pair of the same place, and about 60 per distinct score
-/// among them, since all other pairs are only counted between these. Throws as
-/// ScoreMatrix::for_each_row does.
+/// References labeled ignore are skipped for best matches and ranks, unless they may be answers of
+/// a result (`skips_ignored`); ties go to the first column. Reads the matrix twice: memory is 8
+/// bytes per pair of the same place, and about 60 per distinct score among them, since all other
+/// pairs are only counted between these. Throws as ScoreMatrix::for_each_row does.
 MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
-                       const ScoreLayout& layout, const Monitor& monitor);
+                       const ScoreLayout& layout, const Monitor& monitor,
+                       bool skips_ignored = true);
 
 struct Judgment {
   JudgedBy by = JudgedBy::ground_truth;

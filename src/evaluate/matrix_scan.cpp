@@ -17,10 +17,13 @@ struct ScoredColumn {
 
 struct ScanPart {
   std::vector<PlaceLabel> labels;  ///< of the current row
+  bool skips_ignored = true;
   std::vector<ScoredColumn> ranked;
   PairJudgment pairs;  ///< without the curve
   size_t known_ranks = std::numeric_limits<size_t>::max();
   std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
+
+  bool skips(size_t column) const { return skips_ignored && labels[column] == PlaceLabel::ignore; }
 };
 
 /// Better scores first, ties to the first column.
@@ -33,7 +36,7 @@ void rank_correct_ones(QueryOutcome& query, ScanPart& part, std::span<const uint
   std::vector<ScoredColumn>& ranked = part.ranked;
   ranked.clear();
   for (size_t c = 0; c < keys.size(); ++c)
-    if (keys[c] != kNoScore) ranked.push_back({keys[c], c});
+    if (keys[c] != kNoScore && !part.skips(c)) ranked.push_back({keys[c], c});
   const size_t count = std::min(ranked.size(), kMaxRank);
   std::partial_sort(ranked.begin(), ranked.begin() + static_cast<ptrdiff_t>(count), ranked.end(),
                     is_ahead);
@@ -52,6 +55,7 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   size_t ranked = 0;
   for (size_t c = 0; c < keys.size(); ++c) {
     if (labels[c] == PlaceLabel::ignore) ++part.pairs.ignored;
+    if (part.skips(c)) continue;
     const bool has_score = keys[c] != kNoScore;
     ranked += has_score ? 1 : 0;
     if (has_score && (!worst || keys[c] > keys[*worst])) worst = c;
@@ -63,7 +67,8 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   }
   if (correct.key != kNoScore) {
     query.rank = 1;
-    for (size_t c = 0; c < keys.size(); ++c) *query.rank += is_ahead({keys[c], c}, correct) ? 1 : 0;
+    for (size_t c = 0; c < keys.size(); ++c)
+      *query.rank += is_ahead({keys[c], c}, correct) && !part.skips(c) ? 1 : 0;
   }
   query.key = best.key;
   rank_correct_ones(query, part, keys);
@@ -205,7 +210,7 @@ Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const Scor
 }  // namespace
 
 MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
-                       const ScoreLayout& layout, const Monitor& monitor) {
+                       const ScoreLayout& layout, const Monitor& monitor, bool skips_ignored) {
   MatrixScan scan;
   auto& [outcomes, pairs] = scan;
   outcomes = unanswered(truth, layout.scope.query.frames, layout.window_length, matrix.kind);
@@ -220,6 +225,7 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
     pairs.curve.positives += query.correct_count;
   }
   std::vector<ScanPart> parts(thread_count());
+  for (ScanPart& part : parts) part.skips_ignored = skips_ignored && truth.asked.empty();
   matrix.for_each_row(parts.size(), monitor, "reading scores",
                       [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
                         label_row(truth, layout, row, parts[worker].labels);

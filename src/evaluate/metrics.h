@@ -234,8 +234,9 @@ struct MetricAt {
 /// `key`: of a metric or, with a verdict, "pairs.correct".
 MetricAt metric_at(std::string_view key, size_t k = 0);
 
-/// A metric of ranks: ties to the first, missing ranks incorrect. Unset if no query frame has a
-/// match, or unless is_known_at. `weights`: as in single_best_curve.
+/// A metric of ranks: ties to the first, references labeled ignore skipped (scan_matrix), missing
+/// ranks incorrect. Unset if no query frame has a match, or unless is_known_at. `weights`: as in
+/// single_best_curve.
 std::optional<double> rank_value(const MetricAt& metric, const Outcomes& outcomes,
                                  std::span<const uint32_t> weights = {});
 std::optional<double> recall_at(const Outcomes& outcomes, size_t k);

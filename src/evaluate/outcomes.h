@@ -42,8 +42,8 @@ struct QueryOutcome {
   std::optional<FrameMatch> best;  ///< ties to the first
   uint64_t key = kNoScore;         ///< score_key of the best match
   bool is_tied = false;            ///< another reference has the same score; from a matrix only
-  /// 1 + number of references before the first correct one, ties to the first. From a matrix only;
-  /// unset if no correct reference has a score.
+  /// 1 + number of references before the first correct one, ties to the first, without skipped ones
+  /// (scan_matrix). From a matrix only; unset if no correct reference has a score.
   std::optional<size_t> rank;
   /// Ranks of correct references, ascending, at most kMaxRank. From a matrix only.
   std::vector<uint8_t> correct_ranks = {};

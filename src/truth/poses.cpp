@@ -235,17 +235,6 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
         open_sequence(parse_sequence_argument(side_options(argument, side).poses.string()));
     if (sequence.kind != SequenceKind::images)
       builder.fail("is not a folder or list of images named @east@north@...");
-    const auto unsorted = std::ranges::is_sorted_until(sequence.files);
-    std::error_code error;
-    if (unsorted != sequence.files.end() && current_frame_order() == FrameOrder::automatic &&
-        std::filesystem::is_directory(sequence.argument.path, error))
-      throw Error(
-          ErrorKind::usage,
-          "{}: the order of names without padding is unclear. For frames of vpr-train and "
-          "vpr-query, pass --order natural ({} before {}); for arrays of programs that sort "
-          "names as text, --order name",
-          sequence.argument.path.string(), (unsorted - 1)->filename().string(),
-          unsorted->filename().string());
     Poses poses;
     for (const auto& file : sequence.files) {
       const std::string text = file.filename().string();
@@ -272,6 +261,17 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
       }
       poses.push_back(pose);
     }
+    const auto unsorted = std::ranges::is_sorted_until(sequence.files);
+    std::error_code error;
+    if (unsorted != sequence.files.end() && current_frame_order() == FrameOrder::automatic &&
+        std::filesystem::is_directory(sequence.argument.path, error))
+      throw Error(
+          ErrorKind::usage,
+          "{}: the order of names without padding is unclear. For frames of vpr-train and "
+          "vpr-query, pass --order natural ({} before {}); for arrays of programs that sort "
+          "names as text, --order name",
+          sequence.argument.path.string(), (unsorted - 1)->filename().string(),
+          unsorted->filename().string());
     return poses;
   };
   return fmt::format("UTM coordinates in file names: {}{}", match_sides(builder, read, kUtmRadius),

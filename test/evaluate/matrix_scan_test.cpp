@@ -134,24 +134,27 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   CHECK_FALSE(queries[2].rank);
   CHECK(queries[3].verdict == Verdict::incorrect);
   CHECK_FALSE(queries[3].rank);
-  CHECK(queries[4].verdict == Verdict::ignored);  // as without the matrix
-  CHECK(queries[4].rank == 2);
+  CHECK(queries[4].verdict == Verdict::correct);  // the ignored reference is skipped
+  CHECK(queries[4].rank == 1);
   CHECK(queries[5].verdict == Verdict::none);
   CHECK(found.pairs.curve.positives == 5);
   CHECK(found.pairs.same_without_score == 2);
   CHECK(found.pairs.ignored == 1);
-  CHECK(*recall_at(found.outcomes, 1) == Approx(1 / 5.0));
+  CHECK(*recall_at(found.outcomes, 1) == Approx(2 / 5.0));
   CHECK(*recall_at(found.outcomes, 2) == Approx(2 / 5.0));
   CHECK(found.outcomes.known_ranks == 2);  // of query 3; query 5 has none
   CHECK_FALSE(recall_at(found.outcomes, 3));
   const BestMatchCounts best = best_match_counts(found.outcomes);
   CHECK(best.frames == 5);
-  CHECK(best.correct == 1);
+  CHECK(best.correct == 2);
   CHECK(best.incorrect == 2);
-  CHECK(best.ignored == 1);
   CHECK(best.no_answer == 1);
   CHECK(best.without_match == 1);
   CHECK(std::ranges::count(found.outcomes.queries, true, &QueryOutcome::is_tied) == 1);
+  const ScoreMatrix matrix(write_matrix(scores, 6, 4), ScoreFormat{});
+  const auto answers = scan_matrix(matrix, truth, layout_of(matrix, 1), {}, false).outcomes.queries;
+  CHECK(answers[4].verdict == Verdict::ignored);
+  CHECK(answers[4].rank == 2);
 }
 
 TEST_CASE("a query without a match lowers precision, but is not a positive") {
@@ -292,10 +295,11 @@ TEST_CASE("ranks of correct references equal those of sorting the row") {
   for (size_t query = 0; query < 6; ++query) {
     std::vector<std::pair<float, size_t>> order;
     std::vector<bool> is_right(kReferences);
+    std::vector<bool> is_ignored(kReferences);
     for (const auto& pair : truth.pairs[query])
-      is_right[pair.first] = pair.label == PlaceLabel::same;
+      (pair.label == PlaceLabel::same ? is_right : is_ignored)[pair.first] = true;
     for (size_t r = 0; r < kReferences; ++r)
-      if (const float value = values[query * kReferences + r]; value == value)
+      if (const float value = values[query * kReferences + r]; value == value && !is_ignored[r])
         order.emplace_back(value, r);
     std::sort(order.begin(), order.end());
     std::vector<uint8_t> expected;

@@ -80,8 +80,8 @@ TEST_CASE("without a ground truth nothing is judged, and answers to places may b
   evaluation.judgment.by = JudgedBy::places;
   evaluation.result->counts.recognitions_by_place = LabelCounts{3, 5, 2};
   CHECK(summary_sentence(evaluation, {}) ==
-        "2 of 3 frames recognized, 1 correctly, 1 without an answer; 5 of the 10 accepted window "
-        "pairs are incorrect, 2 not judged. The first is confirmed at frame 0.");
+        "2 of 3 frames recognized, 1 correctly, 1 without an answer; 5 of the 8 accepted labeled "
+        "window pairs are incorrect. The first is confirmed at frame 0.");
 }
 
 TEST_CASE("speeds are in time if the rates differ") {

@@ -266,7 +266,7 @@ def test_ground_truths_may_be_arrays(walks):
         vpr.evaluate(result, positions, reference=positions[:-1], radius_m=1)
     with pytest.raises(vpr.UsageError, match="heading, which needs angle_deg"):
         vpr.evaluate(result, np.c_[positions, frames], reference=positions, radius_m=1)
-    with pytest.raises(vpr.UsageError, match="recall_at must be 1"):
+    with pytest.raises(vpr.UsageError, match="recall_at must be from 1"):
         vpr.evaluate(result, "aligned", recall_at=[0])
     pandas = pytest.importorskip("pandas")
     named = pandas.DataFrame({"reference": frames[:150], "query": frames[:150] + 50})
