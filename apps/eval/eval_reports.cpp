@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <ranges>
 #include <set>
 #include <utility>
 
@@ -302,12 +301,14 @@ std::string tables_of(std::span<const Report> grid, TableFormat format) {
 void warn_about_truths(const Monitor& monitor, std::span<const Report> grid) {
   for (const std::vector<Report>& reports : by_query(grid)) {
     if (compare_ground_truths(reports) == GroundTruths::same) continue;
-    std::map<std::string, std::string> truths;  // by fingerprint, with a report
+    std::set<std::string> fingerprints;
+    std::vector<std::string> truths;
     for (const Report& report : reports)
-      truths.emplace(report.provenance.ground_truth,
-                     fmt::format("\"{}\" of {}", report.protocol.ground_truth, report.row_name));
+      if (fingerprints.insert(report.provenance.ground_truth).second)
+        truths.push_back(
+            fmt::format("\"{}\" of {}", report.protocol.ground_truth, report.row_name));
     warn(monitor, "{}: the reports have different ground truths: {}", reports.front().query,
-         fmt::join(std::views::values(truths), ", "));
+         fmt::join(truths, ", "));
   }
 }
 
