@@ -16,6 +16,7 @@
 #include "files/run_info.h"
 #include "present/evaluation_text.h"
 #include "present/report_tables.h"
+#include "present/summary.h"
 #include "truth/formats.h"
 
 namespace vpr {

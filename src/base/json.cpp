@@ -37,8 +37,8 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   if (!json)
     throw Error(kind, "{}: is not {}", path.string(),
                 file[std::min(file.find_first_not_of(" \t\r\n"), file.size())] == '{'
-                    ? "valid JSON; check its commas, quotes and brackets, and keys that "
-                      "occur twice"
+                    ? "valid JSON; check its commas, quotes and brackets, and keys "
+                      "that occur twice"
                     : "a JSON file");
   return *std::move(json);
 }

@@ -157,19 +157,17 @@ std::vector<fs::path> text_files(const fs::path& folder) {
 struct ListSide {
   const FrameNames& names;
   std::optional<size_t> frames;  ///< as stated, or by the names
-  FrameCells cells;
-  bool has_numbers = true;
+  const FrameCells& cells;
+  bool has_numbers;
 
-  ListSide(const std::vector<Prediction>& all, std::string_view noun, const FrameNames& given,
-           std::optional<size_t> stated, std::string Prediction::*cell)
-      : names(given),
-        frames(given.count() ? given.count() : stated),
-        cells{noun, given.count() ? &given : nullptr} {
-    for (const Prediction& one : all) {
-      cells.texts.emplace_back(one.*cell);
-      has_numbers = has_numbers && parse_frame(one.*cell);
-    }
-  }
+  ListSide(const FrameCells& column, const FrameNames& known, std::optional<size_t> stated)
+      : names(known),
+        frames(known.count() ? known.count() : stated),
+        cells(column),
+        has_numbers(!column.are_names &&
+                    std::ranges::all_of(column.texts, [](std::string_view text) {
+                      return parse_frame(text).has_value();
+                    })) {}
 
   std::optional<size_t> find(const std::string& text) const {
     if (!has_numbers) return names.find(text);
@@ -212,16 +210,19 @@ ScoredLists collect(const PredictionList& list, const FrameNames& queries,
                     const FrameNames& references, const ListFrames& stated,
                     const Monitor& monitor) {
   constexpr uint64_t kMaxScores = uint64_t{1} << 28;  // if only the numbers in the file are known
-  ListSide sides[] = {{list.all, "query", queries, stated.query, &Prediction::query},
-                      {list.all, "training", references, stated.train, &Prediction::reference}};
-  FrameCells columns[] = {sides[0].cells, sides[1].cells};
-  const FileLocation& first = list.all.front().location;
-  find_names(columns, {first.file},
+  const auto cells_of = [&](std::string_view noun, const FrameNames& names,
+                            std::string Prediction::*cell) {
+    FrameCells cells{noun, names.count() ? &names : nullptr};
+    for (const Prediction& one : list.all) cells.texts.emplace_back(one.*cell);
+    return cells;
+  };
+  FrameCells columns[] = {cells_of("query", queries, &Prediction::query),
+                          cells_of("training", references, &Prediction::reference)};
+  find_names(columns, {list.all.front().location.file},
              "If these are numbers, pass --query-frames and --train-frames instead of names",
              monitor);
-  for (size_t i = 0; i < 2; ++i)
-    sides[i].has_numbers = sides[i].has_numbers && !columns[i].are_names;
-  const auto& [query_side, train_side] = sides;
+  const ListSide query_side(columns[0], queries, stated.query);
+  const ListSide train_side(columns[1], references, stated.train);
   require_queries(list, query_side, train_side);
   const bool is_bounded = query_side.frames && train_side.frames;
   ScoredLists lists{train_side.frames.value_or(0), {}};

@@ -83,29 +83,6 @@ void compute_distances(DescriptorMetric metric, const ArrayRows& query, const Ar
   }
 }
 
-// Throws if every row has the integers 0, 1, ... once: indices, best first, or ranks.
-void refuse_rankings(const ScoreFile& file) {
-  constexpr size_t kFewest = 3;  // two distances may be 0 and 1
-  const size_t count = file.references();
-  if (!file.is_whole() || count < kFewest) return;
-  std::vector<double> row(count);
-  for (size_t query = 0; query < file.queries(); ++query) {
-    try {
-      file.read_query(query, 0, count, row.data());
-    } catch (const Error&) {  // of a value, as reported later
-      return;
-    }
-    std::ranges::sort(row);
-    for (size_t i = 0; i < count; ++i)
-      if (row[i] != static_cast<double>(i)) return;
-  }
-  throw Error(ErrorKind::data,
-              "{}: every row has the integers 0 to {} once. If they are indices, best first, save "
-              "fewer columns for vpr-eval matrix, as in I[:, :{}], and pass --train-frames {}; if "
-              "they are ranks of the columns, save floats",
-              file.name(), count - 1, std::min<size_t>(count - 1, 100), count);
-}
-
 bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
 
 // Whether two arrays can be compared, by a metric if one is set.
@@ -139,9 +116,7 @@ ScoreOrder order_of(const ScoreFormat& format) {
 }
 
 ScoreFile ScoreInput::open() const {
-  ScoreFile file = array ? ScoreFile(array, path, format()) : ScoreFile(path, format());
-  refuse_rankings(file);
-  return file;
+  return array ? ScoreFile(array, path, format()) : ScoreFile(path, format());
 }
 
 void require_order(const ScoreInput& input) {
@@ -152,7 +127,6 @@ void require_order(const ScoreInput& input) {
 }
 
 ScoreMatrix::ScoreMatrix(ScoreFile opened) {
-  refuse_rankings(opened);
   const auto file = std::make_shared<const ScoreFile>(std::move(opened));
   queries = block = file->queries();
   references = file->references();

@@ -83,15 +83,18 @@ constexpr const char* kKeyframeProtocol =
     "of the share of correct frames; recall_at_100_precision = of query keyframes, each with its "
     "most confident best match, which is correct if any frame of its training keyframe is";
 
-void define_metrics(Definitions& define, const Judgment& judgment, bool is_result) {
+void define_metrics(Definitions& define, const Judgment& judgment, bool is_result,
+                    bool skips_ignored) {
   const bool has_ranks = judgment.outcomes.has_ranks;
   define.emplace_back(
       "single_best",
       fmt::format("a {}; recall is over frames with a match; the best match of a frame without one "
-                  "is incorrect; a best match labeled ignore is not accepted",
+                  "is incorrect; {}",
                   judgment.outcomes.confidence == Confidence::margin
                       ? "margin accepts best matches that have at least this margin"
-                      : "threshold accepts best matches that score at least as well"));
+                      : "threshold accepts best matches that score at least as well",
+                  skips_ignored ? "references labeled ignore are skipped"
+                                : "a best match labeled ignore is not accepted"));
   if (judgment.outcomes.has_margins)
     define.emplace_back(
         "margin",
@@ -225,7 +228,8 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
     define_scores(report.protocol.definitions, evaluation.scores.window_length);
     report.provenance.scores = evaluation.fingerprint;
   }
-  define_metrics(report.protocol.definitions, judgment, evaluation.result.has_value());
+  define_metrics(report.protocol.definitions, judgment, evaluation.result.has_value(),
+                 !evaluation.result && truth.asked.empty());
   if (!truth.asked.empty())
     report.protocol.definitions.emplace_back(
         "labels",

@@ -159,6 +159,7 @@ void compute_row(const FrameDistances& distances, size_t query, std::vector<uint
 }
 
 FrameDistances read_ahead(FrameDistances distances) {
+  assert(distances.past.empty());
   /// The rows of query frames [first, last).
   struct Rows {
     size_t first = 0;
@@ -176,11 +177,10 @@ FrameDistances read_ahead(FrameDistances distances) {
     std::array<uint32_t, kRowsAhead> numbers;
     std::iota(numbers.begin(), numbers.end(), static_cast<uint32_t>(query));
     const std::span queries = std::span(numbers).first(rows->last - query);
-    const size_t compared = of.past.empty() ? of.train_frames : rows->last;
-    parallel_for(divide_up(compared, kChunkFrames), {}, [&](size_t chunk) {
+    parallel_for(divide_up(of.train_frames, kChunkFrames), {}, [&](size_t chunk) {
       const size_t first = chunk * kChunkFrames;
-      of.tile(queries, first, std::min(first + kChunkFrames, compared), rows->values.data() + first,
-              rows->stride);
+      of.tile(queries, first, std::min(first + kChunkFrames, of.train_frames),
+              rows->values.data() + first, rows->stride);
     });
   };
   distances.tile = [rows](std::span<const uint32_t> queries, size_t first, size_t last,

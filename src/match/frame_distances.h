@@ -201,7 +201,8 @@ void for_each_chunk(size_t frames, const std::function<void(size_t first, size_t
 void compute_row(const FrameDistances& distances, size_t query, std::vector<uint16_t>& row);
 
 /// The same distances, in order, computed for 16 query frames at once: training frames are read
-/// less often, and threads share shorter rows. Takes 32 bytes per training frame.
+/// less often, and threads share shorter rows. Takes 32 bytes per training frame. Not for a
+/// sequence against itself.
 FrameDistances read_ahead(FrameDistances distances);
 
 /// The sum of a row's distances to readable training frames; `row` has one entry per training

@@ -129,6 +129,29 @@ PreparedTraining prepare(std::span<const DescribedFrames> train, const Descripto
   };
 }
 
+// Throws if every row has the integers 0, 1, ... once: indices, best first, or ranks.
+void refuse_rankings(const ScoreFile& file) {
+  constexpr size_t kFewest = 3;  // two distances may be 0 and 1
+  const size_t count = file.references();
+  if (!file.is_whole() || count < kFewest) return;
+  std::vector<double> row(count);
+  for (size_t query = 0; query < file.queries(); ++query) {
+    try {
+      file.read_query(query, 0, count, row.data());
+    } catch (const Error&) {  // of a value, as reported later
+      return;
+    }
+    std::ranges::sort(row);
+    for (size_t i = 0; i < count; ++i)
+      if (row[i] != static_cast<double>(i)) return;
+  }
+  throw Error(ErrorKind::data,
+              "{}: every row has the integers 0 to {} once. If they are indices, best first, save "
+              "fewer columns for vpr-eval matrix, as in I[:, :{}], and pass --train-frames {}; if "
+              "they are ranks of the columns, save floats",
+              file.name(), count - 1, std::min<size_t>(count - 1, 100), count);
+}
+
 }  // namespace
 
 PrecomputedDistances::PrecomputedDistances(ScoreFile file, const Monitor& monitor)
@@ -256,6 +279,7 @@ ScoreFile::ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& n
   is_query_major_ = array_->is_column_major() == format.train_first;
   if (std::max(queries_, references_) > std::numeric_limits<int32_t>::max())
     throw Error(ErrorKind::data, "{}: has more than 2^31 rows or columns", name_);
+  refuse_rankings(*this);
 }
 
 void ScoreFile::read(size_t index, size_t stride, size_t count, double* scores) const {

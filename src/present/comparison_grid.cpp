@@ -12,6 +12,7 @@
 #include "present/comparison_report.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"
+#include "present/summary.h"
 
 namespace vpr {
 namespace {

@@ -13,6 +13,7 @@
 #include "files/report.h"
 #include "present/evaluation_text.h"
 #include "present/report_tables.h"
+#include "present/summary.h"
 
 namespace vpr {
 namespace {
@@ -229,8 +230,7 @@ Json comparison_json(const ComparisonReport& comparison) {
        comparison.settings.only_common
            ? "query frames for which every paired report has a best match that is not ignored"
            : "all query frames except disputed ones; a frame without an answer is not recognized; "
-             "a report of another "
-             "selection is not paired, and is measured over its own"},
+             "a report of another selection is not paired, and is measured over its own"},
       {"localization",
        "share of the frames with a match that are recognized correctly, frames recognized "
        "incorrectly, and most consecutive frames without a correct recognition"},

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "present/report_tables.h"
 #include "present/result_text.h"
+#include "present/summary.h"
 
 namespace vpr {
 namespace {
@@ -72,10 +73,9 @@ std::vector<RecognizedRange> judged_ranges(const Evaluation& evaluation) {
     for (const uint32_t recognition : range.recognitions) {
       const Match& match = result.recognitions[recognition];
       const MatchedFrame at = anchors_of(match, result.window_length());
-      const PlaceLabel label =
-          evaluation.judgment.by == JudgedBy::places
-              ? evaluation.result->clusters[result.clusters->of_recognition[recognition]].label
-              : label_of(evaluation.truth, at);
+      const PlaceLabel label = evaluation.judgment.by == JudgedBy::places
+                                   ? evaluation.result->clusters[cluster_of(result, match)].label
+                                   : label_of(evaluation.truth, at);
       labels.add(label);
       if (closest[at.query] != &match) continue;
       ++frames;

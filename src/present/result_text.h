@@ -1,7 +1,6 @@
 // Lines about a result for a terminal: its settings, and the recognized ranges of its path.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

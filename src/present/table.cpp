@@ -231,4 +231,8 @@ std::string render_table(const Table& table, TableFormat format) {
   return {};
 }
 
+std::string percent(std::optional<double> rate) {
+  return rate ? fmt::format("{:.1f}", 100 * *rate) : "-";
+}
+
 }  // namespace vpr

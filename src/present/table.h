@@ -60,4 +60,7 @@ std::vector<std::string> numbered_names(const std::vector<std::string>& names);
 /// shown (printable_line) except in CSV, which is data.
 std::string render_table(const Table& table, TableFormat format);
 
+/// "80.4", or "-" without a value.
+std::string percent(std::optional<double> rate);
+
 }  // namespace vpr

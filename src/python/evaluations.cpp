@@ -4,7 +4,7 @@
 #include "files/report.h"
 #include "files/run_info.h"
 #include "present/evaluation_page.h"
-#include "present/report_tables.h"
+#include "present/summary.h"
 #include "python/module.h"
 
 namespace py = pybind11;

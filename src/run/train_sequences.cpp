@@ -261,8 +261,7 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
   if (!kind.is_imported && !has_frames)
     throw Error(ErrorKind::data,
                 "{}: holds descriptors (.npy), but frames of the database are described by {}. Use "
-                "a folder "
-                "of images.",
+                "a folder of images.",
                 source.argument.path.string(), kind.name);
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
   DescriptorSettings settings = database.descriptor;

@@ -268,8 +268,6 @@ bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   return true;
 }
 
-constexpr double kOtherRate = 0.05;
-
 Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
   const std::string path = argument_.path.string();
@@ -278,6 +276,7 @@ Sequence VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
                 fmt::format("{}: has only {} to decode{}", path, counted(position_, "frame"),
                             range.is_all() ? "" : " for " + range_text(range)));
   const double stated = capture_->get(cv::CAP_PROP_FRAME_COUNT);
+  constexpr double kOtherRate = 0.05;  // smaller differences are jitter
   // Repeated frames may be counted, but not stored.
   const double fps = frames_per_second();
   const double seconds = (last_ms_ - first_ms_) / 1000;

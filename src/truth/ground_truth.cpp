@@ -321,6 +321,9 @@ std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruth
   for (size_t s = 0; s < counts.size(); ++s) counts[s] = scope.sequences[s].searched;
   for (const auto& row : truth.pairs)
     for (const Pair& pair : row) counts[pair.sequence] = true;
+  std::vector<uint64_t> places;  // among the sequences that count
+  uint64_t place = 0;
+  for (const char is_counted : counts) places.push_back(is_counted ? place++ : place);
   ChecksumStream sum;
   const auto add = [&](const auto& numbers) { sum.add(std::as_bytes(std::span(numbers))); };
   add(std::array<uint64_t, 1>{truth.pairs.size()});
@@ -330,11 +333,9 @@ std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruth
     for (size_t i = 0; i < row.size();) {
       const size_t s = row[i].sequence;
       i += truth.pairs_of(query, s).size();
-      const auto place = static_cast<uint64_t>(
-          std::count(counts.begin(), counts.begin() + static_cast<ptrdiff_t>(s), true));
       for (const LabelStretch& run :
            label_runs(truth, query, s, scope.sequences[s].sequence.frames))
-        add(std::array<uint64_t, 5>{query, place, run.first, run.last,
+        add(std::array<uint64_t, 5>{query, places[s], run.first, run.last,
                                     static_cast<uint64_t>(run.label)});
     }
   }

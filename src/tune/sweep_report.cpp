@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "files/report.h"
 #include "present/evaluation_text.h"
-#include "present/report_tables.h"
+#include "present/summary.h"
 #include "sequence/sequence_json.h"
 
 namespace vpr {
@@ -288,8 +288,7 @@ std::string reason_text(const Sweep& sweep) {
     case Advice::recommended:
       if (sweep.cells[*choice.cell].unknown_place)
         return "it accepts the most correct pairs of all numbers of the grid without an error, "
-               "even "
-               "when each place is removed from the training sequences";
+               "even when each place is removed from the training sequences";
       return fmt::format(
           "it accepts the most correct pairs of all numbers of the grid without an error at this, "
           "every stricter and the next looser {}",

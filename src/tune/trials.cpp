@@ -8,7 +8,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "present/evaluation_text.h"
-#include "present/report_tables.h"
+#include "present/summary.h"
 #include "run/train_sequences.h"
 #include "sequence/sequence_json.h"
 

@@ -1,7 +1,8 @@
 // The headline of an evaluation.
+#include "present/summary.h"
+
 #include <catch2/catch.hpp>
 
-#include "present/report_tables.h"
 #include "present/result_text.h"
 #include "support.h"
 

@@ -1,0 +1,166 @@
+#include "present/summary.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "present/table.h"
+
+namespace vpr {
+namespace {
+
+// " The first, frame 29, is confirmed at frame 49 (2.4 s), 20 frames later." After incorrect ones:
+// " The first correct one, frame ..."
+std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
+  if (!judgment.localization.first_recognition_frames) return "";
+  const size_t confirmed = *judgment.localization.first_recognition_frames;
+  const auto first = static_cast<size_t>(std::ranges::find(judgment.verdicts, Verdict::correct) -
+                                         judgment.verdicts.begin());
+  const auto recognized =
+      std::ranges::find_if(judgment.verdicts, [](Verdict one) { return one != Verdict::none; });
+  const char* which = *recognized == Verdict::correct ? "The first" : "The first correct one";
+  const std::string time =
+      frames_per_second
+          ? fmt::format(" ({:.1f} s)", static_cast<double>(confirmed) / *frames_per_second)
+          : "";
+  if (first == confirmed) return fmt::format(" {} is confirmed at frame {}{}.", which, first, time);
+  return fmt::format(" {}, frame {}, is confirmed at frame {}{}, {} later.", which, first,
+                     confirmed, time, counted(confirmed - first, "frame"));
+}
+
+// "; 12 frames can be accepted before the first mistake (...)"; empty without a mistake, and if all
+// best matches have the same score.
+std::string oracle_words(const Judgment& judgment) {
+  const auto& points = judgment.single_best.points;
+  if (points.size() < 2 || points.back().incorrect == 0) return "";
+  return fmt::format(
+      "; {} can be accepted before the first mistake (threshold chosen with the ground truth)",
+      counted(judgment.localization.correct, "frame"));
+}
+
+// "106 frames with a match".
+std::string frames_words(const Evaluation& evaluation) {
+  const BestMatchCounts counts = best_match_counts(evaluation.judgment.outcomes);
+  const bool all_count = counts.without_match == 0 || !evaluation.truth.asked.empty();
+  return counted(counts.frames, "frame") + (all_count ? "" : " with a match");
+}
+
+// ", over 20 of 111 frames that are labeled"; empty if all pairs are known.
+std::string labeled_words(const Evaluation& evaluation) {
+  if (evaluation.truth.asked.empty()) return "";
+  const Outcomes& outcomes = evaluation.judgment.outcomes;
+  return fmt::format(", over {} of {} that are labeled", frames_with_match(outcomes),
+                     counted(outcomes.queries.size(), "frame"));
+}
+
+// "Best match correct in 106 of 200 frames (53.0 %)".
+std::string best_match_words(const Evaluation& evaluation) {
+  const BestMatchCounts counts = best_match_counts(evaluation.judgment.outcomes);
+  if (!counts.rate()) return "No frame has a match in the ground truth";
+  return fmt::format("Best match correct in {} of {} ({:.1f} %){}", counts.correct,
+                     frames_words(evaluation), 100 * *counts.rate(), labeled_words(evaluation));
+}
+
+std::string pair_words(const Evaluation& evaluation) {
+  if (!evaluation.result) return "";
+  const bool by_places = evaluation.judgment.by == JudgedBy::places;
+  const Counts& counts = evaluation.result->counts;
+  const LabelCounts& pairs =
+      by_places ? counts.recognitions_by_place.value_or(LabelCounts{}) : counts.recognitions;
+  return incorrect_pairs_text({evaluation.judgment.localization, pairs},
+                              evaluation.result->result->places.has_value(),
+                              by_places || !evaluation.truth.asked.empty());
+}
+
+// "17 of 111 frames recognized, 3 of them incorrectly".
+std::string recognized_words(const Evaluation& evaluation) {
+  const Judgment& judgment = evaluation.judgment;
+  const Localization& path = judgment.localization;
+  const auto on_map = static_cast<size_t>(
+      std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
+        return query.has_match && judgment.verdicts[query.frame] != Verdict::none;
+      }));
+  const size_t incorrect = path.incorrect - path.off_map;
+  const size_t unjudged = on_map - path.correct - incorrect;
+  const std::string pairs = pair_words(evaluation);
+  std::string text =
+      fmt::format("{} of {} recognized", on_map == 0 ? "None" : std::to_string(on_map),
+                  frames_words(evaluation));
+  if (on_map > 0 && incorrect > 0)
+    text += fmt::format(", {} of them incorrectly", incorrect);
+  else if (path.correct > 0)
+    text += unjudged > 0    ? fmt::format(", {} correctly", path.correct)
+            : pairs.empty() ? ", all correctly"
+            : on_map == 1   ? ", its best match correct"
+                            : ", their best matches all correct";
+  if (unjudged > 0)
+    text += fmt::format(", {} {}", unjudged,
+                        judgment.by == JudgedBy::places  ? "without an answer"
+                        : evaluation.truth.asked.empty() ? "to be ignored"
+                                                         : "at places that are not labeled");
+  text += labeled_words(evaluation);
+  if (path.off_map > 0)
+    text += fmt::format("; {} of {} without a match recognized, which is incorrect", path.off_map,
+                        counted(path.frames - path.frames_with_match, "frame"));
+  return text + pairs;
+}
+
+}  // namespace
+
+std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_labels) {
+  const auto& [path, pairs] = counts;
+  if (pairs.incorrect == 0 || pairs.all() == path.recognized) return "";
+  return fmt::format("; {} of the {} accepted {}{} {} incorrect", pairs.incorrect,
+                     has_labels ? pairs.correct + pairs.incorrect : pairs.all(),
+                     has_labels ? "labeled " : "",
+                     has_places ? "pairs of a frame and a place" : "window pairs",
+                     pairs.incorrect == 1 ? "is" : "are");
+}
+
+std::string frame_counts_text(const FrameCounts& counts, bool has_places) {
+  const Localization& path = counts.path;
+  return fmt::format(
+      "{} of {} correctly, {} incorrectly{}{}", path.correct,
+      counted(path.frames_with_match, "frame"), path.incorrect,
+      path.off_map > 0 ? fmt::format(" ({} of them without a match)", path.off_map) : "",
+      incorrect_pairs_text(counts, has_places, false));
+}
+
+std::string summary_sentence(const Evaluation& evaluation,
+                             std::optional<double> frames_per_second) {
+  const Judgment& judgment = evaluation.judgment;
+  const Localization& path = judgment.localization;
+  const Sequence& query = evaluation.query();
+  if (query.selection.selected_fps > 0) frames_per_second = query.fps;
+  if (judgment.by == JudgedBy::nothing)
+    return fmt::format("{} of {} recognized ({} %). Nothing is judged without a ground truth.",
+                       path.recognized == 0 ? "None" : std::to_string(path.recognized),
+                       counted(path.frames, "frame"), percent(path.recognized_share()));
+  const std::string best_match = best_match_words(evaluation);
+  if (!evaluation.result && !judgment.threshold) return best_match + "." + evaluation.caution;
+  if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + evaluation.caution;
+  return (judgment.threshold ? best_match + ". " : "") + recognized_words(evaluation) + "." +
+         first_of(judgment, frames_per_second) + evaluation.caution;
+}
+
+std::string off_map_words(std::span<const Report> reports) {
+  const bool any = std::ranges::any_of(
+      reports, [](const Report& report) { return report.localization.off_map > 0; });
+  return any ? "; incorrect also counts frames without a match" : "";
+}
+
+bool lack_labels(std::span<const Report> reports) {
+  return std::ranges::any_of(reports, [](const Report& report) { return report.unlabeled() > 0; });
+}
+
+std::string caution_of(const Report& report) {
+  if (report.unlabeled() == 0) return report.caution;
+  return report.caution + fmt::format(
+                              " Caution: {} without a label {} as not recognized. Label them with "
+                              "--ask-frames to compare results.",
+                              counted(report.unlabeled(), "best match", "best matches"),
+                              report.unlabeled() == 1 ? "counts" : "count");
+}
+
+}  // namespace vpr
