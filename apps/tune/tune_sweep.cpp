@@ -209,10 +209,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
         reader_of(labeled.front().by, monitor), resources, monitor);
     ensure_statistics(database, monitor);
     const Monitor silent = {monitor.progress, {}, monitor.stop};
-    SequenceQuerySettings filter;
-    filter.method = "filter";
-    filter.only_sequences = settings->only_sequences;
-    filter.same_place = settings->same_place;
+    const SequenceQuerySettings filter = default_filter(*settings);
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
     if (found.filter->recognized == 0 && !found.recommendation.cell)
       found.advice = filter_advice(database, query, filter, resources, silent);

@@ -67,9 +67,7 @@ void try_all(Session& session, const Try& command) {
     throw Error(ErrorKind::usage, "the database is missing, as in vpr-tune DB --query FOLDER");
   session.claim_output({options.save_config});
   const std::vector<Source> sources = find_queries(options, DatabaseFamily::sequences, session);
-  SequenceQuerySettings filter = command.settings;
-  filter.method = "filter";
-  const ResolvedSettings settings(filter);
+  const ResolvedSettings settings(default_filter(command.settings));
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
   const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
   const Stopwatch watch;

@@ -27,15 +27,11 @@ std::optional<double> recognized_rate(const Result& result) {
   return *middle;
 }
 
-// The result of the filter with default settings, the same training sequences, and the same fusion
-// if the database has FAB-MAP's views.
+// The result of default_filter, with the same fusion if the database has FAB-MAP's views.
 Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
                 const SequenceQuerySettings& settings, const QueryResources& resources,
                 const Monitor& monitor) {
-  SequenceQuerySettings filter;
-  filter.method = "filter";
-  filter.only_sequences = settings.only_sequences;
-  filter.same_place = settings.same_place;
+  SequenceQuerySettings filter = default_filter(settings);
   if (fused_views(database) != nullptr) filter.fusion_weight = settings.fusion_weight;
   const Monitor silent = {{}, {}, monitor.stop};
   const QueryResources unverified = {resources.memory_limit, 0, resources.seed};
@@ -97,6 +93,15 @@ std::string sparse_advice(const SequenceDatabase& database, const DescriptorSet&
 }
 
 }  // namespace
+
+SequenceQuerySettings default_filter(const SequenceQuerySettings& settings) {
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  filter.only_sequences = settings.only_sequences;
+  filter.same_place = settings.same_place;
+  filter.skip_unreadable = settings.skip_unreadable;
+  return filter;
+}
 
 std::optional<std::string> excess_advice(const Result& result) {
   constexpr double kMostShare = 0.2;

@@ -8,6 +8,9 @@
 
 namespace vpr {
 
+/// The filter with default settings, on the same frames and training sequences as `settings`.
+SequenceQuerySettings default_filter(const SequenceQuerySettings& settings);
+
 /// A sentence if more than a fifth of the window pairs of a training sequence are recognitions.
 std::optional<std::string> excess_advice(const Result& result);
 
@@ -18,9 +21,9 @@ bool needs_advice(const Result& result);
 /// A sentence about windows without recognitions, from their settings alone.
 std::string no_recognition_advice(const Result& result);
 
-/// A sentence about a query that needs advice: the number of its frames that the filter recognizes
-/// with default settings and the same training sequences, and their median speed, or the number of
-/// frames that walk in the opposite direction. The database has statistics (ensure_statistics).
+/// A sentence about a query that needs advice: the number of its frames that default_filter
+/// recognizes, and their median speed, or the number of frames that walk in the opposite direction.
+/// The database has statistics (ensure_statistics).
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor);

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "present/evaluation_text.h"
 #include "present/summary.h"
+#include "run/advice.h"
 #include "run/train_sequences.h"
 #include "sequence/sequence_json.h"
 
@@ -157,9 +158,8 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
     trials.queries.back().name = query.name;
     frames.push_back(&query.frames);
   }
-  SequenceQuerySettings filter = base;
-  filter.method = "filter";
-  trials.all.push_back(try_setting(database, queries, filter, resources, once, once));
+  trials.all.push_back(
+      try_setting(database, queries, default_filter(base), resources, once, once));
 
   const std::vector<uint64_t> lengths = fitting_lengths({10, 20, 40}, database, frames);
   const auto try_windows = [&](const SequenceQuerySettings& windows, const Grid& grid) {
