@@ -48,19 +48,13 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
   assert(!grid.windows.empty() && !grid.thresholds.empty());
   // Most warnings are the same for every setting.
   const Monitor once = with_each_warning_once(monitor);
-  std::vector<LengthSweep> sweeps;
-  for (const uint64_t length : grid.windows) {
-    LengthSweep& sweep = sweeps.emplace_back();
-    for (const auto& threshold : grid.thresholds) {
-      SequenceQuerySettings changed = *base;
-      changed.window_length = length;
-      const bool by_margin = changed.decision == Decision::margin;
-      (by_margin ? changed.margin : changed.distance_threshold) = threshold;
-      const ResolvedSettings settings(changed);
-      sweep.plans.push_back(sweep.plans.empty()
-                                ? plan_query(database, query, query_name, settings, resources, once)
-                                : with_limit(sweep.plans.front(), database, settings, once));
-    }
+  std::vector<LengthSweep> sweeps(grid.windows.size());
+  for (size_t cell = 0; cell < sweeps.size() * grid.thresholds.size(); ++cell) {
+    std::vector<QueryPlan>& plans = sweeps[cell / grid.thresholds.size()].plans;
+    const ResolvedSettings settings(settings_at(grid, cell, *base));
+    plans.push_back(plans.empty()
+                        ? plan_query(database, query, query_name, settings, resources, once)
+                        : with_limit(plans.front(), database, settings, once));
   }
   return sweeps;
 }
@@ -148,13 +142,8 @@ void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
   assert(!grid.windows.empty() && !grid.thresholds.empty());
   if (base.loop)
     throw Error(ErrorKind::usage, "a sweep cannot query loops. Omit \"loop\" in the settings.");
-  for (const uint64_t window : grid.windows)
-    for (const auto& threshold : grid.thresholds) {
-      FabmapQuerySettings settings = base;
-      settings.window = window;
-      settings.place_threshold = threshold.value();  // never automatic
-      check_query_settings(settings);
-    }
+  for (size_t cell = 0; cell < grid.windows.size() * grid.thresholds.size(); ++cell)
+    check_query_settings(settings_at(grid, cell, base));
 }
 
 // The number of consecutive windows in a bootstrap block.
@@ -212,6 +201,20 @@ Sweep count_cells(const Result& shape, const Grid& grid, const ResultOf& result_
 }
 
 }  // namespace
+
+SequenceQuerySettings settings_at(const Grid& grid, size_t cell, SequenceQuerySettings base) {
+  base.window_length = grid.windows[cell / grid.thresholds.size()];
+  const bool by_margin = base.decision == Decision::margin;
+  (by_margin ? base.margin : base.distance_threshold) =
+      grid.thresholds[cell % grid.thresholds.size()];
+  return base;
+}
+
+FabmapQuerySettings settings_at(const Grid& grid, size_t cell, FabmapQuerySettings base) {
+  base.window = grid.windows[cell / grid.thresholds.size()];
+  base.place_threshold = grid.thresholds[cell % grid.thresholds.size()].value();
+  return base;
+}
 
 std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order) {
   if (!cell.threshold) return std::nullopt;
@@ -311,10 +314,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
   const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
   const auto result_of = [&](size_t cell) {
     Result result = all;
-    FabmapQuerySettings settings = base;
-    settings.window = grid.windows[cell / thresholds];
-    settings.place_threshold = *grid.thresholds[cell % thresholds];
-    result.settings = settings;
+    result.settings = settings_at(grid, cell, base);
     result.recognitions = recognitions[cell];
     return result;
   };

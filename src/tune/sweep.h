@@ -29,6 +29,11 @@ struct Grid {
   std::vector<std::optional<double>> thresholds;  ///< nullopt: automatic, never for FAB-MAP
 };
 
+/// The settings of a cell: `base` with its c_l and its t_r or margin, by the decision of `base`, or
+/// with its c_w and t_p. Cells are by window, then threshold.
+SequenceQuerySettings settings_at(const Grid& grid, size_t cell, SequenceQuerySettings base);
+FabmapQuerySettings settings_at(const Grid& grid, size_t cell, FabmapQuerySettings base);
+
 /// One setting of a grid and its counts.
 struct CellCounts {
   uint64_t window = 0;                  ///< c_l or c_w

@@ -85,7 +85,7 @@ std::string name_of(const SequenceQuerySettings& settings) {
 // The settings of the best cell over all queries.
 SequenceQuerySettings best_windows(const SequenceDatabase& database,
                                    const std::vector<LabeledQuery>& queries,
-                                   SequenceQuerySettings settings, const Grid& grid,
+                                   const SequenceQuerySettings& settings, const Grid& grid,
                                    uint64_t max_incorrect, const QueryResources& resources,
                                    const Monitor& monitor) {
   const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
@@ -93,9 +93,7 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
     return sweep_sequences(database, query.frames, query.name, base, grid,
                            reader_of(query.by, monitor), resources, monitor);
   });
-  settings.window_length = grid.windows[cell / grid.thresholds.size()];
-  settings.distance_threshold = grid.thresholds[cell % grid.thresholds.size()];
-  return settings;
+  return settings_at(grid, cell, settings);
 }
 
 Json counts_json(const FrameCounts& counts) {
@@ -158,8 +156,7 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
     trials.queries.back().name = query.name;
     frames.push_back(&query.frames);
   }
-  trials.all.push_back(
-      try_setting(database, queries, default_filter(base), resources, once, once));
+  trials.all.push_back(try_setting(database, queries, default_filter(base), resources, once, once));
 
   const std::vector<uint64_t> lengths = fitting_lengths({10, 20, 40}, database, frames);
   const auto try_windows = [&](const SequenceQuerySettings& windows, const Grid& grid) {
@@ -192,9 +189,7 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
     return sweep_fabmap(database, query.frames, query.name, base, kFabmapGrid,
                         reader_of(query.by, monitor), seed, monitor);
   });
-  FabmapQuerySettings settings = base;
-  settings.window = kFabmapGrid.windows[cell / kFabmapGrid.thresholds.size()];
-  settings.place_threshold = *kFabmapGrid.thresholds[cell % kFabmapGrid.thresholds.size()];
+  const FabmapQuerySettings settings = settings_at(kFabmapGrid, cell, base);
   Trial trial{fmt::format("FAB-MAP, c_w {}, t_p {:g}", settings.window, settings.place_threshold),
               settings,
               true,
