@@ -136,9 +136,6 @@ size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor)
   return std::max<size_t>(frames, 1);
 }
 
-MarginScan::MarginScan(ExclusionZones zones, size_t query_windows)
-    : zones_(std::move(zones)), margins_(query_windows) {}
-
 void MarginScan::operator()(std::span<const ScoreRow> row) {
   const Cell best = closest(row);
   const size_t radius = zones_.widths[best.sequence];

@@ -34,16 +34,17 @@ size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor 
 
 /// The margin of every row: the smallest score outside the exclusion zone minus the smallest score,
 /// with ties to the smallest sequence and train window. Accepts whole rows of integers of which
-/// smaller ones are better.
+/// smaller ones are better. The zones must outlive the scan.
 class MarginScan {
  public:
-  MarginScan(ExclusionZones zones, size_t query_windows);
+  MarginScan(const ExclusionZones& zones, size_t query_windows)
+      : zones_(zones), margins_(query_windows) {}
   void operator()(std::span<const ScoreRow> row);
   /// By query window; nullopt for a window without a row or without a runner-up.
   const std::vector<std::optional<uint32_t>>& result() const { return margins_; }
 
  private:
-  ExclusionZones zones_;
+  const ExclusionZones& zones_;
   std::vector<std::optional<uint32_t>> margins_;
 };
 

@@ -107,7 +107,7 @@ CalibrationWindow evidence_at(const Result& result, const std::optional<uint32_t
 }
 
 // `plan` accepts all best matches.
-CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, double precision,
+CalibratedLength calibrate_length(const QueryPlan& plan, const GroundTruth& truth, double precision,
                                   const Monitor& monitor) {
   constexpr size_t kPathBlock = 40;  // query frames with dependent positions on a path
   const bool has_path = std::holds_alternative<ByPath>(plan.decision);
@@ -115,13 +115,12 @@ CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, doub
   CalibratedLength length;
   length.settings = std::get<SequenceQuerySettings>(plan.result.settings);
   length.windows = plan.result.query_windows;
-  const uint64_t seed = plan.match.seed;
   length.block =
       std::min(has_path ? kPathBlock : window_length, std::max<size_t>(length.windows, 1));
   UnknownPlaceScan scan(truth, *plan.exclusion_zones, window_length, length.windows);
   Sinks observers;
   if (!has_path) observers.rows.push_back(std::ref(scan));
-  const Result result = run_query(std::move(plan), observers, monitor).result;
+  const Result result = run_query(plan, observers, monitor).result;
   const std::vector<std::optional<uint32_t>> unknown_place = scan.result();
   std::vector<CalibrationWindow> evidence;
   for (size_t window = 0; window < length.windows; ++window) {
@@ -131,7 +130,7 @@ CalibratedLength calibrate_length(QueryPlan plan, const GroundTruth& truth, doub
   const ScoreKind& score = score_kind(length.settings.score);
   const int64_t least =
       has_path ? static_cast<int64_t>(kFilterMargin / score.frame_value(1, 1)) : 1;
-  length.calibration = calibrate(evidence, {precision, least, length.block, seed});
+  length.calibration = calibrate(evidence, {precision, least, length.block, plan.match.seed});
   if (const auto strength = length.calibration.strength)
     length.settings.margin = score.frame_value(static_cast<double>(*strength), window_length);
   return length;
@@ -203,18 +202,11 @@ TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor) {
       [by, &monitor](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); };
 }
 
-UnknownPlaceScan::UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere,
-                                   size_t window_length, size_t query_windows)
-    : truth_(truth),
-      widths_(elsewhere.widths),
-      window_length_(window_length),
-      untrained_(std::move(elsewhere), query_windows) {}
-
 void UnknownPlaceScan::operator()(std::span<const ScoreRow> row) {
   const size_t anchor = window_length_ - 1;
   std::vector<ScoreRow> unknown_place;
   for (const ScoreRow& piece : row) {
-    const size_t width = widths_[piece.sequence];
+    const size_t width = zones_.widths[piece.sequence];
     const size_t first = piece.train_window + anchor;  // frames of the piece: [first, end)
     const size_t end = first + piece.scores.size();
     size_t next = first;
@@ -273,10 +265,10 @@ CalibratedSequence calibrate_sequence(const SequenceDatabase& database, const De
     SequenceQuerySettings changed = *base;
     changed.window_length = length;
     changed.margin = 0;
-    QueryPlan plan =
+    const QueryPlan plan =
         plan_query(database, query, query_name, ResolvedSettings(changed), resources, part);
     if (!truth) truth = read_truth(scope_of(plan.result));
-    calibrated.lengths.push_back(calibrate_length(std::move(plan), *truth, precision, part));
+    calibrated.lengths.push_back(calibrate_length(plan, *truth, precision, part));
   }
   if (std::ranges::none_of(calibrated.lengths, [](const auto& one) { return one.queries > 0; }))
     throw Error(ErrorKind::usage,

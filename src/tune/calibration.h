@@ -29,16 +29,20 @@ namespace vpr {
 /// same or ignore.
 class UnknownPlaceScan {
  public:
-  /// `truth` must outlive the scan.
-  UnknownPlaceScan(const GroundTruth& truth, ExclusionZones elsewhere, size_t window_length,
-                   size_t query_windows);
+  /// `truth` and `zones` must outlive the scan.
+  UnknownPlaceScan(const GroundTruth& truth, const ExclusionZones& zones, size_t window_length,
+                   size_t query_windows)
+      : truth_(truth),
+        zones_(zones),
+        window_length_(window_length),
+        untrained_(zones, query_windows) {}
   void operator()(std::span<const ScoreRow> row);
   /// One per query window; unset without a runner-up.
   std::vector<std::optional<uint32_t>> result() const { return untrained_.result(); }
 
  private:
   const GroundTruth& truth_;
-  std::vector<uint32_t> widths_;
+  const ExclusionZones& zones_;
   size_t window_length_;
   MarginScan untrained_;
 };

@@ -104,7 +104,8 @@ GroundTruth truth_of(std::vector<std::vector<GroundTruth::Pair>> pairs, int64_t 
 std::vector<std::optional<uint32_t>> scan_rows(const GroundTruth& truth, uint32_t width,
                                                const std::vector<std::vector<uint32_t>>& rows,
                                                size_t piece) {
-  UnknownPlaceScan scan(truth, make_exclusion_zones({width}, {}), kLength, rows.size());
+  const ExclusionZones zones = make_exclusion_zones({width}, {});
+  UnknownPlaceScan scan(truth, zones, kLength, rows.size());
   for (size_t query = 0; query < rows.size(); ++query) {
     std::vector<ScoreRow> row;
     for (size_t first = 0; first < rows[query].size(); first += piece) {
