@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/statistics.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "common/progress.h"
@@ -134,13 +135,11 @@ NamedSource open_source(const QueryOptions& options, Unreadable unreadable,
 }
 
 // `times_ms`: from the arrival of a frame to its printed line.
-std::string latency_text(std::vector<float> times_ms) {
+std::string latency_text(const std::vector<double>& times_ms) {
   const std::string text = counted(times_ms.size(), "frame");
   if (times_ms.empty()) return text;
-  const auto middle = times_ms.begin() + static_cast<ptrdiff_t>(times_ms.size() / 2);
-  std::nth_element(times_ms.begin(), middle, times_ms.end());
-  return text + fmt::format("; from frame to line: median {:.2f} ms, maximum {:.2f} ms", *middle,
-                            *std::max_element(middle, times_ms.end()));
+  return text + fmt::format("; from frame to line: median {:.2f} ms, maximum {:.2f} ms",
+                            median(times_ms), std::ranges::max(times_ms));
 }
 
 }  // namespace
@@ -183,7 +182,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   Monitor silent = session.monitor;
   silent.progress = nullptr;
   LiveLines lines(database, query.name, settings, resources, session.monitor);
-  std::vector<float> times_ms;
+  std::vector<double> times_ms;
   const auto finish = [&] {
     if (const auto line = lines.finish()) session.print_line(*line);
   };
@@ -194,7 +193,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
     while (const auto frame = query.source.next(silent)) {
       const Stopwatch watch;
       session.print_line(lines.take(*frame, silent));
-      times_ms.push_back(static_cast<float>(1e3 * watch.elapsed_s()));
+      times_ms.push_back(1e3 * watch.elapsed_s());
     }
     finish();
   } catch (const Error& error) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "base/text.h"
 #include "run/open.h"
 #include "run/train_sequences.h"
@@ -21,10 +22,7 @@ std::optional<double> recognized_rate(const Result& result) {
   std::vector<double> rates;
   for (const Match& recognition : result.recognitions)
     if (const auto rate = result.path->rates[recognition.query]) rates.push_back(*rate);
-  if (rates.empty()) return std::nullopt;
-  const auto middle = rates.begin() + static_cast<ptrdiff_t>(rates.size() / 2);
-  std::nth_element(rates.begin(), middle, rates.end());
-  return *middle;
+  return rates.empty() ? std::nullopt : std::optional(median(std::move(rates)));
 }
 
 // The result of default_filter, with the same fusion if the database has FAB-MAP's views.
