@@ -75,8 +75,7 @@ std::vector<uint64_t> window_lengths(const std::string& given, const char* stand
 /// integers from 1 to 1e9. Throws Error(usage), which names the flag.
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag);
 
-/// The program itself, and its commands.
-void add_trials(Program& program);
+/// The commands of the program.
 void add_fastable(Program& program);
 void add_fabmap(Program& program);
 void add_calibrate(Program& program);

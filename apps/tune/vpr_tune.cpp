@@ -99,8 +99,6 @@ void try_all(Session& session, const Try& command) {
                 options.save_config);
 }
 
-}  // namespace
-
 void add_trials(Program& program) {
   const auto tune = std::make_shared<Try>();
   TuneOptions& options = tune->options;
@@ -120,6 +118,7 @@ void add_trials(Program& program) {
   add_format_flag(command, options.format).group("Outputs");
 }
 
+}  // namespace
 }  // namespace vpr
 
 int main(int argc, char** argv) {

@@ -151,8 +151,6 @@ Sequence query_of(const ScoreSettings& settings, size_t frames) {
   return query;
 }
 
-}  // namespace
-
 GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor) {
   if (!by.ground_truth) return unknown_ground_truth(scope);
   scope.query_names = by.query_names;
@@ -160,6 +158,8 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
     scope.sequences[s].names = by.train_names[s];
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
+
+}  // namespace
 
 void require_all_pairs(const GroundTruth& truth, const EvaluationSettings& by) {
   if (!truth.asked.empty())

@@ -67,15 +67,12 @@ struct Evaluation {
 /// Throws Error(usage) for settings out of range.
 void check_evaluation(const EvaluationSettings& by);
 
-/// The ground truth of an evaluation for the indices of `scope`, whose names are those of `by`.
-/// Throws what read_ground_truth throws.
-GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const Monitor& monitor);
-
 /// Throws Error(usage) for labels of single pairs, which cannot choose settings: other pairs are
 /// unknown, and a looser threshold would seem to make no mistake.
 void require_all_pairs(const GroundTruth& truth, const EvaluationSettings& by);
 
-/// As truth_of, for the choice of settings. Throws as require_all_pairs does.
+/// The ground truth of an evaluation that chooses settings, for the indices of `scope`, whose names
+/// are those of `by`. Throws what read_ground_truth and require_all_pairs throw.
 GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
                            const Monitor& monitor);
 

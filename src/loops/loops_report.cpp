@@ -192,6 +192,22 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
   return figure_html(map) + (curve.series.empty() ? "" : figure_html(curve));
 }
 
+// "3 of 190 loops are incorrect. 17 of 20 frames near an earlier one have a correct loop; ..."
+std::string loops_sentence(const LoopsEvaluation& evaluation) {
+  const LoopJudgment& judgment = evaluation.judgment;
+  const uint64_t incorrect = judgment.count(PlaceLabel::different);
+  const uint64_t judged = judgment.count(PlaceLabel::same) + incorrect;
+  const std::string of_loops =
+      fmt::format("{} of {} incorrect.", incorrect == 0 ? "None" : fmt::to_string(incorrect),
+                  judged == 1 ? "1 loop is" : fmt::format("{} loops are", judged));
+  if (judgment.frames_with_loop() == 0) return "No frame is near an earlier one. " + of_loops;
+  return fmt::format("{} {} of {} have a correct loop; the longest stretch without one has {}.",
+                     of_loops, judgment.frames_found(),
+                     counted(judgment.frames_with_loop(), "frame near an earlier one",
+                             "frames near an earlier one"),
+                     counted(longest_missed_frames(judgment), "frame"));
+}
+
 }  // namespace
 
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
@@ -221,21 +237,6 @@ Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
   json["curve"] = judgment.curve ? curve_json(*judgment.curve) : Json();
   json["provenance"] = provenance_json(run);
   return json;
-}
-
-std::string loops_sentence(const LoopsEvaluation& evaluation) {
-  const LoopJudgment& judgment = evaluation.judgment;
-  const uint64_t incorrect = judgment.count(PlaceLabel::different);
-  const uint64_t judged = judgment.count(PlaceLabel::same) + incorrect;
-  const std::string of_loops =
-      fmt::format("{} of {} incorrect.", incorrect == 0 ? "None" : fmt::to_string(incorrect),
-                  judged == 1 ? "1 loop is" : fmt::format("{} loops are", judged));
-  if (judgment.frames_with_loop() == 0) return "No frame is near an earlier one. " + of_loops;
-  return fmt::format("{} {} of {} have a correct loop; the longest stretch without one has {}.",
-                     of_loops, judgment.frames_found(),
-                     counted(judgment.frames_with_loop(), "frame near an earlier one",
-                             "frames near an earlier one"),
-                     counted(longest_missed_frames(judgment), "frame"));
 }
 
 Table loops_table(const LoopsEvaluation& evaluation) {

@@ -23,9 +23,6 @@ struct LoopsEvaluation {
 /// The report without "machine" and "timing".
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run);
 
-/// "3 of 190 loops are incorrect. 17 of 20 frames near an earlier one have a correct loop; ..."
-std::string loops_sentence(const LoopsEvaluation& evaluation);
-
 /// The sentence, the mean values and the first mistakes in at most 12 lines of 80 columns.
 std::string loops_text(const LoopsEvaluation& evaluation);
 

@@ -78,6 +78,11 @@ struct Stretch {
   size_t reference = 0;
 };
 
+// The number stored in a descriptor.
+uint32_t frame_number(DescriptorRow row) {
+  return row[0] | uint32_t{row[1]} << 8 | uint32_t{row[2]} << 16 | uint32_t{row[3]} << 24;
+}
+
 std::vector<Stretch> stretches_of(std::span<const DescribedFrames> train) {
   std::vector<Stretch> stretches;
   size_t frame = 0;
@@ -245,10 +250,6 @@ void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count
     const auto number = static_cast<uint32_t>(first + i);
     for (int byte = 0; byte < 4; ++byte) rows.push_back(static_cast<uint8_t>(number >> 8 * byte));
   }
-}
-
-uint32_t frame_number(DescriptorRow row) {
-  return row[0] | uint32_t{row[1]} << 8 | uint32_t{row[2]} << 16 | uint32_t{row[3]} << 24;
 }
 
 // Frames with precomputed distances have no known components.

@@ -115,7 +115,5 @@ class PrecomputedDistances {
 /// The number of a frame as its descriptor, for frames with precomputed distances only. Appends the
 /// numbers first, first + 1, ... to `rows`.
 void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count);
-/// The number stored in a descriptor.
-uint32_t frame_number(DescriptorRow row);
 
 }  // namespace vpr

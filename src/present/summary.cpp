@@ -62,6 +62,18 @@ std::string best_match_words(const Evaluation& evaluation) {
                      frames_words(evaluation), 100 * *counts.rate(), labeled_words(evaluation));
 }
 
+// "; 412 of the 639 accepted window pairs are incorrect". Empty if none is, and if each frame has a
+// single pair, by which it is judged. With labels, only labeled pairs count.
+std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_labels) {
+  const auto& [path, pairs] = counts;
+  if (pairs.incorrect == 0 || pairs.all() == path.recognized) return "";
+  return fmt::format("; {} of the {} accepted {}{} {} incorrect", pairs.incorrect,
+                     has_labels ? pairs.correct + pairs.incorrect : pairs.all(),
+                     has_labels ? "labeled " : "",
+                     has_places ? "pairs of a frame and a place" : "window pairs",
+                     pairs.incorrect == 1 ? "is" : "are");
+}
+
 std::string pair_words(const Evaluation& evaluation) {
   if (!evaluation.result) return "";
   const bool by_places = evaluation.judgment.by == JudgedBy::places;
@@ -107,16 +119,6 @@ std::string recognized_words(const Evaluation& evaluation) {
 }
 
 }  // namespace
-
-std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_labels) {
-  const auto& [path, pairs] = counts;
-  if (pairs.incorrect == 0 || pairs.all() == path.recognized) return "";
-  return fmt::format("; {} of the {} accepted {}{} {} incorrect", pairs.incorrect,
-                     has_labels ? pairs.correct + pairs.incorrect : pairs.all(),
-                     has_labels ? "labeled " : "",
-                     has_places ? "pairs of a frame and a place" : "window pairs",
-                     pairs.incorrect == 1 ? "is" : "are");
-}
 
 std::string frame_counts_text(const FrameCounts& counts, bool has_places) {
   const Localization& path = counts.path;

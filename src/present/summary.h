@@ -19,12 +19,8 @@ namespace vpr {
 /// user; one from the ground truth is marked.
 std::string summary_sentence(const Evaluation& evaluation, std::optional<double> frames_per_second);
 
-/// "; 412 of the 639 accepted window pairs are incorrect". Empty if none is, and if each frame has
-/// a single pair, by which it is judged. With labels, only labeled pairs count.
-std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_labels);
-
-/// "12 of 100 frames correctly, 7 incorrectly (5 of them without a match)", and
-/// incorrect_pairs_text. The whole are the frames with a match.
+/// "12 of 100 frames correctly, 7 incorrectly (5 of them without a match)", and accepted pairs that
+/// are incorrect, if a frame has several. The whole are the frames with a match.
 std::string frame_counts_text(const FrameCounts& counts, bool has_places);
 
 /// "; incorrect also counts frames without a match", for the title of a table of reports; empty if

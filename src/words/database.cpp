@@ -233,11 +233,6 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   return database;
 }
 
-void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
-                           Outputs& outputs) {
-  write_content(database, ArchiveWriter(&outputs.folder(path, is_database_folder)));
-}
-
 std::string database_fingerprint(const FabmapDatabase& database) {
   return write_content(database, ArchiveWriter(nullptr));
 }
@@ -252,7 +247,8 @@ void write_database(const std::filesystem::path& path, const AnyDatabase& databa
   if (const auto* sequences = std::get_if<SequenceDatabase>(&database))
     write_sequence_database(path, *sequences, outputs);
   else
-    write_fabmap_database(path, std::get<FabmapDatabase>(database), outputs);
+    write_content(std::get<FabmapDatabase>(database),
+                  ArchiveWriter(&outputs.folder(path, is_database_folder)));
 }
 
 std::vector<std::string> names_of(const SequenceDatabase& database) {

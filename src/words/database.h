@@ -85,6 +85,7 @@ using AnyDatabase = std::variant<SequenceDatabase, FabmapDatabase>;
 
 /// Throws as database_family and the readers of both families do.
 AnyDatabase read_database(const std::filesystem::path& path);
+/// Byte-identical for equal content. The caller commits.
 void write_database(const std::filesystem::path& path, const AnyDatabase& database,
                     Outputs& outputs);
 
@@ -104,10 +105,6 @@ void index_views(FabmapDatabase& database);
 /// Verifies every file. Throws Error(input) if a file is missing; Error(data) if it is damaged or
 /// belongs to another method or version.
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
-
-/// Byte-identical for equal content. The caller commits.
-void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
-                           Outputs& outputs);
 
 /// The fingerprint that the database has once it is stored.
 std::string database_fingerprint(const FabmapDatabase& database);
