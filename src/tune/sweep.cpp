@@ -129,12 +129,11 @@ Result cell_result(const LengthSweep& length, size_t threshold, const Monitor& m
 }
 
 // The number of windows that would reach the margin, a number, if their place were not trained.
-std::optional<uint64_t> untrained_windows(const LengthSweep& length, size_t threshold) {
-  const auto& settings = std::get<SequenceQuerySettings>(length.plans[threshold].result.settings);
-  if (length.unknown_place.empty() || !settings.margin) return std::nullopt;
-  const ScoreKind& kind = score_kind(settings.score);
+std::optional<uint64_t> untrained_windows(const LengthSweep& length, std::optional<double> least) {
+  if (length.unknown_place.empty() || !least) return std::nullopt;
+  const QueryPlan& plan = length.plans.front();
   return std::ranges::count_if(length.unknown_place, [&](const auto& margin) {
-    return margin && kind.frame_value(*margin, settings.window_length) >= *settings.margin;
+    return margin && plan.result.score().frame_value(*margin, plan.match.window_length) >= *least;
   });
 }
 
@@ -287,7 +286,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
     return cell_result(lengths[cell / thresholds], cell % thresholds, monitor);
   };
   const auto untrained_of = [&](size_t cell) {
-    return untrained_windows(lengths[cell / thresholds], cell % thresholds);
+    return untrained_windows(lengths[cell / thresholds], grid.thresholds[cell % thresholds]);
   };
   return count_cells(shape, grid, result_of, untrained_of, truth, resources.seed, monitor);
 }
