@@ -108,11 +108,11 @@ std::string label_caution(const GroundTruth& truth, const Outcomes& outcomes) {
     for (const GroundTruth::Pair& pair : truth.asked[query.frame])
       is_own = is_own && query.best == FrameMatch{pair.sequence, pair.first};
   }
-  std::string text;
-  if (kFew * labeled < outcomes.queries.size())
-    text = " Caution: fewer than a tenth of the frames are labeled.";
-  if (is_own) text += " Caution: the labels were made from this result.";
-  return text;
+  const bool is_small = kFew * labeled < outcomes.queries.size();
+  return fmt::format("{}{}{}",
+                     is_small ? "Caution: fewer than a tenth of the frames are labeled." : "",
+                     is_small && is_own ? " " : "",
+                     is_own ? "Caution: the labels were made from this result." : "");
 }
 
 // Counts and verdicts by the answers in a file.

@@ -74,8 +74,7 @@ std::string note_of(const ComparisonReport& comparison, size_t r) {
     notes.push_back(fmt::format("not paired, over {} of its own",
                                 counted(report.counts.best_match.frames, "frame")));
   if (report.is_oracle) notes.emplace_back("threshold from the ground truth");
-  if (const std::string caution = caution_of(report); !caution.empty())
-    notes.push_back(caution.substr(1));
+  if (const std::string caution = caution_of(report); !caution.empty()) notes.push_back(caution);
   if (compare_ground_truths(comparison.reports) != GroundTruths::same)
     notes.push_back(report.protocol.ground_truth);
   return fmt::format("{}", fmt::join(notes, "; "));

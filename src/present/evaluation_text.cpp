@@ -203,7 +203,7 @@ std::string overview_text(std::span<const Report> reports, const std::string& ke
   std::string text = short_text(overview_table(reports, key));
   for (const Report& report : reports)
     if (const std::string caution = caution_of(report); !caution.empty())
-      text += wrapped_text(fmt::format("{}:{}", report.row_name, caution), 2);
+      text += wrapped_text(fmt::format("{}: {}", report.row_name, caution), 2);
   return text;
 }
 

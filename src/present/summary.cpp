@@ -140,10 +140,11 @@ std::string summary_sentence(const Evaluation& evaluation,
                        path.recognized == 0 ? "None" : std::to_string(path.recognized),
                        counted(path.frames, "frame"), percent(path.recognized_share()));
   const std::string best_match = best_match_words(evaluation);
-  if (!evaluation.result && !judgment.threshold) return best_match + "." + evaluation.caution;
-  if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + evaluation.caution;
+  const std::string end = evaluation.caution.empty() ? "" : " " + evaluation.caution;
+  if (!evaluation.result && !judgment.threshold) return best_match + "." + end;
+  if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + end;
   return (judgment.threshold ? best_match + ". " : "") + recognized_words(evaluation) + "." +
-         first_of(judgment, frames_per_second) + evaluation.caution;
+         first_of(judgment, frames_per_second) + end;
 }
 
 std::string off_map_words(std::span<const Report> reports) {
@@ -158,11 +159,12 @@ bool lack_labels(std::span<const Report> reports) {
 
 std::string caution_of(const Report& report) {
   if (report.unlabeled() == 0) return report.caution;
-  return report.caution + fmt::format(
-                              " Caution: {} without a label {} as not recognized. Label them with "
-                              "--ask-frames to compare results.",
-                              counted(report.unlabeled(), "best match", "best matches"),
-                              report.unlabeled() == 1 ? "counts" : "count");
+  return fmt::format(
+      "{}{}Caution: {} without a label {} as not recognized. Label them with --ask-frames to "
+      "compare results.",
+      report.caution, report.caution.empty() ? "" : " ",
+      counted(report.unlabeled(), "best match", "best matches"),
+      report.unlabeled() == 1 ? "counts" : "count");
 }
 
 }  // namespace vpr
