@@ -196,9 +196,9 @@ Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<S
   present_by(evaluation.judgment, by);
   EvaluatedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(*result, truth, monitor);
+  judged.counts.best_match = best_match_counts(evaluation.judgment.outcomes);
   if (truth.is_known)
-    judged.by_keyframe =
-        count_by_keyframe(*result, truth, evaluation.judgment.outcomes.confidence, monitor);
+    judged.by_keyframe = count_by_keyframe(*result, truth, evaluation.judgment.outcomes, monitor);
   judged.clusters = judge_clusters(*result, truth, monitor);
   judged.result = std::move(result);
   if (!by.places.empty()) judge_by_answers(evaluation, by.places, traveled_m);

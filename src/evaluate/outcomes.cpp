@@ -206,12 +206,12 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
   }
   counts.distinct = places.size();
   if (result.clusters) count_clusters(counts, judge_clusters(result, truth, monitor));
-  counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
 }
 
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
-                                                  Confidence confidence, const Monitor& monitor) {
+                                                  const Outcomes& outcomes,
+                                                  const Monitor& monitor) {
   if (!result.keyframes) return std::nullopt;
   const auto& [query_keyframes, train_keyframes] = *result.keyframes;
   const size_t length = result.window_length();
@@ -228,8 +228,6 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
         .add(label_of(truth, recognition, length));
   }
   for (const auto& [pair, labels] : pairs) count(counts.recognitions, labels);
-  Outcomes outcomes = outcomes_of(result, truth);
-  outcomes.confidence = confidence;
   std::map<size_t, LabelCounts> queries;
   for (const QueryOutcome& query : outcomes.queries) {
     if (!query.has_match) continue;
@@ -244,7 +242,7 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
   }
   const KeyframeCounts& best = counts.best_match;
   counts.best_match_rate = share_of(sum, best.correct + best.incorrect + best.mixed);
-  const Outcomes by_keyframe = outcomes_by_keyframe(result, std::move(outcomes), truth);
+  const Outcomes by_keyframe = outcomes_by_keyframe(result, outcomes, truth);
   counts.recall_at_full_precision = recall_at_full_precision(single_best_curve(by_keyframe)).value;
   return counts;
 }

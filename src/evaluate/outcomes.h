@@ -150,7 +150,7 @@ Clusters clusters_of(const Result& result);
 std::vector<JudgedCluster> judge_clusters(const Result& result, const GroundTruth& truth,
                                           const Monitor& monitor = {});
 
-/// Windows are judged at their anchors.
+/// Windows are judged at their anchors. Best matches are not counted (best_match_counts).
 Counts count_recognitions(const Result& result, const GroundTruth& truth,
                           const Monitor& monitor = {});
 
@@ -178,9 +178,10 @@ struct CountsByKeyframe {
   std::optional<double> recall_at_full_precision;
 };
 
-/// Windows belong to the keyframes of their anchors. Unset for a result without keyframes.
+/// Windows belong to the keyframes of their anchors. `outcomes`: of the result. Unset for a result
+/// without keyframes.
 std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const GroundTruth& truth,
-                                                  Confidence confidence,
+                                                  const Outcomes& outcomes,
                                                   const Monitor& monitor = {});
 
 }  // namespace vpr

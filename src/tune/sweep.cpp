@@ -183,12 +183,14 @@ Sweep count_cells(const Result& shape, const Grid& grid, const ResultOf& result_
   StepCounter counter(monitor, "count", sweep.cells.size());
   parallel_for(sweep.cells.size(), monitor, [&](size_t c) {
     const Result result = result_of(c);
+    const Judgment judgment = judge(result, truth, {});
     sweep.cells[c] = {grid.windows[c / thresholds],
                       grid.thresholds[c % thresholds],
                       threshold_scale(result),
                       count_recognitions(result, truth, monitor),
                       untrained_of(c),
-                      judge(result, truth, {}).localization};
+                      judgment.localization};
+    sweep.cells[c].counts.best_match = best_match_counts(judgment.outcomes);
     counter.add();
   });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);

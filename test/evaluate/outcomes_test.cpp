@@ -216,7 +216,7 @@ TEST_CASE("best matches count over all frames that have a match") {
   result.best[2] = std::nullopt;          // an unreadable frame
   result.query.unreadable = {2};
   result.best[5] = Match{5, 0, 7, 0, 5};  // anchors 7 and 9: ignored
-  const BestMatchCounts best = count_recognitions(result, truth).best_match;
+  const BestMatchCounts best = best_match_counts(outcomes_of(result, truth));
   CHECK(best == BestMatchCounts{7, 3, 1, 1, 2, 3});
   CHECK(*best.rate() == Approx(3 / 7.0));
 }
@@ -228,12 +228,12 @@ TEST_CASE("a place before the first training anchor counts as not recognized") {
   truth.pairs[2] = {{0, 0, PlaceLabel::same}};  // no window ends before frame 2
   truth.pairs[4] = {{0, 2, PlaceLabel::same}};
   for (uint32_t window = 0; window < 8; ++window) result.best[window] = Match{window, 0, 0, 0, 5};
-  CHECK(count_recognitions(result, truth).best_match == BestMatchCounts{2, 1, 1, 0, 0, 8});
+  CHECK(best_match_counts(outcomes_of(result, truth)) == BestMatchCounts{2, 1, 1, 0, 0, 8});
 }
 
 TEST_CASE("a stop counts once if counts are per keyframe") {
   Result result = example();
-  CHECK_FALSE(count_by_keyframe(result, aligned(0), Confidence::score));
+  CHECK_FALSE(count_by_keyframe(result, aligned(0), {}));
   result.keyframes = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
   // Query keyframes of anchors: 2; 3 to 6; 7 to 9. Training keyframes: 2; 3; 4 to 7; 8 and 9.
   for (uint32_t window = 0; window < 8; ++window)
@@ -242,7 +242,8 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
   result.best[5] = result.best[6] = result.best[7] = Match{5, 0, 0, 0, 5};
   result.recognitions = {{0, 0, 0, 0, 1}, {1, 0, 6, 0, 1}, {1, 0, 7, 0, 1}, {2, 0, 2, 0, 1},
                          {2, 0, 3, 0, 1}, {3, 0, 6, 0, 1}, {6, 0, 7, 0, 1}, {7, 0, 6, 0, 1}};
-  const CountsByKeyframe counts = *count_by_keyframe(result, aligned(0), Confidence::score);
+  const Outcomes outcomes = outcomes_of(result, aligned(0));
+  const CountsByKeyframe counts = *count_by_keyframe(result, aligned(0), outcomes);
   CHECK(counts.query_keyframes == 5);
   CHECK(counts.train_keyframes == 6);
   // Correct: 2 and 2. Incorrect: 3 to 6 and 8 to 9, and 7 to 9 and 8 to 9. Mixed: 3 to 6 and 4 to
@@ -262,7 +263,8 @@ TEST_CASE("recall of keyframes counts a stop once, by its most confident frame")
   // keyframe.
   result.best[2] = Match{2, 0, 4, 0, 1};
   const auto recall = [&] {
-    return *count_by_keyframe(result, aligned(0), Confidence::score)->recall_at_full_precision;
+    const Outcomes outcomes = outcomes_of(result, aligned(0));
+    return *count_by_keyframe(result, aligned(0), outcomes)->recall_at_full_precision;
   };
   CHECK(recall() == Approx(3 / 5.0));     // no window ends in the first two keyframes
   result.best[5] = Match{5, 0, 0, 0, 2};  // frame 7, in a wrong keyframe, after frame 4

@@ -58,23 +58,20 @@ Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
   size_t recognitions = 0;
   for (size_t c = 0; c < sweep.cells.size(); ++c) {
     const CellCounts& cell = sweep.cells[c];
-    SequenceQuerySettings settings = *base;
-    settings.window_length = grid.windows[c / grid.thresholds.size()];
-    const auto threshold = grid.thresholds[c % grid.thresholds.size()];
-    (base->decision == Decision::margin ? settings.margin : settings.distance_threshold) =
-        threshold;
+    const SequenceQuerySettings settings = settings_at(grid, c, *base);
     const Result result = test::query_result(database, query, settings);
-    const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
+    const GroundTruth truth = make_truth(scope_of(result));
+    const Counts alone = count_recognitions(result, truth);
     INFO("c_l " << settings.window_length << ", cell " << c);
     CHECK(cell.window == settings.window_length);
-    CHECK(cell.threshold == threshold);
+    CHECK(cell.threshold ==
+          (base->decision == Decision::margin ? settings.margin : settings.distance_threshold));
     CHECK(cell.counts.recognitions == alone.recognitions);
     CHECK(cell.counts.recognitions_by_place == alone.recognitions_by_place);
     CHECK(cell.counts.recognitions_by_place->all() == result.recognitions.size());
     CHECK(cell.counts.clusters == alone.clusters);
     CHECK(cell.counts.distinct == alone.distinct);
-    CHECK(cell.counts.best_match.correct == alone.best_match.correct);
-    CHECK(cell.counts.best_match.frames == alone.best_match.frames);
+    CHECK(cell.counts.best_match == best_match_counts(outcomes_of(result, truth)));
     recognitions += alone.recognitions.correct;
   }
   CHECK(recognitions > 0);
