@@ -19,17 +19,6 @@
 
 namespace vpr {
 
-/// The meaning of integer distances, for a precomputed matrix: the distance k stands for the score
-/// best + k * unit or, for similarities, best - k * unit.
-struct ScoreUnits {
-  ScoreOrder kind = ScoreOrder::distance;
-  double best = 0;
-  double unit = 1;
-  bool is_exact = false;
-};
-
-VPR_FIELDS(ScoreUnits, kind, best, unit, is_exact)
-
 /// Cells that were recomputed by the reference implementation.
 struct Verification {
   size_t cells = 0;

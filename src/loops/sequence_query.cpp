@@ -142,9 +142,8 @@ QueryData open_scores(const QueryInputs& inputs, ResultContext& context, const M
   for (const std::string& range : inputs.train_sequences)
     sequences.push_back(parse_named_range(range, "", "--train-sequence"));
   QueryData data = matrix_query(*distances, sequences);
-  const PrecomputedUnits& units = distances->units();
   if (!scores.array) context.run.paths["scores"] = scores.path;
-  context.scores = {scores.order(), units.best, units.unit, units.is_exact};
+  context.scores = distances->units();
   context.database_fingerprint = context.query_fingerprint = distances->fingerprint(monitor);
   const std::string& name = inputs.query.name;
   const SequenceArgument& query = inputs.query.sequence;

@@ -54,18 +54,20 @@ void warn_of_marker(const Extent& all, const std::string& name, const Monitor& m
            name, marker, least, most, marker);
 }
 
-PrecomputedUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
+ScoreUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   const double best = is_similarity ? all.most : std::min(all.least, 0.0);
   const double range = is_similarity ? all.most - all.least : all.most - best;
-  PrecomputedUnits units{best, 1, is_whole && range <= kSteps, 0};
+  ScoreUnits units{is_similarity ? ScoreOrder::similarity : ScoreOrder::distance, best, 1,
+                   is_whole && range <= kSteps, 0};
   if (!units.is_exact && range / kSteps > 0) units.unit = range / kSteps;
   units.largest = static_cast<uint16_t>(
       units.is_exact ? std::max(range, 1.0) : kSteps);  // equal scores have a unit as well
   return units;
 }
 
-uint16_t quantized(double score, const PrecomputedUnits& units, bool is_similarity) {
+uint16_t quantized(double score, const ScoreUnits& units) {
   if (std::isnan(score)) return units.largest;
+  const bool is_similarity = units.kind == ScoreOrder::similarity;
   const double above = is_similarity ? units.best - score : score - units.best;
   return static_cast<uint16_t>(
       std::clamp(above / units.unit + 0.5, 0.0, static_cast<double>(units.largest)));
@@ -231,8 +233,7 @@ void PrecomputedDistances::read(size_t query, size_t first, size_t count, uint16
   for (size_t done = 0; done < count; done += kPiece) {
     const size_t piece = std::min(kPiece, count - done);
     file_.read_query(query, first + done, piece, numbers.data());
-    for (size_t i = 0; i < piece; ++i)
-      out[done + i] = quantized(score_of(numbers[i]), units_, is_similarity());
+    for (size_t i = 0; i < piece; ++i) out[done + i] = quantized(score_of(numbers[i]), units_);
   }
 }
 

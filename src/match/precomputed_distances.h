@@ -1,17 +1,27 @@
 // A matrix of scores in a .npy file, and its values as integer frame distances.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/enum_names.h"
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "base/npy.h"
 #include "match/frame_distances.h"
 
 namespace vpr {
+
+/// Whether smaller or larger scores are better.
+enum class ScoreOrder { distance, similarity };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<ScoreOrder> = {"distance",
+                                                                           "similarity"};
 
 /// The meaning of the values of a matrix.
 struct ScoreFormat {
@@ -68,12 +78,15 @@ class ScoreFile {
 
 /// The meaning of integer distances: the distance k stands for the score best + k * unit or, for
 /// similarities, best - k * unit, rounded to nearest.
-struct PrecomputedUnits {
+struct ScoreUnits {
+  ScoreOrder kind = ScoreOrder::distance;
   double best = 0;
   double unit = 1;
   bool is_exact = false;  ///< no score is rounded
-  uint16_t largest = 0;   ///< also the distance of missing scores
+  uint16_t largest = 0;   ///< also the distance of missing scores; not in files
 };
+
+VPR_FIELDS(ScoreUnits, kind, best, unit, is_exact)
 
 /// A matrix of scores of all pairs of query frames and references, memory-mapped; a block is read
 /// when its distances are requested. Integers with a range of 16 bits keep their unit; other scores
@@ -88,7 +101,7 @@ class PrecomputedDistances {
 
   size_t queries() const { return file_.queries(); }
   size_t references() const { return file_.references(); }
-  const PrecomputedUnits& units() const { return units_; }
+  const ScoreUnits& units() const { return units_; }
   /// Queries and references without any score; increasing.
   const std::vector<size_t>& empty_queries() const { return empty_queries_; }
   const std::vector<size_t>& empty_references() const { return empty_references_; }
@@ -107,7 +120,7 @@ class PrecomputedDistances {
   bool is_similarity() const { return file_.format().is_similarity; }
 
   ScoreFile file_;
-  PrecomputedUnits units_;
+  ScoreUnits units_;
   std::vector<size_t> empty_queries_;
   std::vector<size_t> empty_references_;
 };
