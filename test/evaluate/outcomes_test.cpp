@@ -151,8 +151,7 @@ TEST_CASE("windows are evaluated at their anchors") {
   truth.pairs[6].push_back({0, 6, PlaceLabel::ignore});
   result.recognitions = {{3, 0, 3, 0, 5}, {3, 0, 4, 0, 5}, {4, 0, 4, 0, 5}, {5, 0, 5, 0, 5}};
   cluster(result);
-  const Counts counts = count_recognitions(result, truth);
-  CHECK(counts.recognitions == LabelCounts{1, 2, 1});
+  CHECK(count_recognitions(result, truth).recognitions == LabelCounts{1, 2, 1});
 }
 
 TEST_CASE("places are evaluated at their mean, and the correct ones are distinct") {

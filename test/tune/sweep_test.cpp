@@ -64,8 +64,7 @@ Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
     const Counts alone = count_recognitions(result, truth);
     INFO("c_l " << settings.window_length << ", cell " << c);
     CHECK(cell.window == settings.window_length);
-    CHECK(cell.threshold ==
-          (base->decision == Decision::margin ? settings.margin : settings.distance_threshold));
+    CHECK(cell.threshold == grid.thresholds[c % grid.thresholds.size()]);
     CHECK(cell.counts.recognitions == alone.recognitions);
     CHECK(cell.counts.recognitions_by_place == alone.recognitions_by_place);
     CHECK(cell.counts.recognitions_by_place->all() == result.recognitions.size());
