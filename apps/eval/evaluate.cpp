@@ -88,13 +88,13 @@ ScoreMatrix open_scores(const EvalInputs& inputs, const Monitor& monitor) {
   if (!scores.is_list()) {
     const size_t train_frames =
         references.empty() ? scores.train_frames.value_or(0) : references.size();
-    if (is_index_array(scores.path, train_frames)) {
+    if (is_index_array(NpyArray(scores.path), train_frames)) {
       refuse(scores.matrix.has_order() || scores.matrix.train_first ||
                  scores.matrix.missing.has_value(),
              scores.path,
              "has integers in fewer columns than there are training frames, as indices of "
              "references are; omit the flags of scores or, for scores, save one column per frame");
-      return index_scores(scores.path, train_frames);
+      return index_scores(ScoreFile(scores.path, {}), train_frames);
     }
     refuse(scores.train_frames.has_value(), "--train-frames", "is for lists of numbers");
     require_order(scores.matrix);

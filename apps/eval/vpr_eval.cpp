@@ -153,11 +153,16 @@ std::string tuning_command(const Session& session, const EvalInputs& inputs,
 std::string next_step(const Session& session, const EvalInputs& inputs,
                       const Evaluated& evaluated) {
   const Evaluation& evaluation = evaluated.evaluation;
+  for (const auto& [page, flag] : {std::pair(inputs.frame_questions, "--ground-truth labels.csv"),
+                                   std::pair(inputs.place_questions, "--places places.csv")})
+    if (!page.empty())
+      return fmt::format(
+          "next: open {} in a browser, answer, and pass the file that it saves: {}\n", page, flag);
   if (evaluated.stored == nullptr || evaluation.warned_of_ground_truth) return "";
   const Localization& path = evaluation.judgment.localization;
   const bool has_places = evaluated.stored->result.places.has_value();
   if (evaluation.judgment.by == JudgedBy::nothing)
-    return path.recognized > 0 && !has_places && inputs.place_questions.empty()
+    return path.recognized > 0 && !has_places
                ? "next: judge each place by its images with --ask-places PAGE.html\n"
                : "";
   if (!evaluation.truth.is_known || !evaluation.truth.asked.empty() ||

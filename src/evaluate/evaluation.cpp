@@ -32,12 +32,27 @@ size_t count_correct(const GroundTruth& truth, const std::vector<MatchedFrame>& 
       all, PlaceLabel::same, [&](const MatchedFrame& one) { return label_of(truth, one); }));
 }
 
-// A warning if the query and the searched training sequence of aligned sequences differ in length.
-std::optional<std::string> length_warning(const Evaluation& evaluation,
-                                          const EvaluationSettings& by) {
+// A warning about aligned sequences that begin elsewhere, if all matches but one in ten are at most
+// kAround frames from the most common offset, or that differ in length.
+std::optional<std::string> alignment_warning(const Evaluation& evaluation,
+                                             const EvaluationSettings& by,
+                                             const std::vector<MatchedFrame>& matches) {
   constexpr double kSameLength = 0.1;
+  constexpr int64_t kAround = 3;
   if (by.ground_truth->format != "aligned" || by.ground_truth->options.train_step)
     return std::nullopt;
+  std::vector<int64_t> offsets;
+  for (const auto& [query, match] : matches)
+    offsets.push_back(static_cast<int64_t>(match.reference) - static_cast<int64_t>(query));
+  std::ranges::sort(offsets);
+  const int64_t middle = offsets[offsets.size() / 2];
+  const auto around = std::ranges::count_if(
+      offsets, [&](int64_t offset) { return std::abs(offset - middle) <= kAround; });
+  if (10 * static_cast<size_t>(around) >= 9 * offsets.size())
+    return fmt::format(
+        "{} of {} matches are {} frames {} \"aligned\" says: do both sequences begin at the same "
+        "place? Otherwise select the same part of both, or use pairs",
+        around, offsets.size(), std::abs(middle), middle > 0 ? "later than" : "before what");
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   const auto train =
       std::ranges::find_if(scope.sequences, [](const auto& one) { return one.searched; });
@@ -91,7 +106,7 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
     if (one.searched && !scope.has_places)
       train_frames += static_cast<int64_t>(one.sequence.recorded_frames());
   std::optional<std::string> warning = tolerance_warning(truth, train_frames, matches, noun);
-  if (!warning && most_are_incorrect) warning = length_warning(evaluation, by);
+  if (!warning && most_are_incorrect) warning = alignment_warning(evaluation, by, matches);
   if (!warning) return;
   evaluation.warned_of_ground_truth = true;
   warn(monitor, *warning);

@@ -307,25 +307,24 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
       kind, has_scores, files);
 }
 
-bool is_index_array(const fs::path& path, size_t references) {
-  const NpyArray array(path);
+bool is_index_array(const NpyArray& array, size_t references) {
   const NumberType* type = find_number_type(array.type());
   return type != nullptr && type->is_whole && type->bytes >= 4 && array.shape().size() == 2 &&
          array.shape()[1] < references;
 }
 
-ScoreMatrix index_scores(const fs::path& path, size_t references) {
-  const ScoreFile file(path, {});
+ScoreMatrix index_scores(ScoreFile indices, size_t references) {
+  const auto file = std::make_shared<const ScoreFile>(std::move(indices));
   ScoredLists lists{references, {}};
-  lists.queries.resize(file.queries());
-  std::vector<double> row(file.references());
+  lists.queries.resize(file->queries());
+  std::vector<double> row(file->references());
   for (size_t query = 0; query < lists.queries.size(); ++query) {
-    file.read_query(query, 0, row.size(), row.data());
+    file->read_query(query, 0, row.size(), row.data());
     for (size_t k = 0; k < row.size(); ++k) {
       if (row[k] == -1) continue;  // faiss found no further neighbor
       if (!(row[k] >= 0 && row[k] < static_cast<double>(references)))
         throw Error(ErrorKind::data, "{}, row {}: the index {} is out of range; there are {}",
-                    path.string(), query, row[k], counted(references, "training frame"));
+                    file->name(), query, row[k], counted(references, "training frame"));
       lists.queries[query].push_back({static_cast<size_t>(row[k]), static_cast<double>(k) + 1});
     }
     std::ranges::sort(row);
@@ -335,9 +334,12 @@ ScoreMatrix index_scores(const fs::path& path, size_t references) {
             ErrorKind::data,
             "{}, row {}: the index {} is listed twice. If these are scores, save one column "
             "per training frame",
-            path.string(), query, row[k]);
+            file->name(), query, row[k]);
   }
-  return scores_of(std::make_shared<const ScoredLists>(std::move(lists)), {}, false, {path});
+  ScoreMatrix scores =
+      scores_of(std::make_shared<const ScoredLists>(std::move(lists)), {}, false, {});
+  scores.fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
+  return scores;
 }
 
 std::vector<MatchedFrame> best_pairs(const ScoreMatrix& matrix, const ScoreLayout& layout,

@@ -33,12 +33,12 @@ ScoreMatrix prediction_scores(const std::filesystem::path& path, const FrameName
                               const FrameNames& references, std::optional<ScoreOrder> kind,
                               const ListFrames& stated = {}, const Monitor& monitor = {});
 
-/// Whether a .npy file has rows of integers that are fewer than the references: the indices of the
+/// Whether the array has rows of integers that are fewer than the references: the indices of the
 /// best references of each query, as faiss returns them.
-bool is_index_array(const std::filesystem::path& path, size_t references);
+bool is_index_array(const NpyArray& array, size_t references);
 
 /// The ranks of the indices; -1 is none. Throws Error(data) for an index out of range.
-ScoreMatrix index_scores(const std::filesystem::path& path, size_t references);
+ScoreMatrix index_scores(ScoreFile indices, size_t references);
 
 /// By query, its `most` best references with a score, best first, ties to the first column. Throws
 /// as ScoreMatrix::for_each_row does.

@@ -122,8 +122,9 @@ ScoreFile ScoreInput::open() const {
 void require_order(const ScoreInput& input) {
   if (input.is_distance == input.is_similarity)
     throw Error(ErrorKind::usage,
-                "the order of the scores is missing; use --distance (small is better) or "
-                "--similarity (large is better)");
+                "the scores have {}; use --distance (small is better) or --similarity (large is "
+                "better)",
+                input.is_distance ? "two orders" : "no order");
 }
 
 ScoreMatrix::ScoreMatrix(ScoreFile opened) {

@@ -54,6 +54,15 @@ void warn_of_marker(const Extent& all, const std::string& name, const Monitor& m
            name, marker, least, most, marker);
 }
 
+// The distance -1 alone below 0 is a common marker of missing scores, and would match best.
+void warn_of_minus_one(const Extent& all, const std::string& name, const Monitor& monitor) {
+  if (all.least == -1 && all.second_least >= 0)
+    warn(monitor,
+         "{}: the smallest distance is -1, all others are from {:.4g} to {:.4g}. If it marks "
+         "missing scores, use --missing -1",
+         name, all.second_least, all.most);
+}
+
 ScoreUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   const double best = is_similarity ? all.most : std::min(all.least, 0.0);
   const double range = is_similarity ? all.most - all.least : all.most - best;
@@ -225,6 +234,7 @@ void PrecomputedDistances::scan(const Monitor& monitor) {
                 file_.name(), all.least, all.most);
   units_ = units_of(all, is_similarity(), file_.is_whole());
   if (!units_.is_exact) warn_of_marker(all, file_.name(), monitor);
+  if (!is_similarity()) warn_of_minus_one(all, file_.name(), monitor);
 }
 
 void PrecomputedDistances::read(size_t query, size_t first, size_t count, uint16_t* out) const {

@@ -1,6 +1,7 @@
 // Evaluations of results and of score matrices, with their reports.
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "evaluate/prediction_lists.h"
 #include "files/report.h"
 #include "files/run_info.h"
 #include "present/evaluation_page.h"
@@ -56,6 +57,7 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
   ScoreInput input;
   ScoreSettings settings;
   std::string name;
+  size_t train_frames = 0;  // of an array of indices
   GroundTruthArgument argument;
   if (truth) argument = parse_ground_truth_argument(truth->string(), 0);
   NestedObject own{[&](auto&& visit) {
@@ -65,6 +67,7 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
     visit_fields(argument.options, visit);
     if (result) return;
     visit_fields(input, visit);
+    visit("train_frames", train_frames);
     visit("rows_are_windows_of", settings.window_length);
     visit("threshold", settings.threshold);
   }};
@@ -74,11 +77,23 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
   check_evaluation(by);
   if (truth) by.ground_truth = argument;
   const auto evaluate_input = [&](const Monitor& monitor) {
-    require_order(input);
-    settings.format = input.format();
     settings.query.name = kUnnamedQuery;
     settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
-    ScoreMatrix matrix(input.open());
+    const auto array = train_frames > 0 && !input.array
+                           ? std::make_shared<const NpyArray>(input.path)
+                           : input.array;
+    ScoreMatrix matrix;
+    if (train_frames == 0) {
+      require_order(input);
+      matrix = ScoreMatrix(input.open());
+    } else if (is_index_array(*array, train_frames)) {
+      matrix = index_scores(input.open(), train_frames);
+      input.is_similarity = false;
+    } else {
+      throw Error(ErrorKind::usage,
+                  "train_frames is for integers, the indices of the best references of each query");
+    }
+    settings.format = input.format();
     require_range("rows_are_windows_of", static_cast<double>(settings.window_length), 1,
                   static_cast<double>(matrix.queries));
     Evaluation evaluation = evaluate_scores(std::move(matrix), settings, by, monitor);
@@ -93,7 +108,7 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
     if (!name.empty()) made->evaluation.name = name;
     made->stored = result;
     made->run = run_of("vpr-eval", {call.function}, call.process.seed);
-    if (truth) made->run.paths["ground_truth"] = truth->string();
+    if (truth) made->run.paths["ground_truth"] = call.shown(truth->string());
     made->report = report_of(made->evaluation, made->run, monitor);
     made->seconds = watch.elapsed_s();
   });

@@ -55,6 +55,12 @@ Works& works() {
 
 }  // namespace
 
+std::string Call::shown(std::string sentence) const {
+  for (size_t at = 0; !folder.empty() && (at = sentence.find(folder, at)) != std::string::npos;)
+    sentence.erase(at, folder.size());
+  return sentence;
+}
+
 void Call::run(const std::function<void(const Monitor&)>& work) const {
   /// News of the work for the calling thread.
   struct Reports {
@@ -75,7 +81,7 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
     };
   monitor.warn = [&](const std::string& sentence) {
     const std::scoped_lock lock(mutex);
-    reports.warnings.push_back(sentence);
+    reports.warnings.push_back(shown(sentence));
   };
   std::future<void> result = std::async(std::launch::async, [&] {
     std::unique_lock lock(turn, std::defer_lock);
@@ -107,7 +113,11 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
   }
   works().remove(stop);
   if (raised) std::rethrow_exception(raised);
-  result.get();
+  try {
+    result.get();
+  } catch (const Error& error) {
+    throw Error(error.kind(), shown(error.what()));
+  }
 }
 
 void save(bool force, const RunInfo& run, const std::function<void(Outputs& outputs)>& write) {
@@ -121,8 +131,10 @@ void save(bool force, const RunInfo& run, const std::function<void(Outputs& outp
 
 py::array array_of(const py::object& values, const std::string& name) {
   if (py::module_::import("numpy").attr("ma").attr("is_masked")(values).cast<bool>())
-    throw Error(ErrorKind::data, "{}: has masked values. Replace them, as in filled(numpy.nan)",
-                name);
+    throw Error(
+        ErrorKind::data,
+        "{}: has masked values. Replace them by filled(): scores with numpy.nan, labels with 0",
+        name);
   py::array array(values);
   if (std::string_view("biuf").find(array.dtype().kind()) == std::string_view::npos)
     throw Error(ErrorKind::data, "{}: is not an array of numbers (its type is {})", name,
@@ -205,10 +217,15 @@ Database train(Call& call, const Sources& sources, const Sources& other) {
       one.sequence = selected(one.sequence, selection, {}, call.process.seed, monitor);
     const SequenceSource first = open_sequence(named.front().sequence);
     const bool has_arrays = first.kind == SequenceKind::descriptors;
-    for (const char* key : has_arrays ? kOfImages : kOfArrays)
-      if (call.keywords.contains(key))
-        throw Error(ErrorKind::usage, "{} has no effect on {}. Omit it", key,
-                    has_arrays ? "descriptors" : "images");
+    const auto refuse = [&](std::span<const char* const> keys, std::string_view what) {
+      for (const char* key : keys)
+        if (call.keywords.contains(key))
+          throw Error(ErrorKind::usage, "{} has no effect on {}. Omit it", key, what);
+    };
+    if (has_arrays) refuse(kOfImages, "descriptors");
+    if (!has_arrays) refuse(kOfArrays, "images");
+    if (has_arrays && ArrayRows(first).type().starts_with('|'))
+      refuse(kOfArrays, "bits, which uint8 and bool are");
     if (has_arrays) settings.descriptor_kind = imported_kind(first, import, monitor);
     if (pretrain.empty())
       made.content = train_sequences(named, settings, monitor);
@@ -300,7 +317,8 @@ PYBIND11_MODULE(_vpr, module) {
             std::optional<Json> json = parse_json(keywords);
             if (!json) throw Error(ErrorKind::usage, "{}: a setting is not valid text", function);
             return Call{function, *std::move(json), progress};
-          }));
+          }))
+      .def_readwrite("folder", &Call::folder);
   module.def("array_of", array_of);
   py::module_::import("atexit").attr("register")(py::cpp_function([] {
     const py::gil_scoped_release release;

@@ -30,6 +30,7 @@ struct Call {
   std::string function;  ///< names itself in errors
   Json keywords = Json::object();
   pybind11::object progress = pybind11::none();
+  std::string folder = {};  ///< of temporary files, which sentences don't name
   ProcessSettings process = {};
 
   /// Reads all keywords as these settings and those of the process. Throws Error(usage) for wrong
@@ -42,6 +43,9 @@ struct Call {
     }};
     value_from_json(keywords, all, function, "the settings");
   }
+
+  /// The sentence without the folder.
+  std::string shown(std::string sentence) const;
 
   /// Runs `work` in a thread without the interpreter's lock. Works of several threads run one after
   /// the other, because settings of libraries belong to the process. Meanwhile the calling thread

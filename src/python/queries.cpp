@@ -167,10 +167,11 @@ py::object array_named(const StoredResult& result, const std::string& name) {
 
 // A copy of the pixels.
 std::shared_ptr<const cv::Mat> picture_of(const py::object& frame) {
-  const auto pixels = py::array_t<uint8_t, py::array::c_style>::ensure(frame);
+  const py::array values = array_of(frame, "frame");
+  const auto pixels = py::array_t<uint8_t, py::array::c_style>::ensure(values);
   const bool is_color = pixels && pixels.ndim() == 3 && pixels.shape(2) == 3;
   const bool is_image = pixels && pixels.size() > 0 && (is_color || pixels.ndim() == 2);
-  if (!is_image || array_of(frame, "frame").dtype().kind() == 'b')
+  if (!is_image || !values.dtype().is(py::dtype::of<uint8_t>()))
     throw Error(ErrorKind::data,
                 "an image has height x width gray levels, or height x width x 3 values (blue, "
                 "green, red), of type uint8");
@@ -183,6 +184,7 @@ struct Live {
   Call call;
   SequenceQuery by;
   std::optional<LiveLines> lines;
+  bool is_finished = false;
 
   Live(Call given, const DatabasePointer& database)
       : call(std::move(given)), by(call, Feature::live) {
@@ -193,9 +195,11 @@ struct Live {
   }
 
   py::object add(const Source& frame, const std::string& name) {
+    if (is_finished) throw Error(ErrorKind::usage, "the query is finished. Make another vpr.Live");
     LiveFrame image;
     image.name = name;
     if (const auto* path = std::get_if<std::filesystem::path>(&frame)) {
+      if (path->empty()) throw Error(ErrorKind::usage, "the path of the frame is empty");
       image.file = *path;
       if (name.empty()) image.name = path->filename().string();
     } else if (const auto& values = std::get<py::object>(frame); !values.is_none()) {
@@ -210,6 +214,7 @@ struct Live {
   }
 
   py::object finish() {
+    is_finished = true;
     Json line;  // null becomes None
     call.run([&](const Monitor&) { line = lines->finish().value_or(Json()); });
     return fields_of(line);

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "base/statistics.h"
 #include "base/text.h"
 #include "run/open.h"
 #include "run/train_sequences.h"
@@ -17,12 +16,16 @@ namespace {
 constexpr size_t kFewest = 4;     // one recognized frame in four is enough
 constexpr size_t kSlowStart = 4;  // paths of keyframes before the first decision, at most
 
-// The median speed of the recognized frames; nullopt if no speed is known.
-std::optional<double> recognized_rate(const Result& result) {
-  std::vector<double> rates;
-  for (const Match& recognition : result.recognitions)
-    if (const auto rate = result.path->rates[recognition.query]) rates.push_back(*rate);
-  return rates.empty() ? std::nullopt : std::optional(median(std::move(rates)));
+// The mean speed of the longest path, in time if the rates of both sequences are known; nullopt
+// without a path of several frames.
+std::optional<double> recognized_speed(const Result& result) {
+  const auto length = [](const Cluster& path) { return path.query_last - path.query_first; };
+  const auto longest = std::ranges::max_element(result.clusters->all, {}, length);
+  if (longest == result.clusters->all.end()) return std::nullopt;
+  const auto rate = mean_rate(*longest);
+  const auto& train_fps = result.sequences[longest->sequence].sequence.fps;
+  if (!rate || !train_fps || !result.query.fps) return rate;
+  return *rate * *result.query.fps / *train_fps;
 }
 
 // The result of default_filter, with the same fusion if the database has FAB-MAP's views.
@@ -169,7 +172,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
     if (const size_t reversed = *forward.path->reversed_frames; kFewest * reversed >= frames)
       return fmt::format(
           "The query walked in the opposite direction: with reversed training sequences, {} of {} "
-          "are recognized. Train the way back as another sequence.",
+          "are recognized. Train this direction in a database of its own.",
           reversed, counted(frames, "frame"));
     if (const std::string sparse = sparse_advice(database, query, settings, resources, monitor);
         !sparse.empty())
@@ -179,16 +182,17 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
         "in the opposite direction, or with every second or third frame of either side: {} may "
         "show another place{}.",
         recognized_text(forward), forward.recognitions.empty() ? "the query" : "the others",
-        keyframes < kSlowStart * needed
-            ? fmt::format(", or its {} keyframes are too few for a decision, which needs up to {}",
-                          keyframes, kSlowStart * needed)
+        std::min(keyframes, trained) < kSlowStart * needed
+            ? fmt::format(", or {} {} keyframes are too few for a decision, which needs up to {}",
+                          keyframes <= trained ? "its" : "the training sequence's",
+                          std::min(keyframes, trained), kSlowStart * needed)
             : "");
   }
-  const auto rate = recognized_rate(forward);
-  const bool is_same_speed = !rate || (*rate <= kSameSpeed && *rate >= 1 / kSameSpeed);
+  const auto speed = recognized_speed(forward);
+  const bool is_same_speed = !speed || (*speed <= kSameSpeed && *speed >= 1 / kSameSpeed);
   return fmt::format("With default settings (--method filter, margin {:g}), {} are recognized{}.",
                      kFilterMargin, recognized_text(forward),
-                     is_same_speed ? "" : fmt::format(", at about {:.1f} times the speed", *rate));
+                     is_same_speed ? "" : fmt::format(", at about {:.1f} times the speed", *speed));
 }
 
 bool needs_advice(const Result& result) {

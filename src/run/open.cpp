@@ -143,19 +143,24 @@ void prepare_database(SequenceDatabase& database, const ResolvedSettings& settin
 void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
                    const SequenceQuerySettings& settings, const Monitor& monitor) {
   constexpr double kAlike = 1.1;
-  const bool has_windows = settings.window_length > 1 && settings.rates.empty();
-  if (!query_fps || !has_windows || has_paths(settings)) return;
+  constexpr double kFilterRange = 2.05;  // from half to twice the rate
+  const bool is_filter = has_paths(settings);
+  if (!query_fps || (settings.window_length == 1 && !is_filter) || !settings.rates.empty()) return;
   for (const TrainSequence& train : database.sequences) {
     const Sequence& sequence = train.sequence;
     if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
     const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
-    if (fast <= kAlike * slow) continue;
+    if (fast <= (is_filter ? kFilterRange : kAlike) * slow) continue;
     return warn(monitor,
                 "the query has {:.3g} frames per second, the training sequence {} has {:.3g}: "
-                "their windows have different durations. Use --fps {:.3g} for {}, or --method "
-                "filter, which estimates the rate.",
-                *query_fps, sequence.name, *sequence.fps, slow,
-                slow == *query_fps ? "vpr-train" : "the query");
+                "{}. Use --fps {:.3g} for {}{}.",
+                *query_fps, sequence.name, *sequence.fps,
+                is_filter ? "the filter needs half to twice as many"
+                          : "their windows have different durations",
+                slow, slow == *query_fps ? "vpr-train" : "the query",
+                is_filter || fast > kFilterRange * slow
+                    ? ""
+                    : ", or --method filter, which estimates the rate");
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
+#include "sequence/sequence.h"
 #include "truth/readers.h"
 
 namespace vpr {
@@ -86,6 +88,13 @@ void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::strin
     finding.examples.push_back(
         location_.unit.empty() ? what
                                : fmt::format("{} {}: {}", location_.unit, location_.number, what));
+}
+
+void GroundTruthBuilder::set_query_range(const SequenceArgument& source) {
+  const auto in_range = frame_count(source.range);
+  if (in_range && !query_.grows && *in_range != query_.frames)
+    fail("its range has {}, but the query has {}", counted(*in_range, "frame"), query_.frames);
+  if (source.range.is_all()) query_hint_ = range_hint(source.path);
 }
 
 void GroundTruthBuilder::report_out_of_range(std::string_view what, std::string_view text,

@@ -81,7 +81,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        read_anchors},
       {"labels",
        "CSV query,reference,label,tolerance of vpr-eval --ask-frames",
-       {"path"},
+       {"path", "range"},
        [](const FileStart& start) {
          return has_columns(start.first_line, {"query", "reference", "label", "tolerance"});
        },

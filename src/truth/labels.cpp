@@ -51,7 +51,9 @@ std::string read_labels(GroundTruthBuilder& builder) {
                 "{}: labels need the numbers of frames. Pass --result, or --query-frames and "
                 "--train-frames",
                 name);
-  NamedRows rows(builder.argument().path, name, {"query", "reference", "label", "tolerance"});
+  const SequenceArgument source = parse_sequence_argument(name);
+  builder.set_query_range(source);
+  NamedRows rows(source.path, name, {"query", "reference", "label", "tolerance"});
   if (rows.size() == 0)
     rows.fail("has no labels. Answer the page of vpr-eval --ask-frames and save it again");
   const size_t only = rows.has("sequence") ? 0 : builder.only_searched(name);
@@ -61,14 +63,15 @@ std::string read_labels(GroundTruthBuilder& builder) {
     builder.at("line", rows.line());
     const size_t sequence =
         rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
-    const size_t query = rows.frame("query");
+    const auto query = frame_in_range(source.range, rows.frame("query"));
     const size_t reference = rows.frame("reference");
     const size_t frames = builder.train(sequence).frames;
-    if (query >= asked.size())
+    if (!query) continue;
+    if (*query >= asked.size())
       builder.report_out_of_range("query", rows.text("query"), builder.query());
     if (reference >= frames)
       builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
-    if (query >= asked.size() || reference >= frames) continue;
+    if (*query >= asked.size() || reference >= frames) continue;
     const size_t reach = rows.frame("tolerance");
     const std::string& label = rows.text("label");
     LabelStretch run{reference, reference, PlaceLabel::different};
@@ -77,8 +80,8 @@ std::string read_labels(GroundTruthBuilder& builder) {
              PlaceLabel::same};
     else if (label != "different")
       rows.fail("label \"{}\" is neither same nor different", label);
-    add_label(builder, query, run, labels[{query, sequence}]);
-    asked[query].push_back({static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
+    add_label(builder, *query, run, labels[{*query, sequence}]);
+    asked[*query].push_back({static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
   }
   for (size_t query = 0; query < asked.size(); ++query)
     for (size_t s = 0; s < builder.scope().sequences.size(); ++s)

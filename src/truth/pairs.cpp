@@ -249,11 +249,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
   const SequenceArgument source = parse_sequence_argument(path.string());
   NamedRows rows(source.path, path.string(), {});
-  const auto in_range = frame_count(source.range);
-  if (in_range && !builder.query().grows && *in_range != builder.query().frames)
-    builder.fail("its range has {}, but the query has {}", counted(*in_range, "frame"),
-                 builder.query().frames);
-  if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
+  builder.set_query_range(source);
   if (!rows.has("query") || !rows.has("reference"))
     rows.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
   rows.allow({"query", "sequence", "reference", "label"});

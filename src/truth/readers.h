@@ -78,8 +78,9 @@ class GroundTruthBuilder {
     location_.fail(fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
   }
   const Monitor& monitor() const { return monitor_; }
-  /// Additional text for errors about query frames out of range.
-  void set_query_hint(std::string hint) { query_hint_ = std::move(hint); }
+  /// Sets the frames of a file that are query frames. Throws Error(data) for another number of
+  /// frames than the query has.
+  void set_query_range(const SequenceArgument& source);
 
   /// Labels references first .. last of `sequence`. Accepts any indices; those out of range are
   /// refused or counted.

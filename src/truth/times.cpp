@@ -95,6 +95,12 @@ size_t count_frames(const SequenceSource& sequence) {
   return frame_count(argument.range).value_or(0);
 }
 
+// Whether a video or the names of frames have times.
+bool states_times(const SequenceSource& sequence) {
+  return sequence.kind == SequenceKind::video ||
+         (!sequence.is_one_array() && is_named_by_time(sequence.files.front()));
+}
+
 // The times of the frames of a sequence, or nullopt if unknown.
 std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
                                                const std::filesystem::path& file,
@@ -103,8 +109,7 @@ std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
   if (!file.empty()) return read_frame_times(file, monitor);
   const SequenceArgument& argument = sequence.argument;
   if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
-  if (!sequence.is_one_array() && is_named_by_time(sequence.files.front()))
-    return times_of_names(sequence);
+  if (states_times(sequence)) return times_of_names(sequence);
   if (!recorded_fps) return std::nullopt;
   std::vector<int64_t> times;
   for (size_t i = 0; i < count_frames(sequence); ++i)
@@ -294,6 +299,9 @@ SequenceArgument selected(SequenceArgument argument, const SelectionSettings& se
   argument.seed = seed;
   const auto& fps = settings.fps;
   const auto& recorded_fps = settings.recorded_fps ? settings.recorded_fps : settings.fallback_fps;
+  if (settings.recorded_fps && (!file.empty() || states_times(sequence)))
+    warn(monitor, "{}: its times are known, so --recorded-fps has no effect",
+         argument.path.string());
   if (!fps) {
     argument.sequence.fps = stated_rate(sequence, file, recorded_fps, monitor);
     return argument;

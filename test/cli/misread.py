@@ -223,7 +223,8 @@ def lists():
 def arrays():
     numbers = np.random.default_rng(1).random((40, 16))
     for name, array in {"big": numbers.astype(">f4"), "bytes": (255 * numbers).astype(np.uint8), "one": np.zeros(5),
-                        "dict": {"a": 1}, "marked": np.where(np.arange(16) == 7, 1e6, numbers)}.items():
+                        "dict": {"a": 1}, "marked": np.where(np.arange(16) == 7, 1e6, numbers),
+                        "minus": np.where(np.arange(16) == 7, -1, numbers)}.items():
         np.save(folder / f"{name}.npy", array)
     refused(4, 'array.astype("<f4")', "vpr-train", "descriptors", "--npy", "big.npy", "-o", "big.vprdb")
     refused(4, "query x training frames; found the shape (5)", "vpr-eval", "check", "one.npy")
@@ -232,6 +233,7 @@ def arrays():
     assert "If they are numbers, save them as float32" in said("vpr-eval", "matrix", *same)
     matrix = ("vpr-query", "matrix", "marked.npy", "--distance", "--c-l", 1, "-o")
     assert "--missing 1000000" in said(*matrix, "marked.json") and not said(*matrix, "known.json", "--missing", 1e6)
+    assert "use --missing -1" in said("vpr-query", "matrix", "minus.npy", *matrix[3:], "minus.json")
 
 
 def flags_without_effect():

@@ -61,10 +61,14 @@ class InternalError(Error):
 
 
 class Fields(dict[Any, Any]):
-    """A JSON object whose keys are also attributes. Keys that are numbers are int."""
+    """A JSON object whose keys are also attributes. Keys that are numbers are int or float."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
-        super().__init__((int(key) if key.isdigit() else key, values[key]) for key in values)
+        def number_or_name(key: str) -> Any:
+            if key.isdigit():
+                return int(key)
+            return float(key) if key.replace(".", "", 1).isdigit() else key
+        super().__init__((number_or_name(key), values[key]) for key in values)
 
     def __getattr__(self, name: str) -> Any:
         if name not in self:
@@ -82,6 +86,9 @@ def _call(function: str, settings: Mapping[str, object], progress: Progress = No
             return value.tolist()
         return list(value) if isinstance(value, Iterable) else os.fspath(value)
     given = {key: value for key, value in settings.items() if value is not None}
+    for key in given:
+        if isinstance(given[key], str) and not given[key]:
+            raise UsageError(f"vpr.{function}: {key} is empty. Omit it")
     try:
         return _vpr.Call("vpr." + function, _json.dumps(given, default=plain, allow_nan=False),
                          progress)
@@ -145,7 +152,8 @@ class Report(Fields):
 
 
 class Live:
-    """A query whose frames arrive one by one, as in vpr-query live. Settings: those of query.
+    """A query whose frames arrive one by one, as in vpr-query live. Settings: those of query,
+    without a selection of frames (fps, speed).
 
     >>> live = vpr.Live(vpr.train(descriptors=monday), c_l=5, score="zscore", decide="margin")
     >>> lines = [live.add(row) for row in tuesday]
@@ -258,15 +266,20 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
         for name, value in files.items():
             if value is None or isinstance(value, (str, os.PathLike)):
                 continue
-            named = getattr(value, "columns", ())
-            if {"query", "x", "lat", "latitude"}.intersection(named):
+            if any(isinstance(column, str) for column in getattr(value, "columns", ())):
+                table = value.rename(columns=lambda column: str(column).strip().lower())
                 files[name] = f"{folder}/{name}.csv"
-                is_numbered = {"query", "frame", "image", "time"}.intersection(named)
-                table = value if is_numbered else value.assign(frame=range(len(value)))
+                has_frames = {"query", "frame", "image", "time"}.intersection(table)
+                if not has_frames and {"x", "lat", "latitude"}.intersection(table):
+                    table = table.assign(frame=range(len(table)))
                 table.to_csv(files[name], index=False)
-                files[name] += "" if is_numbered else f"@0:{len(table)}"
+                files[name] += f"@0:{len(table)}" if "frame" in table and not has_frames else ""
                 continue
             array = _vpr.array_of(value, name)
+            has_pairs = not has_positions and array.shape[1:] == (2,)
+            if has_pairs and array.dtype.kind == "f" and (array == array.round()).all() and (
+                    array.max() > 1):  # or labels of two training frames
+                array = array.astype(np.int64)
             columns = ["query", "reference"]
             if has_positions:
                 if array.shape[1:] == (3,) and settings.get("angle_deg") is None:
@@ -274,7 +287,7 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
                                      "angle_deg. Pass heights as a DataFrame with columns x, y, z")
                 array = np.column_stack([np.arange(len(array)), array])
                 columns = ["frame", "x", "y", "heading"][:array.shape[1]]
-            is_table = has_positions or (array.shape[1:] == (2,) and array.dtype.kind in "iu")
+            is_table = has_positions or (has_pairs and array.dtype.kind in "iu")
             files[name] = f"{folder}/{name}" + (".csv" if is_table else ".npy")
             if is_table:
                 np.savetxt(files[name], array, "%.17g", ",", header=",".join(columns), comments="")
@@ -282,10 +295,8 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
             else:
                 np.save(files[name], array)
         call = _call(function, {**settings, "reference": files["reference"]}, progress)
-        try:
-            return Report(_vpr.evaluate(call, result, scores, files["ground_truth"]))
-        except Error as error:
-            raise type(error)(str(error).replace(folder + "/", "")) from None
+        call.folder = folder + "/"
+        return Report(_vpr.evaluate(call, result, scores, files["ground_truth"]))
 
 
 def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress = None,
@@ -314,7 +325,8 @@ def evaluate_scores(scores: Source, ground_truth: Source, *, progress: Progress 
     """Judges scores of any program, query x training frames, as vpr-eval matrix.
 
     scores: an array or a .npy file of any number type; NaN is not a score. By default, large scores
-        are good; pass distance=True if small ones are.
+        are good; pass distance=True if small ones are. With train_frames (their number), integers
+        are the indices of the best training frames of each query, as faiss returns them.
     Settings: those of evaluate, and train_first, missing, threshold and rows_are_windows_of.
 
     >>> vpr.evaluate_scores(tuesday @ monday.T, "aligned").recall_at[1]
