@@ -249,6 +249,9 @@ def test_scores_are_judged_as_by_the_program(run, walks, tmp_path):
     assert list(report.recall_at) == [1, 5, 20]
     by_default = vpr.evaluate_scores(scores.tolist(), "aligned", name="S", recall_at=[1, 5, 20])
     assert by_default.json.metrics == report.json.metrics
+    indices = np.argsort(-scores, axis=1)[:, :20]
+    listed = vpr.evaluate_scores(indices, "aligned", train_frames=200)
+    assert listed.recall_at == {key: report.recall_at[key] for key in listed.recall_at}
     with pytest.warns(UserWarning, match="with --similarity"):
         vpr.evaluate_scores(-scores, "aligned")
 
@@ -269,9 +272,12 @@ def test_ground_truths_may_be_arrays(walks):
     with pytest.raises(vpr.UsageError, match="recall_at must be from 1"):
         vpr.evaluate(result, "aligned", recall_at=[0])
     pandas = pytest.importorskip("pandas")
-    named = pandas.DataFrame({"reference": frames[:150], "query": frames[:150] + 50})
+    named = pandas.DataFrame({"Reference ": frames[:150], "QUERY": frames[:150] + 50})
     swapped = vpr.evaluate(result, named).counts
     assert swapped == vpr.evaluate(result, np.column_stack([frames[50:], frames[:150]])).counts
+    with pytest.raises(vpr.Error):
+        vpr.evaluate(result, named.rename(columns={"QUERY": "query_id"}))
+    assert vpr.evaluate(result, np.column_stack([frames, frames]).astype(float)).counts == aligned
     table = pandas.DataFrame({"y": 1.5 * frames, "x": 0})
     assert vpr.evaluate(result, table, reference=table, radius_m=1).counts == aligned
     unjudged = vpr.evaluate(result)
@@ -319,6 +325,9 @@ def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
         pixels = np.frombuffer(path.read_bytes()[-64 * 96:], np.uint8).reshape(64, 96)
         assert live.add(pixels, name=path.name) == line
     assert live.add(None)["readable"] is False
+    live.finish()
+    with pytest.raises(vpr.UsageError, match="is finished"):
+        live.add(None)
     assert live.finish() is None
     for other in (np.zeros((4, 4, 2), np.uint8), np.zeros((0, 4), np.uint8), np.zeros((4, 4), bool)):
         with pytest.raises(vpr.DataError, match="an image has"):
@@ -361,6 +370,10 @@ def masked():
     (lambda db, walks: vpr.train([np.zeros((64, 96), np.uint8)] * 3), "UsageError"),
     (lambda db, walks: vpr.train(walks / "monday", metric="l2"), "UsageError"),
     (lambda db, walks: vpr.train(descriptors=np.eye(64), descriptor="hog"), "UsageError"),
+    (lambda db, walks: vpr.train(descriptors=np.eye(64, dtype=np.uint8), metric="cosine"), "UsageError"),
+    (lambda db, walks: vpr.query(db, descriptors=np.eye(64), fuse=""), "UsageError"),
+    (lambda db, walks: vpr.Live(db).add(""), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", train_frames=20), "UsageError"),
     (lambda db, walks: vpr.query(db, "x", descriptors=np.eye(64)), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=np.eye(64), c_l=5, t_r=np.nan), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), None), "UsageError"),
