@@ -171,8 +171,6 @@ void query_sequences(Session& session, const QueryOptions& options,
 void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
   refuse(!session.options.output.empty(), "--output",
          "has no effect on live queries; redirect standard output instead");
-  refuse(session.command.is_given("--order"), "--order",
-         "has no effect on live queries; frames are used as they arrive");
   const QueryResources resources = resources_of(options, session);
   const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
   const SequenceDatabase database =

@@ -295,29 +295,6 @@ bool natural_less(std::string_view a, std::string_view b) {
   return a.empty();
 }
 
-std::string_view name_prefix(std::string_view name) {
-  const std::string_view stem = name.substr(0, name.rfind('.'));
-  return stem.substr(0, stem.find_last_not_of("0123456789.") + 1);  // npos + 1 is 0
-}
-
-std::optional<double> name_value(std::string_view name) {
-  const size_t begin = name_prefix(name).size();
-  name = name.substr(0, name.rfind('.')).substr(begin);
-  return parse_number<double>(name);
-}
-
-std::optional<double> decimal_name(std::string_view name) {
-  const std::string_view number = name.substr(name_prefix(name).size());
-  return number.find('.') == number.rfind('.') ? std::nullopt : name_value(name);
-}
-
-bool frame_name_less(std::string_view a, std::string_view b) {
-  const auto x = decimal_name(a);
-  const auto y = decimal_name(b);
-  if (x && y && name_prefix(a) != name_prefix(b)) return name_prefix(a) < name_prefix(b);
-  return x != y ? x < y : natural_less(a, b);
-}
-
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where) {
   return CsvParser(without_byte_order_mark(text), where).parse();
 }

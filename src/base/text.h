@@ -82,16 +82,6 @@ std::string wrapped_command(const std::vector<std::string>& words);
 /// strings.
 bool natural_less(std::string_view a, std::string_view b);
 
-/// The part of a file name before the number that ends it, as "left_" of "left_3082.08.jpg".
-std::string_view name_prefix(std::string_view name);
-/// The number that ends a file name before its extension.
-std::optional<double> name_value(std::string_view name);
-/// The same, if the number has a decimal point.
-std::optional<double> decimal_name(std::string_view name);
-
-/// natural_less, but decimal names come after all others, by value.
-bool frame_name_less(std::string_view a, std::string_view b);
-
 /// One row of a CSV file: its fields as text, without quotes.
 struct CsvRow {
   size_t line = 0;  ///< one-based, where the row starts

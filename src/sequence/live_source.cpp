@@ -126,11 +126,6 @@ class GrowingFolder {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct NameLess {
-    bool operator()(const std::string& a, const std::string& b) const {
-      return frame_name_less(a, b);
-    }
-  };
   // The stability of the first pending file: its size, and since when it has not changed.
   struct Rest {
     std::string name;
@@ -147,11 +142,24 @@ class GrowingFolder {
     if (error) throw gone(folder_, error.message());
     if (changed == changed_) return;
     changed_ = changed;
-    for (const fs::directory_entry& entry : entries_of(folder_, ErrorKind::input)) {
-      const std::string name = entry.path().filename().string();
-      if (is_frame_name(name) && is_later(name)) pending_.insert(name);
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : entries_of(folder_, ErrorKind::input))
+      if (is_frame_name(entry.path())) names.push_back(entry.path().filename().string());
+    add(names);
+  }
+
+  // The names decide the order, unless earlier ones did.
+  void add(const std::vector<std::string>& names) {
+    if (order_ == nullptr) {
+      std::set<std::string> all(names.begin(), names.end());
+      all.insert(pending_.begin(), pending_.end());
+      if (!last_.empty()) all.insert(last_);
+      order_ = name_order({all.begin(), all.end()}, folder_);
+      if (order_ != nullptr) pending_ = {pending_.begin(), pending_.end(), order_};
     }
   }
+    for (const std::string& name : names)
+      if (last_.empty() || pending_.key_comp()(last_, name)) pending_.insert(name);
 
   void read_events(const Monitor& monitor) {
     alignas(inotify_event) std::array<char, 16384> buffer;
@@ -170,21 +178,17 @@ class GrowingFolder {
 
   void handle_event(const std::string& name, uint32_t event, const Monitor& monitor) {
     if (!is_frame_name(name)) return;
-    if (is_later(name)) {
-      pending_.insert(name);
+    if (!pending_.contains(name)) add({name});
+    if (pending_.contains(name)) {
       if ((event & IN_MOVED_TO) != 0) renamed_.insert(name);
       if ((event & IN_CLOSE_WRITE) != 0) {
         closed_.insert(name);
         refused_.reset();
       }
-    } else if (frame_name_less(name, last_) && (event & IN_CLOSE_WRITE) == 0) {
+    } else if (name != last_ && (event & (IN_CREATE | IN_MOVED_TO)) != 0) {
       warn(monitor, "{}: arrived after {}, which was already used, and is omitted",
            (folder_ / name).string(), last_);
     }
-  }
-
-  bool is_later(const std::string& name) const {
-    return last_.empty() || frame_name_less(last_, name);
   }
 
   bool is_complete(const std::string& name, const Monitor& monitor) {
@@ -233,7 +237,8 @@ class GrowingFolder {
   int events_ = -1;  // events of the folder; -1: none
   std::optional<Clock::time_point> read_at_;
   fs::file_time_type changed_ = fs::file_time_type::min();  // at the last check
-  std::set<std::string, NameLess> pending_;                 // names that were not returned yet
+  NameOrder order_ = nullptr;                               // null: not decided
+  std::set<std::string, NameOrder> pending_{natural_less};  // names that were not returned yet
   std::set<std::string> renamed_;  // pending names that were renamed into the folder
   std::set<std::string> closed_;   // pending names whose writer closed them
   std::string last_;               // the last returned name

@@ -54,14 +54,15 @@ LiveSource open_live_pipe(int descriptor);
 LiveSource follow_camera(std::unique_ptr<cv::VideoCapture> capture,
                          const SequenceArgument& argument);
 
-/// The images of a folder in the order of their names, each as soon as it is complete: it was
+/// The images of a folder in the order of name_order, each as soon as it is complete: it was
 /// renamed into the folder, or it can be decoded after its writer closed it or after it has not
 /// changed for some time (a file that existed before, or a file system without events, which is
 /// read every second). Later images wait for an incomplete one until it has not changed for ten
 /// times that time. An image that arrives after a later one was returned is omitted, with a warning
 /// if there are events.
 /// `rest`: how long a size must be stable. next() waits without a time limit; it throws
-/// Error(input) once the folder no longer exists. Throws Error(input) for an unreadable folder.
+/// Error(input) once the folder no longer exists, and Error(usage) for an unclear order. Throws
+/// Error(input) for an unreadable folder.
 LiveSource follow_folder(const std::filesystem::path& folder,
                          std::chrono::milliseconds rest = std::chrono::seconds(1));
 

@@ -177,6 +177,19 @@ TEST_CASE("images arrive in natural order, as soon as they are renamed into a fo
   }
 }
 
+TEST_CASE("decimal names in a growing folder have the order of folders") {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.5.png", "1.png", "0.5.png"}) put(folder.path(), name);
+  const LiveSource growing = follow_folder(folder.path(), 0ms);
+  for (const char* name : {"0.5.png", "1.png", "1.5.png", "2.png", "2.25.png", "10.png"}) {
+    if (!fs::exists(folder / name)) put(folder.path(), name);
+    CHECK(next_file(growing) == folder / name);
+  }
+  const TemporaryFolder unclear;
+  for (const char* name : {"1.9.png", "1.10.png", "2.05.png"}) put(unclear.path(), name);
+  CHECK(has(error_text([&] { next_file(follow_folder(unclear.path())); }), "--order natural"));
+}
+
 TEST_CASE("an unfinished file is awaited") {
   const TemporaryFolder folder;
   const LiveSource growing = follow_folder(folder.path(), 1h);
