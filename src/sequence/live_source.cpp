@@ -93,8 +93,8 @@ class GrowingFolder {
     // Before the folder is read for the first time, so that no file is missed in between.
     events_ = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
     if (events_ < 0) return;
-    if (::inotify_add_watch(events_, folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE) <
-        0) {
+    if (::inotify_add_watch(events_, folder.c_str(),
+                            IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_MODIFY) < 0) {
       ::close(events_);
       events_ = -1;
     }
@@ -117,6 +117,7 @@ class GrowingFolder {
         pending_.erase(last_);
         renamed_.erase(last_);
         closed_.erase(last_);
+        open_.erase(last_);
         return folder_ / last_;
       }
       pollfd events{events_, POLLIN, 0};  // poll ignores a negative descriptor
@@ -157,9 +158,9 @@ class GrowingFolder {
       order_ = name_order({all.begin(), all.end()}, folder_);
       if (order_ != nullptr) pending_ = {pending_.begin(), pending_.end(), order_};
     }
-  }
     for (const std::string& name : names)
       if (last_.empty() || pending_.key_comp()(last_, name)) pending_.insert(name);
+  }
 
   void read_events(const Monitor& monitor) {
     alignas(inotify_event) std::array<char, 16384> buffer;
@@ -181,8 +182,10 @@ class GrowingFolder {
     if (!pending_.contains(name)) add({name});
     if (pending_.contains(name)) {
       if ((event & IN_MOVED_TO) != 0) renamed_.insert(name);
+      if ((event & IN_MODIFY) != 0) open_.insert(name);
       if ((event & IN_CLOSE_WRITE) != 0) {
         closed_.insert(name);
+        open_.erase(name);
         refused_.reset();
       }
     } else if (name != last_ && (event & (IN_CREATE | IN_MOVED_TO)) != 0) {
@@ -195,7 +198,9 @@ class GrowingFolder {
     if (renamed_.contains(name)) return true;
     observe(name);
     if (!resting_) return false;
-    if ((closed_.contains(name) || has_rested(name)) && can_be_decoded(name, monitor)) return true;
+    if ((closed_.contains(name) || has_rested(name)) && can_be_decoded(name, monitor) &&
+        !open_.contains(name))
+      return true;
     return pending_.size() > 1 && Clock::now() - resting_->since >= kPatience * rest_for_;
   }
 
@@ -241,6 +246,7 @@ class GrowingFolder {
   std::set<std::string, NameOrder> pending_{natural_less};  // names that were not returned yet
   std::set<std::string> renamed_;  // pending names that were renamed into the folder
   std::set<std::string> closed_;   // pending names whose writer closed them
+  std::set<std::string> open_;     // pending names that were written to, and not closed since
   std::string last_;               // the last returned name
   std::optional<Rest> resting_;
   std::optional<Rest> refused_;  // could not be decoded, and has not been closed since

@@ -258,11 +258,17 @@ TEST_CASE("a broken image with a late name does not make earlier ones be used to
   CHECK(next.get() == folder / "2.png");
 }
 
-TEST_CASE("an existing file is returned when its size is stable") {
+TEST_CASE("an existing file is returned when its size is stable, an open one when it is closed") {
   const TemporaryFolder folder;
   write_image(folder / "1.png", 1);
   const LiveSource growing = follow_folder(folder.path(), 0ms);
   CHECK(next_file(growing) == folder / "1.png");
+  std::ofstream file(folder / "2.png", std::ios::binary);
+  file << read_text(folder / "1.png") << std::flush;
+  auto next = next_of(growing);
+  CHECK(next.wait_for(100ms) == std::future_status::timeout);
+  file.close();
+  CHECK(next.get() == folder / "2.png");
 }
 
 TEST_CASE("an image that arrives too late is omitted with a warning") {
