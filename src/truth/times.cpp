@@ -40,11 +40,23 @@ struct TimeColumn {
   std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
 };
 
-// The only column that is named like a time, such as "time", "Timestamp [ns]" or "seconds".
-TimeColumn time_column(const FileLocation& location, const std::vector<std::string>& header) {
+// The only column that is named like a time, such as "time", "Timestamp [ns]" or "seconds". Blanks
+// may have split a name from its unit: then the header has more than `columns` words.
+TimeColumn time_column(const FileLocation& location, const std::vector<std::string>& words,
+                       size_t columns) {
   static const std::regex kName(
       R"((?:time|time[ _]?stamp|stamp)(?:[ _]*[\[(]?(s|sec|ms|us|ns)[\])]?)?|(seconds|nanoseconds))",
       std::regex::icase);
+  std::vector<std::string> header;
+  for (size_t i = 0; i < words.size(); ++i) {
+    const std::string whole = header.empty() ? words[i] : header.back() + " " + words[i];
+    const bool is_unit = words[i].starts_with('[') || words[i].starts_with('(') ||
+                         (whole.size() <= kMaxDate && std::regex_match(whole, kName));
+    if (!header.empty() && header.size() + words.size() - i > columns && is_unit)
+      header.back() = whole;
+    else
+      header.push_back(words[i]);
+  }
   std::vector<TimeColumn> found;
   for (size_t i = 0; i < header.size(); ++i) {
     std::smatch parts;
@@ -244,16 +256,21 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   FileLocation location{path.string()};
   TimeColumn column;
   const bool has_header = !rows.empty() && !unit_of_time(rows[0].fields[0]);
-  if (has_header) column = time_column(location, rows[0].fields);
+  if (has_header)
+    column = time_column(location, rows[0].fields,
+                         rows[std::min<size_t>(1, rows.size() - 1)].fields.size());
   TimeReader reader(column.unit);
   std::vector<int64_t> times;
-  bool are_frames = !has_header;  // the first of two columns counts them
+  bool are_frames = !has_header;    // the first of two columns counts them
+  bool are_integers = !has_header;  // of two columns, the first one in seconds
   for (size_t i = has_header ? 1 : 0; i < rows.size(); ++i) {
     const std::vector<std::string>& cells = rows[i].fields;
     location.at("line", rows[i].line);
     if (column.index >= cells.size()) location.fail("has no time");
     are_frames =
         are_frames && cells.size() == 2 && cells[0] == std::to_string(i) && unit_of_time(cells[1]);
+    are_integers = are_integers && cells.size() == 2 && parse_number<int64_t>(cells[0]) &&
+                   parse_number<int64_t>(cells[1]) && unit_of_time(cells[0]) == TimeUnit::seconds;
     const int64_t time = reader.read_next(location, cells[column.index]);
     if (frame_in_range(source.range, has_header ? i - 1 : i)) times.push_back(time);
   }
@@ -262,6 +279,10 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
     FileLocation{path.string()}.fail(
         "its first column counts 0, 1, 2, ... Add a first line that names the columns, such as "
         "frame,time");
+  if (are_integers)
+    FileLocation{path.string()}.fail(
+        "its second column may be a fraction of the first one. Use a decimal point, or add a first "
+        "line that names the columns, such as time,frame");
   return times;
 }
 

@@ -116,11 +116,12 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
         std::vector<int64_t>{2000000000, 4000000000});
   for (const char* text : {"frame,Time\n0,1.5\n1,2.25\n", "\"frame\",\"time\"\n0,1.5\n1,2.25\n",
                            "frame;TIMESTAMP [s]\n0;1.5\n1;2.25\n", "frame,seconds\n0,1.5\n1,2.25\n",
-                           "time_ms\n1500\n2250\n", "nanoseconds\n1500000000\n2250000000\n"})
+                           "time_ms\n1500\n2250\n", "nanoseconds\n1500000000\n2250000000\n",
+                           "time [ms]\n1500\n2250\n", "x [m] time ms y\n7 1500 1\n7 2250 2\n"})
     CHECK(read_time_list(file("h.csv", text)) == both);
   for (const char* text :
        {"frame,clock\n0,1.5\n", "secs,nsecs\n0,5\n", "seconds,nanoseconds\n0,5\n",
-        "a.png,1.5\nb.png,2.25\n", "0,1.5\n1,2.25\n", "0 1.5\n1 2.25\n"})
+        "a.png,1.5\nb.png,2.25\n", "0,1.5\n1,2.25\n", "0 1.5\n1 2.25\n", "1,5\n2,25\n"})
     CHECK(test::has(test::error_text([&] { read_time_list(file("n.csv", text)); }), "time"));
 }
 
