@@ -134,7 +134,9 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   };
   const std::string file = read_whole_file(path);
   if (file.empty()) fail("the file is empty");
-  if (!is_accepted_format(file)) fail("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image");
+  if (!is_accepted_format(file))
+    fail(fmt::format("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image{}",
+                     file.starts_with("II+") ? ", but a BigTIFF" : ""));
   if (file.starts_with(kJpegStart)) {
     const JpegScans scans = jpeg_scans(file);
     if (scans.count > kMostScans)
@@ -156,7 +158,7 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   cv::Mat image;
   try {
     const CodecScope scope(path);
-    const int depth = header.is_gray_16 ? cv::IMREAD_ANYDEPTH : 0;
+    const int depth = header.is_16_bit ? cv::IMREAD_ANYDEPTH : 0;
     image = cv::imdecode(
         bytes, depth | (format == PixelFormat::gray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR));
   } catch (const cv::Exception& error) {
@@ -169,8 +171,9 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
     fail(error.err);
   }
   if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U))
-    fail("it is damaged, or of a kind that OpenCV does not read");
-  if (header.orientation != 1) turn_upright(image, header.orientation);
+    fail(fmt::format("it is damaged, or of a kind that OpenCV does not read{}{}",
+                     header.kind.empty() ? "" : ": ", header.kind));
+  turn_upright(image, header.orientation);
   return image;
 }
 
@@ -187,7 +190,7 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
 }
 
 std::optional<PixelRange> pixel_range(const std::filesystem::path& path) {
-  if (!read_image_header(read_whole_file(path)).is_gray_16) return std::nullopt;
+  if (!read_image_header(read_whole_file(path)).is_16_bit) return std::nullopt;
   return range_of(decode_pixels(path, PixelFormat::gray));
 }
 

@@ -24,7 +24,7 @@ struct PixelRange {
 };
 
 /// 8 bits per channel, as decoded by OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR, with EXIF
-/// orientation applied. 16-bit gray is scaled by `range` or, without one, by the range of the
+/// orientation applied. 16-bit values are scaled by `range` or, without one, by the range of the
 /// image. Throws Error(input), with the file, if it is missing, empty, damaged, or not a JPEG, PNG,
 /// TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is truncated (OpenCV
 /// itself fills the missing part with gray) or has more than 100 scans; Error(usage) if it is
@@ -32,7 +32,7 @@ struct PixelRange {
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
                      const std::optional<PixelRange>& range = {});
 
-/// The range of the values of a 16-bit gray image; nullopt for other images. Throws as decode_image
+/// The range of the gray values of a 16-bit image; nullopt for other images. Throws as decode_image
 /// does.
 std::optional<PixelRange> pixel_range(const std::filesystem::path& path);
 
@@ -67,8 +67,9 @@ void mute_codecs();
 struct ImageHeader {
   uint64_t tile_width = 0;  ///< TIFF: of the tiles that are allocated whole; 0: none
   uint64_t tile_height = 0;
-  std::string unread;       ///< TIFF: the kind of pixels, such as "signed", that are not supported
-  bool is_gray_16 = false;  ///< PNG, TIFF and PGM: one channel of 16 bits
+  std::string unread;      ///< TIFF: the kind of pixels, such as "signed", that are not supported
+  std::string kind;        ///< TIFF: its pixels, for a message; empty: other formats
+  bool is_16_bit = false;  ///< PNG, TIFF, PGM and PPM: 16 bits per channel
   /// WebP: EXIF orientation 1 to 8, which OpenCV applies to other formats. 1: as stored.
   int orientation = 1;
 };

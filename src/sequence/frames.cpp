@@ -57,7 +57,7 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
        other->width, other->height);
 }
 
-// The range of all 16-bit gray images; nullopt if the first image is of another kind. Images that
+// The range of all 16-bit images; nullopt if the first image is of another kind. Images that
 // cannot be decoded are reported later.
 std::optional<PixelRange> find_pixel_range(const SequenceSource& source, const Monitor& monitor) {
   const auto range_at = [&](size_t i) -> std::optional<PixelRange> {
@@ -110,7 +110,9 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
   }
   const auto first =
       std::ranges::find_if(sizes, [](const cv::Size& size) { return !size.empty(); });
-  if (first == sizes.end()) return sequence;
+  if (first == sizes.end())
+    throw Error(ErrorKind::input, "{}: none of its {} can be decoded. The first: {}",
+                source.argument.path.string(), counted(count, "frame"), problems[0]->what());
   sequence.size = {static_cast<uint32_t>(first->width), static_cast<uint32_t>(first->height)};
   warn_of_sizes(source, sizes, first, monitor);
   return sequence;
@@ -186,7 +188,9 @@ namespace {
 
 // A playlist makes FFmpeg open other files, of which some never end.
 void refuse_text(const std::filesystem::path& path, std::string_view start) {
-  const auto is_text = [](char c) { return (c >= ' ' && c <= '~') || (c >= '\t' && c <= '\r'); };
+  const auto is_text = [](char c) {
+    return static_cast<uint8_t>(c) >= ' ' || (c >= '\t' && c <= '\r');
+  };
   start = without_byte_order_mark(start);
   if (start.starts_with("YUV4MPEG2") || !std::ranges::all_of(start, is_text)) return;
   throw Error(ErrorKind::input,

@@ -2,6 +2,8 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <fstream>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -27,18 +29,22 @@ struct ByteReader {
 };
 
 // Calls use(tag, value) for the entries of the first directory; "II*" or "MM*" begins the file.
+// Like libtiff, reads values of 8 bytes, and the first of two entries with one tag.
 template <class Use>
 void for_each_tag(std::string_view file, Use&& use) {
-  constexpr uint64_t kShort = 3;
+  constexpr std::array<uint64_t, 18> kBytes = {4, 1, 1, 2, 4, 8, 1, 1, 2,
+                                               4, 8, 4, 8, 4, 4, 4, 8, 8};
   const ByteReader reader{file, file.starts_with("II")};
   const uint64_t directory = reader.number(4, 4);
   const uint64_t entries = reader.number(directory, 2);
+  std::set<uint64_t> tags;
   for (uint64_t i = 0; i < entries; ++i) {
     const uint64_t at = directory + 2 + 12 * i;
-    const bool is_short = reader.number(at + 2, 2) == kShort;
-    const bool is_array = reader.number(at + 4, 4) > (is_short ? 2 : 1);
-    const uint64_t where = is_array ? reader.number(at + 8, 4) : at + 8;
-    use(reader.number(at, 2), reader.number(where, is_short ? 2 : 4));
+    const uint64_t bytes = kBytes[reader.number(at + 2, 2) % kBytes.size()];
+    const bool is_inside = reader.number(at + 4, 4) <= 4 / bytes;
+    const uint64_t where = is_inside ? at + 8 : reader.number(at + 8, 4);
+    const uint64_t tag = reader.number(at, 2);
+    if (tags.insert(tag).second) use(tag, reader.number(where, bytes));
   }
 }
 
@@ -61,7 +67,8 @@ ImageHeader tiff_header(std::string_view file) {
   if (header.unread.empty() && bits > 16) header.unread = fmt::format("{}-bit", bits);
   if (header.unread.empty() && bits > 8 && samples == 1 && photometric == 0)
     header.unread = "inverted (MINISWHITE)";
-  header.is_gray_16 = bits == 16 && samples == 1 && photometric <= 1 && header.unread.empty();
+  header.kind = fmt::format("TIFF of {} bits and {} channels", bits, samples);
+  header.is_16_bit = bits == 16 && header.unread.empty();
   return header;
 }
 
@@ -84,8 +91,8 @@ int webp_orientation(std::string_view file) {
   return orientation;
 }
 
-// "P2" or "P5", width, height and largest value, separated by blanks and comments.
-bool is_pgm_16(std::string_view file) {
+// "P2", "P3", "P5" or "P6", width, height and largest value, separated by blanks and comments.
+bool is_pnm_16(std::string_view file) {
   size_t at = 2;
   uint64_t value = 0;
   for (int field = 0; field < 3; ++field) {
@@ -107,9 +114,9 @@ ImageHeader read_image_header(std::string_view file) {
   if (file.starts_with("II*") || file.starts_with("MM"))
     header = tiff_header(file);
   else if (file.starts_with("\x89PNG"))
-    header.is_gray_16 = reader.number(24, 1) == 16 && reader.number(25, 1) == 0;
-  else if (file.starts_with("P2") || file.starts_with("P5"))
-    header.is_gray_16 = is_pgm_16(file);
+    header.is_16_bit = reader.number(24, 1) == 16;
+  else if (file.starts_with("P"))
+    header.is_16_bit = is_pnm_16(file);
   else if (file.starts_with("RIFF"))
     header.orientation = webp_orientation(file);
   return header;

@@ -172,11 +172,12 @@ std::vector<fs::path> files_of(const std::vector<fs::path>& entries,
 // Refuses an image that is not read, unless one that is read has its name without extension: it
 // would shift the numbers of frames.
 void refuse_unread_images(const std::vector<fs::path>& entries) {
-  constexpr std::string_view kUnread[] = {".heic", ".heif", ".hif", ".avif", ".gif", ".jp2",
-                                          ".j2k",  ".jpx",  ".jxl", ".pbm",  ".pam", ".pfm",
-                                          ".tga",  ".exr",  ".hdr", ".dng",  ".cr2", ".cr3",
-                                          ".nef",  ".arw",  ".orf", ".raf",  ".rw2"};
-  constexpr size_t kHeif = 4;  // the first ones
+  constexpr std::string_view kUnread[] = {
+      ".heic", ".heif", ".hif", ".heics", ".avif", ".avifs", ".gif", ".jp2", ".j2k", ".j2c",
+      ".jpc",  ".jpx",  ".jxl", ".jxr",   ".mpo",  ".pbm",   ".pam", ".pfm", ".pcx", ".ras",
+      ".tga",  ".exr",  ".hdr", ".dng",   ".cr2",  ".cr3",   ".nef", ".arw", ".orf", ".raf",
+      ".rw2",  ".pef",  ".srw", ".rwl",   ".3fr",  ".iiq",   ".raw"};
+  constexpr size_t kHeif = 6;  // the first ones
   std::set<fs::path> read;
   for (const fs::path& path : files_of(entries, kImageExtensions)) read.insert(path.stem());
   for (const fs::path& path : files_of(entries, kUnread)) {
@@ -348,7 +349,6 @@ FrameOrder current_frame_order() { return frame_order; }
 
 bool is_frame_order_used() { return frame_order_is_used; }
 
-SequenceSource open_sequence(const SequenceArgument& argument) {
 NameOrder name_order(std::vector<std::string> names, const fs::path& folder) {
   const NameOrder by_bytes = [](std::string_view a, std::string_view b) { return a < b; };
   const auto is_utm = [](const std::string& name) { return std::ranges::count(name, '@') > 1; };
@@ -370,6 +370,7 @@ NameOrder name_order(std::vector<std::string> names, const fs::path& folder) {
   return order_of_decimals(names, folder);
 }
 
+SequenceSource open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;
   if (argument.array) return {argument, SequenceKind::descriptors, {path}};
   std::error_code error;

@@ -67,12 +67,17 @@ std::string little(uint64_t value, size_t bytes) {
   return text;
 }
 
-// A TIFF file with these tags and without pixels.
-std::string tiff(const std::map<uint64_t, uint64_t>& tags) {
+// A TIFF file with these tags and without pixels. The values are of 4 bytes or, after the tags, 8.
+std::string tiff(const std::vector<std::pair<uint64_t, uint64_t>>& tags, bool is_long8 = false) {
   std::string file = "II*" + little(0, 1) + little(8, 4) + little(tags.size(), 2);
-  for (const auto& [tag, value] : tags)
-    file += little(tag, 2) + little(4, 2) + little(1, 4) + little(value, 4);
-  return file + little(0, 4);
+  std::string values = little(0, 4);
+  for (const auto& [tag, value] : tags) {
+    const uint64_t where = 8 + 2 + 12 * tags.size() + values.size();
+    file += little(tag, 2) + little(is_long8 ? 16 : 4, 2) + little(1, 4);
+    file += little(is_long8 ? where : value, 4);
+    values += little(value, 8);
+  }
+  return file + values;
 }
 
 }  // namespace
@@ -95,14 +100,15 @@ TEST_CASE("a video is shown upright, whatever its display matrix") {
   }
 }
 
-TEST_CASE("16-bit gray is scaled by the range of its sequence") {
+TEST_CASE("16-bit gray and color are scaled by the range of their sequence") {
   const TemporaryFolder folder;
-  const char* extension = GENERATE(".png", ".tif", ".pgm");
+  const std::string extension = GENERATE(as<std::string>(), ".png", ".tif", ".pgm", ".ppm");
   for (int i = 0; i < 3; ++i) {
     cv::Mat image(8, 8, CV_16UC1, cv::Scalar(27000 + 50 * i));
     image.at<uint16_t>(0, 0) = static_cast<uint16_t>(27000 + 50 * i + 55);
     cv::imwrite(folder / (std::to_string(i) + extension), image);
   }
+    if (extension == ".ppm") cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
   const auto frames = frames_of(folder.path());
   CHECK(frames.at(0).at<uint8_t>(1, 1) == 0);    // 27000
   CHECK(frames.at(0).at<uint8_t>(0, 0) == 90);   // 27055, of 155
@@ -158,7 +164,7 @@ TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names o
 TEST_CASE("images that would shift frame numbers, and formats that are not read, are refused") {
   const TemporaryFolder folder;
   write_image(folder / "1.png", 1);
-  for (const char* name : {"2.HEIC", "2.GIF", "2.jp2", "2.pbm", "2.dng"}) {
+  for (const char* name : {"2.HEIC", "2.GIF", "2.jp2", "2.pbm", "2.dng", "2.j2c"}) {
     write_text(folder / name, "x");
     CHECK_THROWS_WITH(open_sequence({folder.path(), {}}),
                       Catch::Contains(name) && Catch::Contains("not supported") &&
@@ -179,10 +185,12 @@ TEST_CASE("images that would shift frame numbers, and formats that are not read,
   CHECK_THROWS_WITH(decode_image(folder / "s.tif", PixelFormat::gray),
                     Catch::Contains("signed pixels"));
   // Tiles of 32768 x 32768 pixels for an image of one pixel.
-  write_text(folder / "t.tif", tiff({{256, 1}, {257, 1}, {322, 32768}, {323, 32768}}));
-  CHECK_THROWS_WITH(decode_image(folder / "t.tif", PixelFormat::gray),
-                    Catch::Contains("32768 x 32768"));
-  write_text(folder / "list.mp4", "#EXTM3U\n#EXTINF:1.2,\nsecret.ts\n#EXT-X-ENDLIST\n");
+  for (const bool is_long8 : {false, true}) {
+    write_text(folder / "t.tif", tiff({{322, 32768}, {322, 16}, {323, 32768}}, is_long8));
+    CHECK_THROWS_WITH(decode_image(folder / "t.tif", PixelFormat::gray),
+                      Catch::Contains("32768 x 32768"));
+  }
+  write_text(folder / "list.mp4", "#EXTM3U\n# \xc3\xbc\n#EXTINF:1.2,\nsecret.ts\n#EXT-X-ENDLIST\n");
   CHECK_THROWS_WITH(frames_of(folder / "list.mp4"), Catch::Contains("playlists are not read"));
 }
 
