@@ -117,16 +117,7 @@ PixelRange range_of(const cv::Mat& image) {
   return range;
 }
 
-// EXIF orientation.
-void turn_upright(cv::Mat& image, int orientation) {
-  if (orientation >= 5) cv::transpose(image, image);
-  const bool flips_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
-  const bool flips_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
-  if (flips_x) cv::flip(image, image, 1);
-  if (flips_y) cv::flip(image, image, 0);
-}
-
-// With 16 bits per channel for 16-bit gray.
+// With 16 bits per channel if the file has them.
 cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
     throw Error(ErrorKind::input, "{}: can't be decoded: {}. Remove it, or use --skip-unreadable",
@@ -178,6 +169,14 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
 }
 
 }  // namespace
+
+void turn_upright(cv::Mat& image, int orientation) {
+  if (orientation >= 5) cv::transpose(image, image);
+  const bool flips_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+  const bool flips_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+  if (flips_x) cv::flip(image, image, 1);
+  if (flips_y) cv::flip(image, image, 0);
+}
 
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
                      const std::optional<PixelRange>& range) {

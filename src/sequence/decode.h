@@ -36,6 +36,9 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
 /// does.
 std::optional<PixelRange> pixel_range(const std::filesystem::path& path);
 
+/// Applies an EXIF orientation, 1 to 8; 1: as stored.
+void turn_upright(cv::Mat& image, int orientation);
+
 /// The default limit of a frame.
 constexpr uint64_t kDefaultMegapixels = 100;
 /// OpenCV cannot decode more than 2^30 pixels.
@@ -76,5 +79,9 @@ struct ImageHeader {
 
 /// Never throws: fields that a damaged header lacks keep their defaults.
 ImageHeader read_image_header(std::string_view file);
+
+/// Whether the display matrix of an MP4 or MOV video mirrors its frames, which OpenCV's rotation
+/// omits. If so, they are flipped upside down before they are rotated. False for other files.
+bool is_mirrored_video(const std::filesystem::path& path);
 
 }  // namespace vpr

@@ -199,21 +199,16 @@ void refuse_text(const std::filesystem::path& path, std::string_view start) {
               path.string());
 }
 
-// Turns off OpenCV's own rotation, whose direction depends on its version, and returns the rotation
-// that shows frames upright: clockwise degrees.
-int upright_rotation(cv::VideoCapture& capture) {
+// Turns off OpenCV's own rotation, whose direction depends on its version, and returns the EXIF
+// orientation that the display matrix of a video stands for.
+int orientation_of(cv::VideoCapture& capture, const std::filesystem::path& path) {
   capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
   const int angle = static_cast<int>(capture.get(cv::CAP_PROP_ORIENTATION_META));
   const bool is_reversed = cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6;
-  return ((is_reversed ? -angle : angle) % 360 + 360) % 360;
-}
-
-cv::Mat rotated(const cv::Mat& image, int rotation) {
-  cv::Mat upright;
-  if (rotation == 90) cv::rotate(image, upright, cv::ROTATE_90_CLOCKWISE);
-  if (rotation == 180) cv::rotate(image, upright, cv::ROTATE_180);
-  if (rotation == 270) cv::rotate(image, upright, cv::ROTATE_90_COUNTERCLOCKWISE);
-  return upright.empty() ? image : upright;
+  const int clockwise = ((is_reversed ? -angle : angle) % 360 + 360) % 360;
+  if (clockwise % 90 != 0) return 1;
+  constexpr int kOrientations[2][4] = {{1, 6, 3, 8}, {4, 5, 2, 7}};  // by quarter turns
+  return kOrientations[is_mirrored_video(path) ? 1 : 0][clockwise / 90];
 }
 
 size_t checked_threads(uint64_t threads) {
@@ -237,7 +232,7 @@ VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
     throw Error(ErrorKind::input,
                 "{}: is neither a folder of images, a list (.txt) nor a video that can be decoded",
                 path);
-  rotation_ = upright_rotation(*capture_);
+  orientation_ = orientation_of(*capture_, argument.path);
 }
 
 VideoReader::~VideoReader() = default;
@@ -261,7 +256,8 @@ bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   const CodecScope scope(argument_.path);  // the frame may be larger than the first one
   cv::Mat image;
   if (capture_->retrieve(image) && !image.empty()) {
-    frame.image = rotated(in_format(image, format_), rotation_);
+    frame.image = in_format(image, format_);
+    turn_upright(frame.image, orientation_);
     if (!sequence_.size)
       sequence_.size = {static_cast<uint32_t>(frame.image.cols),
                         static_cast<uint32_t>(frame.image.rows)};

@@ -78,7 +78,7 @@ class VideoReader {
   PixelFormat format_;
   std::unique_ptr<cv::VideoCapture> capture_;
   Sequence sequence_;
-  int rotation_ = 0;  // clockwise degrees
+  int orientation_ = 1;  // of its frames, as in EXIF
   uint64_t position_ = 0;
   double first_ms_ = 0;  // times of frames
   double last_ms_ = 0;
