@@ -474,12 +474,14 @@ std::optional<size_t> FrameNames::count() const {
 }
 
 std::optional<size_t> FrameNames::find(std::string_view path) const {
-  const auto found = by_file_name_.find(file_name(path));
-  if (found == by_file_name_.end()) {
-    const auto stem = by_stem_.find(file_name(path));
-    if (stem == by_stem_.end() || stem->second.size() > 1) return std::nullopt;
-    return stem->second.front();
-  }
+  const std::string_view name = file_name(path);
+  const bool is_stem = !by_file_name_.contains(name);
+  const auto& names = is_stem ? by_stem_ : by_file_name_;
+  const auto found = names.find(name);
+  if (found == names.end() || (is_stem && found->second.size() > 1)) return std::nullopt;
+  const std::string_view folder = path.substr(0, path.size() - name.size());
+  for (size_t at = 0; (at = folder.find_first_of(" \t,;", at)) < folder.size(); ++at)
+    if (names.contains(file_name(path.substr(0, at)))) return std::nullopt;  // several paths
   if (found->second.size() == 1) return found->second.front();
   std::optional<size_t> best;
   size_t most = 0;

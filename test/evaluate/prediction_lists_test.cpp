@@ -57,6 +57,7 @@ TEST_CASE("frames are identified by the end of their paths") {
   CHECK_FALSE(names.find("1.jpg"));        // in two folders
   CHECK_FALSE(names.find("other/1.jpg"));  // in no folder
   CHECK_FALSE(names.find("3.jpg"));
+  CHECK_FALSE(names.find("db/left/1.jpg db/left/2.jpg"));  // two frames
   CHECK(FrameNames({"q/a.jpg"}).find("/elsewhere/a.jpg") == 0U);
   const FrameNames numbers({});
   CHECK_FALSE(numbers.count());
