@@ -88,10 +88,11 @@ bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
 // Whether two arrays can be compared, by a metric if one is set.
 void require_alike(const SequenceSource& query, const ArrayRows& queries,
                    const SequenceSource& reference, const ArrayRows& references, bool has_metric) {
-  if (has_bits(queries) != has_bits(references))
+  const bool have_bits = has_bits(queries);
+  if (have_bits != has_bits(references) || (have_bits && queries.type() != references.type()))
     throw Error(ErrorKind::data, "{}: the values have type {}, but in {} they have type {}",
                 queries.where(0), queries.type(), references.where(0), references.type());
-  if (has_metric && has_bits(queries))
+  if (has_metric && have_bits)
     throw Error(ErrorKind::usage,
                 "{}: has type {}, whose bits are compared by Hamming distances, so --metric has no "
                 "effect. Omit it or, if the values are numbers, save them as float32",

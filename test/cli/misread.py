@@ -231,6 +231,8 @@ def arrays():
     refused(4, "Save an array of numbers", "vpr-eval", "check", "dict.npy")
     same = ("--query-npy", "bytes.npy", "--train-npy", "bytes.npy", "--ground-truth", "aligned")
     assert "If they are numbers, save them as float32" in said("vpr-eval", "matrix", *same)
+    np.save(folder / "bool.npy", numbers > 0.5)
+    refused(4, "the values have type |b1", "vpr-eval", "matrix", "--query-npy", "bool.npy", *same[2:])
     matrix = ("vpr-query", "matrix", "marked.npy", "--distance", "--c-l", 1, "-o")
     assert "--missing 1000000" in said(*matrix, "marked.json") and not said(*matrix, "known.json", "--missing", 1e6)
     assert "use --missing -1" in said("vpr-query", "matrix", "minus.npy", *matrix[3:], "minus.json")
