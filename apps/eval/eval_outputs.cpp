@@ -234,7 +234,7 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
   train.resize(std::max(train.size(), sequences));
   const auto has_blank = [](const std::vector<std::string>& names) {
     return std::ranges::any_of(names, [](const std::string& name) {
-      return name.find_first_of(" ,;\t") != std::string::npos;
+      return name.find_first_of(" ,;\t#\"\n") != std::string::npos;
     });
   };
   const bool has_blanks = has_blank(query) || std::ranges::any_of(train, has_blank);

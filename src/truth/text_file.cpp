@@ -125,9 +125,11 @@ std::vector<CsvRow> read_list_rows(const std::filesystem::path& path) {
   const auto is_empty = [](std::string_view line) { return line.empty() || line.starts_with('#'); };
   const auto first = std::ranges::find_if_not(lines, is_empty);
   std::vector<CsvRow> rows;
-  if (first != lines.end() && first->find_first_of(",;\t") != std::string_view::npos) {
+  if (first != lines.end() && first->find_first_of(",;\t\"") != std::string_view::npos) {
     rows = parse_csv(text, path.string());
-    std::erase_if(rows, [](const CsvRow& row) { return row.fields[0].starts_with('#'); });
+    std::erase_if(rows, [&](const CsvRow& row) {  // in quotes, # begins a name
+      return row.fields[0].starts_with('#') && !lines[row.line - 1].starts_with('"');
+    });
     return rows;
   }
   for (size_t i = 0; i < lines.size(); ++i) {
