@@ -28,13 +28,26 @@ std::vector<SequenceArgument> train_arguments(const EvalInputs& inputs) {
   return arguments;
 }
 
-// The number of images of the query; unset if it is unknown.
+// The number of query frames; unset if it is unknown, as of a video.
 std::optional<size_t> query_frames(const EvalInputs& inputs) {
-  const auto query = query_argument(inputs, inputs.query);
-  if (!query) return std::nullopt;
-  const SequenceSource sequence = open_sequence(*query);
-  return sequence.kind == SequenceKind::images ? std::optional(sequence.files.size())
-                                               : std::nullopt;
+  try {
+    const size_t frames = query_names(inputs).size();
+    return frames > 0 && inputs.scores.speed.empty() ? std::optional(frames) : std::nullopt;
+  } catch (const Error&) {  // without names
+    return std::nullopt;
+  }
+}
+
+// The number of columns of a matrix; 0 if it is unknown, as of a video.
+size_t train_columns(const EvalInputs& inputs) {
+  const size_t length = inputs.scores.window_length;
+  size_t columns = 0;
+  try {
+    for (const auto& names : train_names(inputs)) columns += window_count(names.size(), length);
+  } catch (const Error&) {  // without names
+    columns = 0;
+  }
+  return columns > 0 ? columns : window_count(inputs.scores.train_frames.value_or(0), length);
 }
 
 // Readers of frame names, for ground truths that need them.
@@ -82,24 +95,26 @@ ScoreMatrix open_scores(const EvalInputs& inputs, const Monitor& monitor) {
     return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),
                              open_sequence(parse_sequence_argument(scores.train_npy)),
                              scores.metric, monitor);
+  if (!scores.is_list()) {
+    const size_t columns = train_columns(inputs);
+    if (!scores.matrix.train_first && is_index_array(NpyArray(scores.path), columns)) {
+      refuse(scores.matrix.has_order() || scores.matrix.missing.has_value(), scores.path,
+             "has integers in fewer columns than there are training frames, as indices of "
+             "references are; omit the flags of scores or, for scores, save one column per frame");
+      return index_scores(ScoreFile(scores.path, {}), columns);
+    }
+    ScoreMatrix matrix(scores.path, scores.matrix.format());
+    require_order(scores.matrix);
+    if (columns > 0 && matrix.references != columns)
+      throw Error(ErrorKind::data,
+                  "{}: has {} columns, but the training frames need {}. Pass the sequences that "
+                  "were compared, or save one column per training frame",
+                  scores.path, matrix.references, columns);
+    return matrix;
+  }
   std::vector<std::string> references;
   for (const auto& names : train_names(inputs))
     references.insert(references.end(), names.begin(), names.end());
-  if (!scores.is_list()) {
-    const size_t train_frames =
-        references.empty() ? scores.train_frames.value_or(0) : references.size();
-    if (is_index_array(NpyArray(scores.path), train_frames)) {
-      refuse(scores.matrix.has_order() || scores.matrix.train_first ||
-                 scores.matrix.missing.has_value(),
-             scores.path,
-             "has integers in fewer columns than there are training frames, as indices of "
-             "references are; omit the flags of scores or, for scores, save one column per frame");
-      return index_scores(ScoreFile(scores.path, {}), train_frames);
-    }
-    refuse(scores.train_frames.has_value(), "--train-frames", "is for lists of numbers");
-    require_order(scores.matrix);
-    return {scores.path, scores.matrix.format()};
-  }
   std::optional<ScoreOrder> kind;
   if (scores.matrix.has_order()) kind = scores.matrix.order();
   return prediction_scores(scores.path, FrameNames(query_names(inputs)), FrameNames(references),
@@ -148,12 +163,15 @@ ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix
 }
 
 // Warns if rows may belong to the images in another order.
-void warn_of_order(const Session& session, const EvalInputs& inputs) {
-  if (inputs.scores.is_list() || session.options.process.order != FrameOrder::automatic) return;
+void warn_of_order(const Session& session, const EvalInputs& inputs, const ScoreMatrix& matrix) {
+  if (matrix.has_names || session.options.process.order != FrameOrder::automatic) return;
   std::vector<std::vector<std::string>> sides;
   try {
     sides = train_names(inputs);
     sides.push_back(query_names(inputs));
+    const GroundTruthOptions& truth = inputs.truth.flags.options;
+    for (const auto& images : {truth.query.images, truth.train.images})
+      if (!images.empty()) sides.push_back(frame_names(parse_sequence_argument(images.string())));
   } catch (const Error&) {  // without names, as of a video
   }
   for (const std::vector<std::string>& names : sides)
@@ -206,9 +224,8 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
     evaluated.stored = stored;
     evaluation = evaluate_stored(stored, std::move(matrix), evaluated.by, session.monitor);
   } else {
-    warn_of_order(session, inputs);
-    check_rows(inputs.scores, matrix->queries,
-               inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
+    warn_of_order(session, inputs, *matrix);
+    check_rows(inputs.scores, matrix->queries, query_frames(inputs));
     const ScoreSettings settings = score_settings(inputs, *matrix, session.options.process.seed);
     evaluation = evaluate_scores(std::move(*matrix), settings, evaluated.by, session.monitor);
     warn_of_scores(evaluation.judgment, inputs.scores.matrix, inputs.scores.source(),

@@ -1,6 +1,7 @@
 #include "evaluate/prediction_lists.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -38,7 +39,8 @@ struct ScoredReference {
 
 struct ScoredLists {
   size_t references = 0;
-  std::vector<std::vector<ScoredReference>> queries;
+  std::vector<std::vector<ScoredReference>> queries = {};
+  bool has_names = false;
 };
 
 // Also "nan" and "inf", which no score may be.
@@ -47,6 +49,10 @@ bool is_number(const std::string& field) {
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   return error != std::errc::invalid_argument && end == field.data() + field.size();
 }
+
+/// The names of the second and the third column; others are those of a ranking.
+constexpr std::array<std::string_view, 5> kPairColumns = {"reference", "score", "distance",
+                                                          "similarity", "rank"};
 
 struct PredictionList {
   std::vector<Prediction> all = {};
@@ -69,11 +75,22 @@ PredictionList read_list(const fs::path& path) {
   list.has_queries = !lines.empty() && std::ranges::count(lines[0].fields, "query", lower_case) > 0;
   bool are_pairs = false;
   if (list.has_queries) {
-    if (lower_case(lines[0].fields[0]) != "query")
-      location.fail("the columns are query, reference and optionally score, in this order");
-    are_pairs = lines[0].fields.size() == 3;
+    std::vector<std::string>& names = lines[0].fields;
+    std::ranges::transform(names, names.begin(), lower_case);
+    const auto known = std::ranges::count_if(names, [](const std::string& name) {
+      return std::ranges::find(kPairColumns, name) != kPairColumns.end();
+    });
+    are_pairs = names.size() == 3 && known == 2;
+    const bool is_list =
+        names.size() > 1 && names[1] == "reference" && std::cmp_equal(names.size(), 1 + known);
+    if (names[0] != "query" || (names.size() > 3 ? known > 0 : !is_list))
+      location.fail(
+          "the columns are query, reference and optionally score, in this order. Name the columns "
+          "of a ranking query,reference, however many references follow");
     lines.erase(lines.begin());
   }
+  for (CsvRow& line : lines)  // a ranking as a table has empty cells after a short line
+    while (line.fields.size() > 2 && line.fields.back().empty()) line.fields.pop_back();
   list.are_rankings = std::ranges::any_of(lines, [&](const CsvRow& line) {
     const auto& fields = line.fields;
     return fields.size() > 3 ||
@@ -85,7 +102,9 @@ PredictionList read_list(const fs::path& path) {
     list.has_queries = list.has_queries || begins_with_query(fields);
     if (list.are_rankings && fields.size() > 1) {
       if (std::set<std::string_view>(fields.begin() + 1, fields.end()).size() + 1 < fields.size())
-        location.fail("a reference is listed twice. If these are scores, save them as .npy");
+        location.fail(
+            "a reference is listed twice. If these are scores, save them as .npy; names with "
+            "blanks need commas between the fields");
       if (!queries.insert(fields[0]).second)
         location.fail(
             "{} has a line before this one, but rankings have one line per query, which begins "
@@ -153,6 +172,15 @@ std::vector<fs::path> text_files(const fs::path& folder) {
   return files;
 }
 
+// The end of a sentence: the likely reason why a field is not a name.
+std::string_view field_hint(std::string_view text, const FileLocation& location) {
+  if (text.ends_with(',') || text.ends_with(';') || text.ends_with(':'))
+    return ". Separate all fields of the list by commas, or all by blanks";
+  return location.number == 1 && text.find_first_of("./ ") == std::string_view::npos
+             ? ". A header has the columns query, reference and optionally score"
+             : "";
+}
+
 /// The frames of one side of a list.
 struct ListSide {
   const FrameNames& names;
@@ -183,7 +211,8 @@ struct ListSide {
                            : fmt::format("{} is not a frame number", text));
     location.fail(
         names.count()
-            ? fmt::format("no {} frame, or more than one, is called {}", cells.what, text)
+            ? fmt::format("no {} frame, or more than one, is called {}{}", cells.what, text,
+                          field_hint(text, location))
             : fmt::format("{} is not a frame number{}. Name the frames with --query and --train "
                           "(folders, or lists of names)",
                           text, no_number_hint(text)));
@@ -193,9 +222,10 @@ struct ListSide {
 // faiss writes references without their query. Throws if the list may be like that.
 void require_queries(const PredictionList& list, const ListSide& query, const ListSide& train) {
   if (list.has_queries) return;
-  const std::set<std::string_view> queries(query.cells.texts.begin(), query.cells.texts.end());
-  const bool may_lack =
-      list.are_rankings || (query.frames == list.all.size() && queries.size() < list.all.size());
+  const auto& queries = query.cells.texts;
+  const bool are_increasing = std::ranges::is_sorted(queries, natural_less) &&
+                              std::ranges::adjacent_find(queries) == queries.end();
+  const bool may_lack = list.are_rankings || (query.frames == list.all.size() && !are_increasing);
   if (may_lack && std::ranges::all_of(list.all, [&](const Prediction& one) {
         const double score = one.score.value_or(0);  // of a third reference, an integer
         return train.find(one.query) && score >= 0 && score == std::floor(score);
@@ -209,7 +239,10 @@ void require_queries(const PredictionList& list, const ListSide& query, const Li
 ScoredLists collect(const PredictionList& list, const FrameNames& queries,
                     const FrameNames& references, const ListFrames& stated,
                     const Monitor& monitor) {
-  constexpr uint64_t kMaxScores = uint64_t{1} << 28;  // if only the numbers in the file are known
+  // If only the numbers in the file are known:
+  constexpr uint64_t kMaxScores = uint64_t{1} << 28;
+  const size_t most_frames =
+      std::clamp(1000 * list.all.size(), size_t{1} << 18, size_t{kMaxGrownFrames});
   const auto cells_of = [&](std::string_view noun, const FrameNames& names,
                             std::string Prediction::*cell) {
     FrameCells cells{noun, names.count() ? &names : nullptr};
@@ -224,8 +257,8 @@ ScoredLists collect(const PredictionList& list, const FrameNames& queries,
   const ListSide query_side(columns[0], queries, stated.query);
   const ListSide train_side(columns[1], references, stated.train);
   require_queries(list, query_side, train_side);
-  const bool is_bounded = query_side.frames && train_side.frames;
-  ScoredLists lists{train_side.frames.value_or(0), {}};
+  ScoredLists lists{train_side.frames.value_or(0)};
+  lists.has_names = !query_side.has_numbers && !train_side.has_numbers;
   lists.queries.resize(query_side.frames.value_or(0));
   for (const Prediction& prediction : list.all) {
     const FileLocation& location = prediction.location;
@@ -233,13 +266,14 @@ ScoredLists collect(const PredictionList& list, const FrameNames& queries,
     const size_t reference = train_side.require(prediction.reference, location);
     const size_t rows = std::max(lists.queries.size(), query + 1);
     lists.references = std::max(lists.references, reference + 1);
-    if (!is_bounded && (uint64_t{rows} * lists.references > kMaxScores ||
-                        std::max(rows, lists.references) > kMaxGrownFrames))
+    const size_t grown =
+        std::max(query_side.frames ? 0 : rows, train_side.frames ? 0 : lists.references);
+    if (grown > most_frames || (grown > 0 && uint64_t{rows} * lists.references > kMaxScores))
       location.fail(
           "the frame numbers up to here need {} x {} scores; without stated numbers of "
-          "frames, the limits are {} scores and {} frames. Pass --query and --train, or "
+          "frames, the limits are {} scores and {} frames for {}. Pass --query and --train, or "
           "--query-frames and --train-frames",
-          rows, lists.references, kMaxScores, kMaxGrownFrames);
+          rows, lists.references, kMaxScores, most_frames, counted(list.all.size(), "pair"));
     lists.queries.resize(rows);
     auto& scored = lists.queries[query];
     const double rank = static_cast<double>(scored.size()) + 1;
@@ -256,6 +290,7 @@ ScoreMatrix scores_of(const std::shared_ptr<const ScoredLists>& lists,
   scores.references = lists->references;
   scores.kind = kind.value_or(ScoreOrder::distance);
   scores.has_scores = has_scores;
+  scores.has_names = lists->has_names;
   scores.compute = [lists, kind = scores.kind](size_t first, size_t count, std::span<double> out) {
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
     for (size_t q = 0; q < count; ++q)
@@ -309,13 +344,13 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
 
 bool is_index_array(const NpyArray& array, size_t references) {
   const NumberType* type = find_number_type(array.type());
-  return type != nullptr && type->is_whole && type->bytes >= 4 && array.shape().size() == 2 &&
+  return type != nullptr && type->is_whole && type->name != "|b1" && array.shape().size() == 2 &&
          array.shape()[1] < references;
 }
 
 ScoreMatrix index_scores(ScoreFile indices, size_t references) {
   const auto file = std::make_shared<const ScoreFile>(std::move(indices));
-  ScoredLists lists{references, {}};
+  ScoredLists lists{references};
   lists.queries.resize(file->queries());
   std::vector<double> row(file->references());
   for (size_t query = 0; query < lists.queries.size(); ++query) {

@@ -53,6 +53,7 @@ struct ScoreMatrix {
   size_t block = 1;  ///< maximum number of queries that are computed together
   ScoreOrder kind = ScoreOrder::distance;
   bool has_scores = true;  ///< false: ranks 1, 2, ... by query, comparable within a query only
+  bool has_names = false;  ///< the frames of the query and of training were named
   /// Writes the scores of queries [first, first + count) to all references, row by row; NaN for a
   /// missing score. Thread-safe.
   std::function<void(size_t first, size_t count, std::span<double> scores)> compute;

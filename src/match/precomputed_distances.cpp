@@ -145,22 +145,31 @@ PreparedTraining prepare(std::span<const DescribedFrames> train, const Descripto
   };
 }
 
-// Throws if every row has the integers 0, 1, ... once: indices, best first, or ranks.
-void refuse_rankings(const ScoreFile& file) {
+// Whether every row has different integers, in all from below to above the number of columns, as
+// indices of the best references are. Throws if every row has the integers 0, 1, ... once.
+bool look_like_indices(const ScoreFile& file) {
   constexpr size_t kFewest = 3;  // two distances may be 0 and 1
+  constexpr size_t kMost = 1000;
   const size_t count = file.references();
-  if (!file.is_whole() || count < kFewest) return;
+  if (!file.is_whole() || count < kFewest) return false;
   std::vector<double> row(count);
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
   for (size_t query = 0; query < file.queries(); ++query) {
     try {
       file.read_query(query, 0, count, row.data());
     } catch (const Error&) {  // of a value, as reported later
-      return;
+      return false;
     }
+    if (std::ranges::any_of(row, [](double value) { return std::isnan(value); })) return false;
     std::ranges::sort(row);
-    for (size_t i = 0; i < count; ++i)
-      if (row[i] != static_cast<double>(i)) return;
+    least = std::min(least, row.front());
+    most = std::max(most, row.back());
+    const bool is_wide = most >= static_cast<double>(count);
+    if (least < 0 || (is_wide && count > kMost) || std::ranges::adjacent_find(row) != row.end())
+      return false;
   }
+  if (most >= static_cast<double>(count)) return least < static_cast<double>(count);
   throw Error(ErrorKind::data,
               "{}: every row has the integers 0 to {} once. If they are indices, best first, save "
               "fewer columns for vpr-eval matrix, as in I[:, :{}], and pass --train-frames {}; if "
@@ -235,6 +244,7 @@ void PrecomputedDistances::scan(const Monitor& monitor) {
   units_ = units_of(all, is_similarity(), file_.is_whole());
   if (!units_.is_exact) warn_of_marker(all, file_.name(), monitor);
   if (!is_similarity()) warn_of_minus_one(all, file_.name(), monitor);
+  warn_of_indices(file_, monitor);
 }
 
 void PrecomputedDistances::read(size_t query, size_t first, size_t count, uint16_t* out) const {
@@ -254,6 +264,15 @@ uint32_t PrecomputedDistances::distance(size_t query, size_t reference) const {
   if (std::isnan(score)) return units_.largest;
   const double away = std::abs(score - units_.best) / units_.unit;
   return std::min(static_cast<uint32_t>(std::floor(away + 0.5)), uint32_t{units_.largest});
+}
+
+void warn_of_indices(const ScoreFile& scores, const Monitor& monitor) {
+  if (scores.may_be_indices())
+    warn(monitor,
+         "{}: every row has different integers, some not below the number of columns, {}. If "
+         "they are indices of references, evaluate them with vpr-eval matrix and --train-frames, "
+         "without --distance or --similarity",
+         scores.name(), scores.references());
 }
 
 void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count) {
@@ -291,7 +310,7 @@ ScoreFile::ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& n
   is_query_major_ = array_->is_column_major() == format.train_first;
   if (std::max(queries_, references_) > std::numeric_limits<int32_t>::max())
     throw Error(ErrorKind::data, "{}: has more than 2^31 rows or columns", name_);
-  refuse_rankings(*this);
+  may_be_indices_ = look_like_indices(*this) && type_->bytes >= 4;  // as libraries return them
 }
 
 void ScoreFile::read(size_t index, size_t stride, size_t count, double* scores) const {

@@ -50,6 +50,8 @@ class ScoreFile {
   bool is_query_major() const { return is_query_major_; }
   /// Whether all scores are integers by their type.
   bool is_whole() const { return type_->is_whole; }
+  /// Whether the scores look like indices of references, the best ones of each query.
+  bool may_be_indices() const { return may_be_indices_; }
 
   /// Writes the scores of one query to references [first, first + count); NaN for missing scores.
   /// Thread-safe. Throws Error(data) for integers beyond 2^53, which double cannot represent
@@ -72,9 +74,13 @@ class ScoreFile {
   std::shared_ptr<const NpyArray> array_;
   const NumberType* type_ = nullptr;
   bool is_query_major_ = true;
+  bool may_be_indices_ = false;
   size_t queries_ = 0;
   size_t references_ = 0;
 };
+
+/// Warns if the scores may be indices.
+void warn_of_indices(const ScoreFile& scores, const Monitor& monitor);
 
 /// The meaning of integer distances: the distance k stands for the score best + k * unit or, for
 /// similarities, best - k * unit, rounded to nearest.

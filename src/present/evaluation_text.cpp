@@ -44,8 +44,10 @@ std::string unknown_text(const Outcomes& outcomes) {
   std::string text;
   if (!outcomes.has_scores) text = "AP and R@100P need scores";
   if (outcomes.known_ranks < kMaxRank)
-    text += fmt::format("{}R@K is known up to K = {}, the shortest list without ignored references",
-                        text.empty() ? "" : "; ", outcomes.known_ranks);
+    text +=
+        fmt::format("{}R@K is known up to K = {}, the shortest list without ignored references{}",
+                    text.empty() ? "" : "; ", outcomes.known_ranks,
+                    outcomes.has_scores ? "; all pairs are those that are listed" : "");
   return text;
 }
 

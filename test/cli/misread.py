@@ -209,13 +209,25 @@ def lists():
     np.savez(folder / "scores.npz", scores)
     np.savetxt(folder / "grid.csv", 9 * scores, "%d", ",")
     for part, name in {"it is not text": "scores.npz", "a reference is listed twice": "grid.csv",
-                       "in this order": write("order.csv", "reference,query\n3,0\n")}.items():
+                       "in this order": write("order.csv", "reference,query\n3,0\n"),
+                       "the columns are": write("rank.csv", "query,rank,reference\n0,1,3\n")}.items():
         refused(4, part, "vpr-eval", "matrix", name, *stated)
-    # Names with blanks, written and read.
-    (folder / "spaces").mkdir()
+    np.save(folder / "short.npy", best.astype(np.uint16))
+    refused(2, "as indices of references are", "vpr-eval", "matrix", "short.npy", "--distance", *stated)
+    np.save(folder / "near.npy", scores[:, :5])
+    refused(4, "the training frames need 30", "vpr-eval", "matrix", "near.npy", "--similarity", *stated)
+    for program in ("vpr-eval", "vpr-query"):
+        words = (program, "matrix", "top5.npy", "--similarity")
+        assert "different integers" in said(*words, *(("--ground-truth", "aligned") if "eval" in program else ("--c-l", 1)))
+    for name in (9, 10, 11):
+        write(f"n/{name}.jpg", "")
+    assert "add --order name" in said("vpr-eval", "matrix", write("n.txt", "0 0\n1 1\n2 2\n"), "--query", "n", "--train", "n",
+                                      "--ground-truth", "aligned")
+    # Names with blanks and #, written and read.
+    (folder / "#spaces").mkdir()
     for i, path in enumerate(sorted((folder / "walk").iterdir())):
-        shutil.copy(path, folder / f"spaces/my frame ({i}).png")
-    names = ("--query", "spaces", "--train", "spaces")
+        shutil.copy(path, folder / f"#spaces/my frame ({i}).png")
+    names = ("--query", "#spaces", "--train", "#spaces")
     run("vpr-eval", "again.json", *names, "--pairs", "named.txt", "--quiet")
     assert " of 40 frames" in run("vpr-eval", "matrix", "named.txt", *names, "--ground-truth", "numbers.csv")
 

@@ -95,6 +95,7 @@ TEST_CASE("rankings begin with the query, or are refused") {
   const auto rows = [](const std::string& text) { return rows_of(List(text).matrix({}, {}, {})); };
   CHECK(rows("0 0 2 1\n1 1 0\n") == " 1 3 2 | 2 1 -");  // a query among its references
   CHECK(rows("query,reference\n0,2,1\n1,0,1\n") == " - 2 1 | 1 2 -");
+  CHECK(rows("query,a,b,c\n0,2,1,0\n1,0,1,\n") == " 3 2 1 | 1 2 -");
   const auto error = [&](const std::string& text) { return test::error_text([&] { rows(text); }); };
   CHECK(test::has(error("0 1 2 3\n1 0 2 3\n"), "line 1: cannot tell whether"));
   CHECK(test::has(error("query reference\n0 1 2 3\n0 2 1 3\n"), "line 3: 0 has a line before"));
@@ -104,6 +105,8 @@ TEST_CASE("rankings begin with the query, or are refused") {
   };
   CHECK(test::has(test::error_text([&] { read(3); }), "cannot tell"));  // a line per query
   CHECK_NOTHROW(read(4));
+  test::write_text("list.txt", "2 0\n0 1\n1 2\n");  // queries once, but not in order
+  CHECK(test::has(test::error_text([&] { read(3); }), "cannot tell"));
 }
 
 TEST_CASE("numbers in lists are names if all are, and nothing counts frames") {
@@ -150,6 +153,7 @@ TEST_CASE("files of another format are refused, with the line") {
   CHECK(test::has(List("q/a.jpg left/1.jpg 3\n").error(), "--similarity"));
   CHECK(test::has(List("q/a.jpg left/1.jpg\n").error(ScoreOrder::similarity), "ranks"));
   CHECK(test::has(List("# nothing\n").error(), "lists no reference"));
+  CHECK(test::has(List("id,images\nq/a.jpg,1.jpg\n").error(), "A header has the columns"));
   CHECK(test::error_kind([] {
           prediction_scores("/off_map", FrameNames({}), FrameNames({}), {});
         }) == ErrorKind::input);
