@@ -22,7 +22,8 @@ struct ListFrames {
 /// - a text file with one line per query: its name and those of its references, best first. It
 ///   needs a header if each query may also be a reference: lines may then lack their query.
 /// Fields are separated by commas, semicolons or tabs (kapture, CSV) if the first line has one,
-/// otherwise by blanks; a header "query,..." and lines that begin with # are skipped.
+/// otherwise by blanks. Lines that begin with # are skipped. A header has the columns query,
+/// reference and optionally the score, or of a ranking query and more than two others.
 /// Without scores, the rank among the references of the query, from 1, is the distance; `kind`
 /// applies to listed scores. If a pair is repeated, the better score counts; other pairs have no
 /// score. Fields that are all numbers are numbers of frames unless find_names decides otherwise; if

@@ -73,9 +73,9 @@ bool is_missing(std::string_view cell);
 /// if the line has no comma.
 std::vector<std::string_view> cells_of(std::string_view line);
 
-/// The rows of a list: of a CSV if its first line has a comma, a semicolon or a tab, otherwise the
-/// words between blanks. Omits empty lines and lines that begin with #. Throws Error(data) for a
-/// file that is not text, and as parse_csv does.
+/// The rows of a list: of a CSV if its first line has a comma, a semicolon, a tab or a quote,
+/// otherwise the words between blanks. Omits empty lines and lines that begin with #. Throws
+/// Error(data) for a file that is not text, and as parse_csv does.
 std::vector<CsvRow> read_list_rows(const std::filesystem::path& path);
 
 /// The column names in the first line of a CSV, in lower case. Empty if it is not a CSV.
