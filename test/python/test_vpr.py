@@ -325,15 +325,14 @@ def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
         pixels = np.frombuffer(path.read_bytes()[-64 * 96:], np.uint8).reshape(64, 96)
         assert live.add(pixels, name=path.name) == line
     assert live.add(None)["readable"] is False
-    live.finish()
-    with pytest.raises(vpr.UsageError, match="is finished"):
-        live.add(None)
-    assert live.finish() is None
     for other in (np.zeros((4, 4, 2), np.uint8), np.zeros((0, 4), np.uint8), np.zeros((4, 4), bool)):
         with pytest.raises(vpr.DataError, match="an image has"):
             live.add(other)
     with pytest.raises(vpr.UsageError, match="red first"):
         live.add(pytest.importorskip("PIL.Image").new("RGB", (96, 64)))
+    assert live.finish() is None
+    with pytest.raises(vpr.UsageError, match="is finished"):
+        live.add(None)
 
 
 def test_bits_have_loops_and_arrays_are_selected(walks):
