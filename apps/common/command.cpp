@@ -337,7 +337,12 @@ void Program::add_config_option(const Command& command,
             common_.config = path;
             const Json json = read_config(path);
             if (json.is_object())
-              for (const auto& item : json.items()) common_.config_keys.push_back(item.key());
+              for (const auto& item : json.items()) {
+                if (item.value() == "")
+                  throw Error(ErrorKind::usage, "{}: the value of \"{}\" is empty. Omit it", path,
+                              item.key());
+                common_.config_keys.push_back(item.key());
+              }
             apply(json, path);
           },
           "settings from a JSON file or a result; flags override them", kCommonGroup, "FILE")

@@ -130,8 +130,8 @@ std::optional<std::string> unknown_word(const CommandEntry& program,
       add_flags(program.commands[static_cast<size_t>(named - commands.begin())], flags);
       path += " " + word;
     } else if (&word == &words.front() && !program.runs_itself && !word.starts_with('-')) {
-      return fmt::format("unknown command {}{} There are {}", word, did_you_mean(word, commands),
-                         fmt::join(commands, ", "));
+      return fmt::format("unknown command {}{} There are {}", shell_word(word),
+                         did_you_mean(word, commands), fmt::join(commands, ", "));
     }
   }
   if (path == program.name && !program.runs_itself)
@@ -283,6 +283,8 @@ bool Parser::parse(int argc, char** argv) {
     std::string path = app_->get_name();
     for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
     const std::vector<std::string> extra = app_->remaining(true);
+    if (!extra.empty() && extra.front().empty())
+      throw Error(ErrorKind::usage, "an argument is empty. Is a variable of the shell unset?");
     if (!extra.empty() && extra.front().starts_with('-'))
       throw Error(ErrorKind::usage, "unknown flag {}. See {} --help", extra.front(), path);
     for (const char* flag : {"--query", "--train"})

@@ -102,12 +102,20 @@ void visit_fields(DatasetFile& file, Visitor&& visit) {
   visit("place_poses", path_field(dataset.place_poses, base));
 }
 
+// An unset variable of the program that wrote the file.
+void refuse_empty_strings(const Json& json, const std::string& where) {
+  for (const auto& [key, value] : json.items()) {
+    if (value == "")
+      throw Error(ErrorKind::usage, "{}: the value of \"{}\" is empty. Omit it", where, key);
+    if (value.is_structured()) refuse_empty_strings(value, where + ", " + key);
+  }
+}
+
 // `name_of` returns the name of an item.
 void check_names(const auto& items, const std::string& where, auto name_of) {
   std::set<std::string> seen;
   for (const auto& item : items) {
     const std::string& name = std::invoke(name_of, item);
-    if (name.empty()) throw Error(ErrorKind::usage, "{}: a name is empty", where);
     if (!seen.insert(name).second)
       throw Error(ErrorKind::usage, "{}: the name \"{}\" is used twice", where, name);
   }
@@ -119,6 +127,7 @@ Dataset read_dataset(const fs::path& path) {
   const std::string where = path.string();
   const Json json = read_json(path, ErrorKind::usage);
   require_schema(json, "dataset", where, ErrorKind::usage);
+  refuse_empty_strings(json, where);
   Dataset dataset;
   DatasetFile file{dataset, path.parent_path()};
   value_from_json(json, file, where, "the data set");

@@ -58,6 +58,7 @@ void make_inputs() {
            {"lsh.json", R"({"method": "lsh"})"},
            {"hog.json", R"({"descriptor": "hog"})"},
            {"unknown.json", R"({"t_l": 5})"},
+           {"empty.json", R"({"method": ""})"},
            {"place.json", R"({"c_l": 5, "t_p": 0.3})"},
            {"radius.json", R"({"clustering": {"eps": -1}})"},
            {"raw.json", R"({"c_l": 5, "t_r": -1.5})"},

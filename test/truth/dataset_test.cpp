@@ -68,6 +68,7 @@ TEST_CASE("errors in a data set description are usage errors") {
           "queries": [{"name": "q", "sequence": "a", "ground_truth": {"tolerance": 1}}]})",
       R"({"schema": "vpr.dataset/3", "name": "d",
           "queries": [{"name": "q", "sequence": "a", "ground_truth": {"path": "g", "radius": 1}}]})",
+      R"({"schema": "vpr.dataset/3", "name": "d", "plan": ""})",
       R"({"schema": "vpr.dataset/2", "name": "d"})", R"({"schema": )");
   CHECK(test::error_kind([&] { parse(text); }) == ErrorKind::usage);
 }
