@@ -79,6 +79,7 @@ LoopsEvaluation evaluate(const LoopInputs& inputs, const Monitor& monitor) {
                   path.string());
   }
   found.judgment = judge_loops(found.list, found.trajectory, found.rules);
+  if (inputs.angle_deg) warn_of_headings(inputs.poses, found.trajectory.poses, monitor);
   if (inputs.scores.has_order()) warn_of_order(found, monitor);
   return found;
 }

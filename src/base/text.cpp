@@ -54,6 +54,8 @@ int compare_values(std::string_view a, std::string_view b) {
   return a.compare(b);
 }
 
+constexpr std::string_view kSeparatorLine = "sep=";
+
 class CsvParser {
  public:
   CsvParser(std::string_view text, const std::string& where) : text_(text), where_(where) {}
@@ -77,9 +79,10 @@ class CsvParser {
   }
 
  private:
-  // Lines before the first row that begin with #.
+  // Lines before the first row that begin with #, and the line in which Excel names the separator.
   void skip_comments() {
-    while (at_ < text_.size() && text_[at_] == '#') {
+    while (at_ < text_.size() &&
+           (text_[at_] == '#' || text_.substr(at_).starts_with(kSeparatorLine))) {
       at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
       ++line_;
     }
@@ -101,16 +104,24 @@ class CsvParser {
     return true;
   }
 
-  std::string field() {
-    while (take(' ')) {
+  void skip_blanks() {
+    while (take(' ') || (separator_ != '\t' && take('\t'))) {
     }
-    if (take('"')) return quoted_field();
+  }
+
+  std::string field() {
+    skip_blanks();
+    if (take('"')) {
+      std::string value = quoted_field();
+      skip_blanks();
+      return value;
+    }
     size_t end = at_;
     while (end < text_.size() && text_[end] != separator_ &&
            std::string_view("\r\n\"").find(text_[end]) == std::string_view::npos)
       ++end;
     std::string_view value = text_.substr(at_, end - at_);
-    while (value.ends_with(' ')) value.remove_suffix(1);
+    while (value.ends_with(' ') || value.ends_with('\t')) value.remove_suffix(1);
     at_ = end;
     return std::string(value);
   }

@@ -37,8 +37,12 @@ std::vector<LoopLine> read_lines(const std::filesystem::path& path, FileLocation
   if (!parse_real(rows[0].fields[0])) {
     names.resize(rows[0].fields.size());
     std::ranges::transform(rows[0].fields, names.begin(), lower_case);
-    if (std::max(column("query"), column("match")) == names.size())
-      location.fail("expected the header query,match[,score], or numbers");
+    const bool is_known = std::ranges::all_of(names, [&](const std::string& name) {
+      return std::ranges::count(names, name) == 1 &&
+             (name == "query" || name == "match" || name == "score");
+    });
+    if (!is_known || std::max(column("query"), column("match")) == names.size())
+      location.fail("expected the header query,match[,score] without other columns, or numbers");
     rows.erase(rows.begin());
   } else if (rows[0].fields.size() != 2 && rows[0].fields.size() != 3) {
     location.fail("expected query, match and optionally a score; found {} columns",
@@ -128,9 +132,7 @@ size_t first_own_place(const Result& result) {
 PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
                          const Nearness& nearness) {
   const auto label = label_of(*trajectory.poses[a], *trajectory.poses[b], nearness);
-  if (!label)
-    throw Error(ErrorKind::data, "{}: has no headings or orientations, which --angle needs",
-                trajectory.name);
+  if (!label) refuse_angle(trajectory.name, has_heading(*trajectory.poses[a]) ? b : a);
   return *label;
 }
 
@@ -232,10 +234,11 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
                          const LoopRules& rules) {
   check_nearness(rules.nearness);
   if (rules.gap.nanoseconds && trajectory.times_ns.empty())
-    throw Error(ErrorKind::usage,
-                "{}: there are no times for a gap in seconds. Add them with --pose-times, or set "
-                "the gap in frames, as in --gap 300",
-                trajectory.name);
+    throw Error(
+        ErrorKind::usage,
+        "{}: a gap in seconds needs the times of all frames. Add them with --pose-times, or set "
+        "the gap in frames, as in --gap 300",
+        trajectory.name);
   LoopJudgment judgment;
   judgment.has_loop = frames_with_loop(trajectory, rules);
   judgment.is_found.resize(judgment.has_loop.size());

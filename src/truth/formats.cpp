@@ -50,6 +50,13 @@ bool has_only_numbers(std::string_view line) {
                              [](const std::string& cell) { return parse_frame(cell).has_value(); });
 }
 
+std::string first_line_of(std::string_view text) {
+  for (const std::string_view line : split_lines(without_byte_order_mark(text)))
+    if (!line.empty() && !line.starts_with('#') && !line.starts_with("sep="))
+      return std::string(line);
+  return "";
+}
+
 }  // namespace
 
 FileStart open_start(const std::filesystem::path& path) {
@@ -59,8 +66,8 @@ FileStart open_start(const std::filesystem::path& path) {
   start.is_folder = std::filesystem::is_directory(start.path, error);
   if (start.is_folder) return start;
   start.bytes = read_file_start(start.path, kStartBytes);
-  for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes)))
-    if (start.first_line.empty() && !line.starts_with('#')) start.first_line = line;
+  start.first_line = first_line_of(start.bytes);
+  start.header = first_line_of(with_header(start.bytes));
   return start;
 }
 
@@ -76,26 +83,26 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        "CSV query,anchor of a few frames, with linear interpolation",
        {"path", "range", "reference", "radius_m", "ignore_radius_m", "times"},
        [](const FileStart& start) {
-         return has_columns(start.first_line, {"query", "anchor"});
+         return has_columns(start.header, {"query", "anchor"});
        },
        read_anchors},
       {"labels",
        "CSV query,reference,label,tolerance of vpr-eval --ask-frames",
        {"path", "range"},
        [](const FileStart& start) {
-         return has_columns(start.first_line, {"query", "reference", "label", "tolerance"});
+         return has_columns(start.header, {"query", "reference", "label", "tolerance"});
        },
        read_labels},
       {"pairs",
        "CSV query,reference[,label] or query,sequence,reference[,label]",
        {"path", "range"},
        [](const FileStart& start) {
-         return has_columns(start.first_line, {"query", "reference"});
+         return has_columns(start.header, {"query", "reference"});
        },
        read_pairs_csv,
        write_pairs_csv},
       {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions,
-       [](const FileStart& start) { return is_pose_header(start.first_line); }, read_poses},
+       [](const FileStart& start) { return is_pose_header(start.header); }, read_poses},
       {"tum", "trajectories: time x y z qx qy qz qw", kTimedOptions,
        [](const FileStart& start) { return pose_line_format(start.first_line) == "tum"; },
        read_trajectories},
@@ -109,7 +116,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        "latitude and longitude: CSV lat,lon",
        {"path", "range", "reference", "radius_m", "angle_deg", "ignore_radius_m", "times",
         "images"},
-       [](const FileStart& start) { return is_gps_header(start.first_line); },
+       [](const FileStart& start) { return is_gps_header(start.header); },
        read_gps},
       {"utm", "images named @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
       {"matrix",
@@ -153,7 +160,7 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
                 "query,reference. The CSV of OpenSeqSLAM2, which counts from 1, is converted by "
                 "scripts/convert/openseqslam2.py",
                 path.string());
-  if (has_columns(start.first_line, {"x", "y"}))
+  if (has_columns(start.header, {"x", "y"}))
     throw Error(ErrorKind::data,
                 "{}: has positions, but its header has no column frame. Add one with the number of "
                 "each frame, from 0",
@@ -165,7 +172,13 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
         "frames of a result, use vpr-eval check GROUND-TRUTH --result RESULT",
         path.string());
   refuse_convertible(start.path, start.bytes);
-  if (start.path.extension() == ".csv") return find_format("pairs");
+  if (start.path.extension() == ".csv")
+    throw Error(
+        ErrorKind::data,
+        "{}: its header \"{}\" has no columns query,reference (pairs), query,anchor, frame,x,y "
+        "(poses) or lat,lon (gps), between commas, semicolons or tabs. Rename its columns; "
+        "trajectories of TUM, KITTI and EuRoC have no header, or one after #",
+        path.string(), shortened(start.header));
   throw Error(
       ErrorKind::usage,
       "{}: cannot detect the format of this ground truth. Pass --ground-truth-format, one of {}",

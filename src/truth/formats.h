@@ -24,6 +24,7 @@ struct FileStart {
   std::string bytes;  ///< the first 64 KiB
   /// the first line that is neither empty nor a comment (#), without its end
   std::string first_line;
+  std::string header;  ///< of a CSV: the first line of with_header
 };
 
 /// `path` may end in a range. Throws Error(input) if the file cannot be read.
@@ -59,8 +60,7 @@ std::vector<std::string> format_names();
 const GroundTruthFormat& find_format(std::string_view name);
 
 /// Detects the format of a file by its content. Throws Error(input) if the file cannot be read,
-/// Error(usage) if no format matches. A .csv file that matches no format is treated as pairs, whose
-/// reader reports the error.
+/// Error(usage) if no format matches, Error(data) for a .csv file whose header matches none.
 const GroundTruthFormat& detect_format(const std::filesystem::path& path);
 
 /// Checks the options of an argument. Throws Error(usage) if the path is missing although the

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -24,19 +25,34 @@ constexpr double kMaxZones = 60;
 // Indices of the fields between the @ signs; field 0 is before the first one.
 enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kBand = 4, kHeading = 9 };
 
-// Other programs that write such names may put something else there.
-bool is_zone(std::string_view field) {
+// Without the extension.
+std::vector<std::string_view> utm_fields(std::string_view file_name) {
+  const auto dot = file_name.rfind('.');
+  const auto last_at = file_name.rfind('@');
+  // "@1.5@2.5.jpg": the last dot starts the extension, but "@1.5@2.5@" has no extension.
+  const bool has_extension =
+      dot != std::string_view::npos && last_at != std::string_view::npos && dot > last_at;
+  return split(has_extension ? file_name.substr(0, dot) : file_name, '@');
+}
+
+// "33", "33.0", or "33U" with the latitude band. Nullopt for other text.
+std::optional<double> parse_zone(std::string_view field) {
+  if (!field.empty() && field.back() >= 'A' && field.back() <= 'Z') field.remove_suffix(1);
   const auto number = parse_real(field);
-  return number && field.size() <= 2 && *number >= 1 && *number <= kMaxZones;
+  const bool is_zone =
+      number && *number >= 1 && *number <= kMaxZones && *number == std::floor(*number);
+  return is_zone ? number : std::nullopt;
 }
 
 constexpr std::array<std::string_view, 2> kHemispheres = {" north", " south"};
 
 // By the latitude band, C to M in the south; false if it is missing.
-bool is_southern(std::string_view name) {
-  const auto fields = split(name, '@');
-  return fields.size() > kBand && fields[kBand].size() == 1 && fields[kBand] >= "C" &&
-         fields[kBand] <= "M";
+bool is_southern(const std::vector<std::string_view>& fields) {
+  const std::string_view zone = fields[kZone];
+  const std::string_view band = !parse_real(zone)       ? zone.substr(zone.size() - 1)
+                                : fields.size() > kBand ? fields[kBand]
+                                                        : "";
+  return band.size() == 1 && band >= "C" && band <= "M";
 }
 
 // `read(side, frames)` returns the poses of one side. Returns the protocol of match_poses.
@@ -45,11 +61,6 @@ std::string match_sides(GroundTruthBuilder& builder, Read&& read,
                         std::optional<double> default_radius_m = std::nullopt) {
   const GroundTruthArgument& argument = builder.argument();
   const size_t sequence = builder.only_searched(argument.path.string());
-  if (argument.options.reference.empty())
-    throw Error(ErrorKind::usage,
-                "{}: has the positions of the query. Pass those of the training sequence with "
-                "--ground-truth-train",
-                argument.path.string());
   const auto read_side = [&](PoseSide side, const FrameCount& frames) {
     const SideOptions options = side_options(argument, side);
     builder.at_file(options.poses);  // for errors about the whole file
@@ -59,9 +70,33 @@ std::string match_sides(GroundTruthBuilder& builder, Read&& read,
   };
   const Poses query = read_side(PoseSide::query, builder.query());
   builder.require_query_frames(query.size());
+  if (argument.options.reference.empty())
+    throw Error(ErrorKind::usage,
+                "{}: has the positions of the query. Pass those of the training sequence with "
+                "--ground-truth-train",
+                argument.path.string());
   const Poses train = read_side(PoseSide::train, builder.train(sequence));
   builder.require_train_frames(sequence, train.size());
   return match_poses(builder, sequence, query, train, default_radius_m);
+}
+
+// Both sides have the format that was detected for the query.
+void require_format(const GroundTruthBuilder& builder, const std::filesystem::path& path) {
+  const GroundTruthArgument& argument = builder.argument();
+  if (argument.format.empty() && detect_format(path).name != builder.format())
+    throw Error(ErrorKind::data, "{}: has the format {}, and {} has {}. Use one format for both",
+                path.string(), detect_format(path).name, argument.path.string(), builder.format());
+}
+
+// Both sides have the column, or none. `known`: whether the first side has it; unset before.
+void require_equal(const std::filesystem::path& path, std::string_view column,
+                   std::optional<bool>& known, bool has_column) {
+  if (known.value_or(has_column) != has_column)
+    throw Error(ErrorKind::data,
+                "{}: has {} column {}, and the other side has {}. Give both sides the column, or "
+                "none",
+                path.string(), has_column ? "a" : "no", column, has_column ? "none" : "one");
+  known = has_column;
 }
 
 /// With a larger share of pairs of the same place, almost every match is correct.
@@ -119,9 +154,10 @@ std::set<std::string> areas_of(const Poses& poses) {
       kMaxPairs, nearness.radius_m);
 }
 
-std::vector<LabelStretch> near_frames(const Pose& query, const Poses& train,
+std::vector<LabelStretch> near_frames(const Poses& queries, size_t query_frame, const Poses& train,
                                       const SortedPoses& sorted, const Nearness& nearness,
                                       const GroundTruthBuilder& builder) {
+  const Pose& query = *queries[query_frame];
   const auto offset = [&](size_t frame) {
     return train[frame]->position[sorted.axis] - query.position[sorted.axis];
   };
@@ -133,7 +169,9 @@ std::vector<LabelStretch> near_frames(const Pose& query, const Poses& train,
   std::vector<LabelStretch> frames;
   for (auto frame = first; frame != end; ++frame) {
     const auto label = label_of(query, *train[*frame], nearness);
-    if (!label) builder.fail("an angle is set, but a pose has no heading");
+    if (!label && has_heading(query))
+      refuse_angle(builder.argument().options.reference.string(), *frame);
+    if (!label) refuse_angle(builder.argument().path.string(), query_frame);
     if (*label != PlaceLabel::different) frames.push_back({*frame, *frame, *label});
   }
   std::ranges::sort(frames, {}, &LabelStretch::first);
@@ -158,20 +196,18 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
 
 std::string read_poses(GroundTruthBuilder& builder) {
   std::optional<bool> have_heights;
+  std::optional<bool> have_floors;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const std::filesystem::path& path = side_options(builder.argument(), side).poses;
+    require_format(builder, path);
     Trajectory found = read_pose_csv(path, count.known());
     if (found.is_on_earth)
       throw Error(ErrorKind::data,
                   "{}: has latitudes and longitudes, but the other side has poses in meters. Use "
                   "the format gps for both sides",
                   path.string());
-    if (have_heights.value_or(found.has_heights) != found.has_heights)
-      throw Error(
-          ErrorKind::data,
-          "{}: has {} column z, and the other side has {}. Give both sides heights, or none",
-          path.string(), found.has_heights ? "a" : "no", found.has_heights ? "none" : "one");
-    have_heights = found.has_heights;
+    require_equal(path, "z", have_heights, found.has_heights);
+    require_equal(path, "floor", have_floors, found.has_floors);
     return std::move(found.poses);
   });
   return "csv poses: " + matched;
@@ -181,6 +217,7 @@ std::string read_trajectories(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount&) {
     const SideOptions options = side_options(argument, side);
+    require_format(builder, options.poses);
     return poses_of_side(
         argument, side,
         read_pose_lines(options.poses, builder.format(), !options.files.times.empty()),
@@ -191,11 +228,12 @@ std::string read_trajectories(GroundTruthBuilder& builder) {
 
 std::string read_gps(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
+  std::optional<bool> have_floors;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const SideOptions options = side_options(argument, side);
-    Poses poses = poses_of_side(argument, side,
-                                read_fixes(options.poses, options.files.images, count.known()),
-                                builder.monitor());
+    Trajectory found = read_fixes(options.poses, options.files.images, count.known());
+    require_equal(options.poses, "floor", have_floors, found.has_floors);
+    Poses poses = poses_of_side(argument, side, std::move(found), builder.monitor());
     const size_t missing = count_unknown(poses);
     if (!options.files.times.empty()) return poses;  // poses_of_side has checked them
     if (missing == poses.size())
@@ -209,20 +247,15 @@ std::string read_gps(GroundTruthBuilder& builder) {
 }
 
 std::optional<Pose> parse_utm_name(std::string_view file_name) {
-  const auto dot = file_name.rfind('.');
-  const auto last_at = file_name.rfind('@');
-  // "@1.5@2.5.jpg": the last dot starts the extension, but "@1.5@2.5@" has no extension.
-  const bool has_extension =
-      dot != std::string_view::npos && last_at != std::string_view::npos && dot > last_at;
-  const auto fields = split(has_extension ? file_name.substr(0, dot) : file_name, '@');
+  const auto fields = utm_fields(file_name);
   if (fields.size() <= kNorth) return std::nullopt;
   const auto east = parse_real(fields[kEast]);
   const auto north = parse_real(fields[kNorth]);
   if (!east || !north) return std::nullopt;
   Pose pose;
   pose.position = {*east, *north, 0};
-  if (fields.size() > kZone && is_zone(fields[kZone]))
-    pose.area = fmt::format("{:g}", *parse_real(fields[kZone]));
+  if (const auto zone = fields.size() > kZone ? parse_zone(fields[kZone]) : std::nullopt)
+    pose.area = fmt::format("{:g}", *zone);
   if (fields.size() > kHeading) pose.heading_deg = parse_real(fields[kHeading]);
   return pose;
 }
@@ -236,6 +269,7 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
     if (sequence.kind != SequenceKind::images)
       builder.fail("is not a folder or list of images named @east@north@...");
     Poses poses;
+    bool is_unzoned = false;
     for (const auto& file : sequence.files) {
       const std::string text = file.filename().string();
       const auto pose = parse_utm_name(text);
@@ -244,9 +278,16 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
             "{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
             "positions of JPEG images",
             text);
+      const auto fields = utm_fields(text);
+      if (pose->area.empty() && fields.size() > kZone && !is_missing(fields[kZone]) &&
+          !std::exchange(is_unzoned, true))
+        warn(builder.monitor(),
+             "{}: \"{}\" in {} is not a UTM zone, 1 to 60, so its zone is unknown and fits any "
+             "other",
+             sequence.argument.path.string(), fields[kZone], text);
       if (!pose->area.empty()) {
         const double zone = *parse_real(pose->area);
-        const std::pair own(zone, is_southern(text));
+        const std::pair own(zone, is_southern(fields));
         zones.emplace(own, text);
         for (const double next :
              {zone, zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})
@@ -304,13 +345,17 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       continue;
     }
     ++known;
-    for (const LabelStretch& near : near_frames(*query[frame], train, sorted, nearness, builder)) {
+    for (const LabelStretch& near : near_frames(query, frame, train, sorted, nearness, builder)) {
       builder.add(frame, sequence, near.first, near.last, near.label);
       same += near.label == PlaceLabel::same;
     }
     if (same > kMaxPairs) refuse_pairs(builder, nearness);
     for (const LabelStretch& run : sorted.unknown)
       builder.add(frame, sequence, run.first, run.last, run.label);
+  }
+  if (nearness.angle_deg) {
+    warn_of_headings(builder.argument().path.string(), query, builder.monitor());
+    warn_of_headings(builder.argument().options.reference.string(), train, builder.monitor());
   }
   const auto areas = areas_of(query);
   const auto trained = areas_of(train);

@@ -44,6 +44,10 @@ std::string find_column(const std::vector<std::string>& header,
   return found == header.end() ? "" : *found;
 }
 
+std::string find_time_column(const NamedRows& rows) {
+  return find_column(rows.header(), {"time", "timestamp"});
+}
+
 // Nullopt if a column is missing.
 std::optional<GpsColumns> find_gps_columns(const std::vector<std::string>& header) {
   const GpsColumns columns{find_column(header, {"lat", "latitude"}),
@@ -100,36 +104,37 @@ std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColu
   return pose;
 }
 
-std::map<std::string, size_t> frames_by_name(const fs::path& images) {
+FrameNames names_of_images(const fs::path& images) {
   const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
   if (sequence.kind != SequenceKind::images)
     throw Error(
         ErrorKind::usage,
         "{}: is not a folder or list of images, to which a CSV of GPS fixes can refer by name",
         images.string());
-  std::map<std::string, size_t> frames;
-  for (const auto& file : sequence.files)
-    if (!frames.emplace(file.filename().string(), frames.size()).second)
-      throw Error(ErrorKind::data, "{}: has two images named {}", images.string(),
-                  file.filename().string());
-  return frames;
+  return FrameNames(file_names(sequence));
 }
 
 void read_fixes_by_name(NamedRows& rows, const GpsColumns& columns, const std::string& name_column,
                         const fs::path& images, Trajectory& found) {
-  const auto frames = frames_by_name(images);
-  found.poses.resize(frames.size());
+  const FrameNames names = names_of_images(images);
+  found.poses.resize(names.count().value_or(0));
   std::set<size_t> named;
   while (rows.next()) {
-    const std::string name = fs::path(rows.text(name_column)).filename().string();
-    const auto frame = frames.find(name);
-    if (frame == frames.end()) rows.fail("{} has no image {}", images.string(), name);
-    if (!named.insert(frame->second).second) rows.fail("the image {} is listed twice", name);
-    found.poses[frame->second] = read_pose(rows, columns);
+    const std::string& name = rows.text(name_column);
+    const auto frame = names.find(name);
+    if (!frame) rows.fail("{} has no image {}, or several", images.string(), name);
+    if (!named.insert(*frame).second) rows.fail("the image {} is listed twice", name);
+    found.poses[*frame] = read_pose(rows, columns);
   }
 }
 
 // Times are numbers, all in the unit of the first one, or dates.
+int64_t read_time(const NamedRows& rows, const std::string& column, TimeReader& times) {
+  const std::string& text = rows.text(column);
+  const auto date = parse_calendar_time(text);
+  return date ? *date : times.read(rows.location(), text);
+}
+
 void read_fixes_in_order(NamedRows& rows, const GpsColumns& columns, const std::string& time_column,
                          const FrameRange& range, Trajectory& found) {
   TimeReader times;
@@ -138,10 +143,7 @@ void read_fixes_in_order(NamedRows& rows, const GpsColumns& columns, const std::
     if (!frame_in_range(range, row)) continue;
     found.poses.push_back(pose);
     found.lines.push_back(rows.line());
-    if (time_column.empty()) continue;
-    const std::string& text = rows.text(time_column);
-    const auto date = parse_calendar_time(text);
-    found.times_ns.push_back(date ? *date : times.read(rows.location(), text));
+    if (!time_column.empty()) found.times_ns.push_back(read_time(rows, time_column, times));
   }
 }
 
@@ -194,7 +196,8 @@ bool is_gps_header(std::string_view line) {
   return find_gps_columns(header_names(line)).has_value();
 }
 
-Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, size_t most_frames) {
+Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, size_t most_frames,
+                         bool with_times) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   NamedRows rows(source.path, path.string(), {"frame"});
   std::optional<GpsColumns> gps;
@@ -211,7 +214,10 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
   found.name = path.string();
   found.is_on_earth = gps.has_value();
   found.has_heights = rows.has("z");
+  found.has_floors = rows.has("floor");
   found.poses.resize(frames.value_or(0));
+  const std::string time_column = with_times ? find_time_column(rows) : "";
+  TimeReader times;
   std::set<size_t> listed;
   while (rows.next()) {
     const std::string& text = rows.text("frame");
@@ -229,7 +235,11 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
     if (!listed.insert(*frame).second) rows.fail("frame {} is listed twice", text);
     found.poses.resize(std::max<size_t>(found.poses.size(), *frame + 1));
     found.poses[*frame] = read_pose(rows, gps);
+    if (time_column.empty()) continue;
+    found.times_ns.resize(found.poses.size());
+    found.times_ns[*frame] = read_time(rows, time_column, times);
   }
+  if (listed.size() < found.poses.size()) found.times_ns.clear();
   return found;
 }
 
@@ -240,10 +250,10 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
                 "{} is a folder. Write the GPS positions of its images to a CSV with "
                 "scripts/convert/exif.py",
                 path.string());
-  if (!is_gps_header(start.first_line)) {
+  if (!is_gps_header(start.header)) {
     refuse_convertible(start.path, start.bytes);
     throw Error(ErrorKind::data, "{}: is not a CSV with latitudes and longitudes{}", path.string(),
-                is_pose_header(start.first_line) ? "; its positions are in meters" : "");
+                is_pose_header(start.header) ? "; its positions are in meters" : "");
   }
   const SequenceArgument source = parse_sequence_argument(path.string());
   NamedRows rows(source.path, path.string(), {});
@@ -256,10 +266,11 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
     return read_pose_csv(path, frames);
   }
   const std::string name_column = find_column(rows.header(), {"image", "name", "file", "filename"});
-  const std::string time_column = find_column(rows.header(), {"time", "timestamp"});
+  const std::string time_column = find_time_column(rows);
   Trajectory found;
   found.name = path.string();
   found.is_on_earth = true;
+  found.has_floors = rows.has("floor");
   if (images.empty()) {
     if (!name_column.empty() && time_column.empty())
       throw Error(ErrorKind::usage,

@@ -31,6 +31,10 @@ void FileLocation::fail(std::string_view what) const {
 std::optional<FrameText> parse_frame(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative) text.remove_prefix(1);
+  if (const size_t point = text.find('.');
+      point != 0 && point + 1 < text.size() &&
+      text.find_first_not_of('0', point + 1) == std::string_view::npos)
+    text = text.substr(0, point);  // 7.0, as other programs write integers in a column with gaps
   if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos ||
       is_padded(text))
     return std::nullopt;
@@ -140,6 +144,19 @@ std::vector<CsvRow> read_list_rows(const std::filesystem::path& path) {
   return rows;
 }
 
+std::string with_header(std::string text) {
+  size_t comment = std::string::npos;
+  for (const std::string_view line : split_lines(without_byte_order_mark(text))) {
+    if (line.starts_with('#')) {
+      comment = static_cast<size_t>(line.data() - text.data());
+    } else if (const auto cells = cells_of(line); !cells.empty()) {
+      if (comment != std::string::npos && parse_real(cells.front())) text[comment] = ' ';
+      break;
+    }
+  }
+  return text;
+}
+
 std::vector<std::string> header_names(std::string_view line) {
   try {
     std::vector<CsvRow> rows = parse_csv(line, "");
@@ -161,7 +178,7 @@ bool has_columns(std::string_view first_line, const std::vector<std::string_view
 NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,
                      const std::vector<std::string>& needed)
     : location_{name} {
-  rows_ = parse_csv(read_whole_file(path), location_.file);
+  rows_ = parse_csv(with_header(read_whole_file(path)), location_.file);
   if (rows_.empty()) rows_.emplace_back();  // a file without a header
   for (std::string& column : rows_[0].fields) column = lower_case(column);
   for (const std::string& column : header())

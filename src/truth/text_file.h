@@ -37,8 +37,8 @@ struct FileLocation {
   }
 };
 
-/// A frame number: digits, optionally after a minus sign. Nullopt if `text` is not an integer, or
-/// has leading zeros: those are of file names, which may count from 1.
+/// A frame number: digits, optionally after a minus sign and before ".0". Nullopt if `text` is not
+/// an integer, or has leading zeros: those are of file names, which may count from 1.
 struct FrameText {
   bool in_range = false;  ///< neither negative nor too large for 64 bits
   size_t value = 0;
@@ -77,6 +77,10 @@ std::vector<std::string_view> cells_of(std::string_view line);
 /// otherwise the words between blanks. Omits empty lines and lines that begin with #. Throws
 /// Error(data) for a file that is not text, and as parse_csv does.
 std::vector<CsvRow> read_list_rows(const std::filesystem::path& path);
+
+/// The text of a CSV, with its header as the first line that is not a comment: if numbers follow
+/// comments (#), the last comment, as numpy.savetxt writes the header.
+std::string with_header(std::string text);
 
 /// The column names in the first line of a CSV, in lower case. Empty if it is not a CSV.
 std::vector<std::string> header_names(std::string_view line);

@@ -88,8 +88,9 @@ Trajectory read_any(const std::filesystem::path& path) {
   const FileStart start = open_start(path);
   const std::string_view format = pose_line_format(start.first_line);
   if (!format.empty()) return read_pose_lines(path, format, true);
-  if (is_pose_header(start.first_line)) return read_pose_csv(path);
-  if (start.is_folder || is_gps_header(start.first_line)) return read_fixes(path);
+  if (is_pose_header(start.header))
+    return read_pose_csv(path, {}, kMaxGrownFrames, /*with_times=*/true);
+  if (start.is_folder || is_gps_header(start.header)) return read_fixes(path);
   refuse_convertible(start.path, start.bytes);
   throw Error(ErrorKind::usage,
               "{}: is not a trajectory. Use one pose per line in the format of TUM (8 numbers), "
@@ -223,6 +224,31 @@ std::optional<double> angle_between(const Pose& a, const Pose& b) {
   const double trace =
       std::inner_product(a.orientation->begin(), a.orientation->end(), b.orientation->begin(), 0.0);
   return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+void refuse_angle(const std::string& file, size_t frame) {
+  throw Error(ErrorKind::data, "{}: frame {} has no heading, which --angle needs", file, frame);
+}
+
+void warn_of_headings(const std::string& file, const Poses& poses, const Monitor& monitor) {
+  const Pose* first = nullptr;
+  size_t count = 0;
+  bool are_equal = true;
+  bool are_radians = true;
+  for (const auto& pose : poses) {
+    if (!pose || !has_heading(*pose)) continue;
+    if (first == nullptr) first = &*pose;
+    ++count;
+    are_equal = are_equal && pose->heading_deg == first->heading_deg &&
+                pose->orientation == first->orientation;
+    are_radians =
+        are_radians && pose->heading_deg && std::abs(*pose->heading_deg) <= 2 * std::numbers::pi;
+  }
+  if (count < 2 || !(are_equal || are_radians)) return;
+  warn(monitor, "{}: all {} headings are {}, so --angle {}", file, count,
+       are_equal ? "equal" : "between -6.28 and 6.28 degrees",
+       are_equal ? "has no effect on this side. Are they unknown?"
+                 : "can hardly have an effect. Are they radians? Convert them to degrees");
 }
 
 void check_nearness(const Nearness& nearness) {

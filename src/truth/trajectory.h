@@ -41,6 +41,16 @@ std::array<double, 3> extents_of(const Poses& poses);
 /// rotation between two rotation matrices. Nullopt if the two poses have different kinds.
 std::optional<double> angle_between(const Pose& a, const Pose& b);
 
+/// Whether headings or orientations are known.
+inline bool has_heading(const Pose& pose) { return pose.heading_deg || pose.orientation; }
+
+/// Throws Error(data): a pose has no heading, which an angle of the same place needs.
+[[noreturn]] void refuse_angle(const std::string& file, size_t frame);
+
+/// Warns if an angle of the same place can have no effect: if all headings of a file are equal, as
+/// unknown ones are, or within 2 pi, as radians are.
+void warn_of_headings(const std::string& file, const Poses& poses, const Monitor& monitor);
+
 /// The limits of the same place.
 struct Nearness {
   double radius_m = 0;                   ///< of the same place, inclusive
@@ -70,6 +80,7 @@ struct Trajectory {
   std::vector<int64_t> times_ns = {};  ///< one per pose, or empty if the file has no times
   bool is_on_earth = false;            ///< positions are those of earth_position()
   bool has_heights = true;             ///< false: a CSV without a column z
+  bool has_floors = false;             ///< a CSV with a column floor
 };
 
 /// The format of a file with one pose per line and this first line; empty for other files.

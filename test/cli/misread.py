@@ -40,6 +40,12 @@ def columns_of_poses():
     assert same_pairs(anchors, "--ground-truth-train", "stairs.csv", "--radius", 5) == 58
     write("lost.tum", "0 nan nan nan nan nan nan nan\n" + "".join(f"{i} {i} 0 0 0 0 0 1\n" for i in range(1, 6)))
     assert same_pairs("lost.tum", "--ground-truth-train", "lost.tum", "--radius", 0.5) == 5
+    flat = ("--ground-truth-train", write("flat.csv", "frame,x,y\n0.0,0,0\n"), "--radius", 1)
+    for name, why in (("first-floor.csv", "column floor, and the other side has one"), ("lost.tum", "Use one format for both")):
+        refused(4, why, "vpr-eval", "check", name, *flat)
+    write("rad.csv", "frame,x,y,heading\n0,0,0,0\n1,9,0,3.1\n")
+    for name, cause in (("rad.csv", "radians"), ("lost.tum", "unknown")):
+        assert f"Are they {cause}?" in said("vpr-eval", "check", name, "--ground-truth-train", name, "--radius", 1, "--angle", 9)
     refused(4, "two columns query", "vpr-eval", "check", write("two.csv", "query,query,reference\n0,0,0\n"))
     refused(4, "too large for 1 line", "vpr-eval", "check", write("far.csv", "frame,x,y\n4194302,1,2\n"), *near)
     write("gaps.csv", "frame,lat,lon\n0,0,0\n1,,\n2,nan,nan\n3,52.1,13.1\n")
@@ -58,6 +64,8 @@ def columns_of_poses():
     scored = ("vpr-eval", "loops", "scored.csv", "--poses", "line.csv", "--radius", 2.5, "--gap", 1)
     assert "with --similarity and 0.4000 with --distance" in said(*scored, "--similarity")
     assert said(*scored, "--distance") == ""
+    write("timed.csv", "frame,time,x,y\n0,0,0,0\n1,9,1,0\n2,30,0,0\n")
+    run("vpr-eval", "loops", write("last.csv", "2,0\n"), "--poses", "timed.csv", "--radius", 1, "--gap", "20s")
     # Poses without times of their own, and frames of loops that are times.
     write("line.kitti", "".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(6)))
     times = ("--pose-times", write("line.times", "0\n10\n20\n30\n40\n50\n"), "--frames-by", "time")
@@ -68,8 +76,11 @@ def columns_of_poses():
 
 def headers():
     for name, content in {"blank": "query, reference\n0, 0\n1, 1\n", "semicolon": "query;reference\n0;0\n1;1\n",
-                          "tab": "query\treference\n0\t0\n1\t1\n", "upper": "Query,REFERENCE\n0,0\n1,1\n"}.items():
+                          "tab": "query\treference\n0\t0\n1\t1\n", "upper": "Query,REFERENCE\n0,0\n1,1\n",
+                          "quotes": '"query" , "reference"\n"0" , "0"\n1,\t1\n', "excel": "sep=;\nquery;reference\n0;0\n1;1\n",
+                          "numpy": "# of numpy\n# query,reference\n0.0,0.0\n1,1\n"}.items():
         assert same_pairs(write(f"{name}.csv", content)) == 2, name
+    refused(4, 'its header "frame x y"', "vpr-eval", "check", write("words.csv", "frame x y\n0 1 0\n"), "--radius", 1)
     assert same_pairs(write("my.anchors.csv", "query,reference\n0,0\n4,4\n")) == 2  # pairs, whatever the name
     assert same_pairs(write("route.csv", "query,anchor\n0,0\n4,4\n")) == 5
     run("vpr-eval", "check", write("long.csv", "query,reference\n0,0\n"))
@@ -159,7 +170,7 @@ def recordings():
 
 def utm_names():
     """Zones that do not touch are other places; rows of arrays are in the order of bytes."""
-    names = [f"@{100 * i + 0.5:.1f}@0@{zone}@.jpg" for zone in (10, 32) for i in range(12)]
+    names = [f"@{100 * i + 0.5:.1f}@0@{zone}@.jpg" for zone in ("10.0", "32U") for i in range(12)]
     for side in ("uq", "ud"):
         for name in names:
             write(f"{side}/{name}", "")
@@ -172,6 +183,8 @@ def utm_names():
     write("ud/@0@0@11@.jpg", "")
     np.save(folder / "more.npy", np.eye(25)[:, :24].astype(np.float32) + 0.01)
     refused(4, "which touches it", *judge[:5], "more.npy", *judge[6:])
+    write("city/@0@0@Paris@.jpg", "")
+    assert '"Paris" in' in said("vpr-eval", "check", "city", "--ground-truth-train", "city")
     for band in "UH":
         write(f"equator/@0@0@33@{band}@.jpg", "")
     refused(4, "zone 33 south", "vpr-eval", "check", "equator", "--ground-truth-train", "equator")

@@ -37,7 +37,7 @@ TEST_CASE("with fixes by image names, other images have no place") {
     std::filesystem::create_directories("walk");
     write_text(std::string("walk/") + image, "x");
   }
-  write_text("q.csv", "image,lat,lng,heading\nwalk/a10.jpg,52,13,90\na1.jpg,52.001,13,0\n");
+  write_text("q.csv", "image,lat,lng,heading\nwalk/a10,52,13,90\na1.jpg,52.001,13,0\n");
   write_text("r.csv", "lat,lon,heading\n52.001,13,10\n52,13,270\n,,\n");
   GroundTruthArgument argument = by_positions("q.csv", "r.csv", 2);
   check_refused([&] { read_labels(argument, 3, 3); }, "--query-images", ErrorKind::usage);
@@ -48,7 +48,7 @@ TEST_CASE("with fixes by image names, other images have no place") {
   write_text("q.csv", "image,lat,lon\na3.jpg,52,13\n");
   check_refused([&] { read_labels(argument, 3, 3); }, "line 2");
   write_text("q.csv", "image,lat,lon\na1.jpg,52,13\nb/a1.jpg,52,13\n");
-  check_refused([&] { read_labels(argument, 3, 3); }, "line 3: the image a1.jpg is listed twice");
+  check_refused([&] { read_labels(argument, 3, 3); }, "line 3: the image b/a1.jpg is listed twice");
 }
 
 TEST_CASE("invalid positions are refused with the line") {

@@ -137,9 +137,8 @@ TEST_CASE("loop closures are indices or time stamps, with or without scores") {
   CHECK(plain.loops[1].query == 2);
   CHECK(plain.loops[1].match == 1);
   CHECK(plain.loops[1].line == 4);
-  const LoopList named =
-      read_loops(file("s.csv", "score,match,query,name\n0.5,100.0199,100.3,a\n-2,100.1,100.2,b\n"),
-                 trajectory);
+  const LoopList named = read_loops(
+      file("s.csv", "score,match,query\n0.5,100.0199,100.3\n-2,100.1,100.2\n"), trajectory);
   REQUIRE(named.loops.size() == 2);
   CHECK(named.loops[0].query == 3);
   CHECK(named.loops[0].match == 0);
@@ -168,7 +167,8 @@ TEST_CASE("unknown frames, loops to later frames and missing scores are refused 
   refused("100.2,100.05\n", "the pose nearest to the time 100.05 is 0.05 s away");
   refused("query,match,score\n2,0,0.5\n2,1,\n", "line 3: the score \"\" is not a number");
   refused("2,0,0.5\n2,1\n", "line 2: expected 3 columns, found 2");
-  refused("from,to\n1,0\n", "expected the header query,match");
+  for (const std::string header : {"from,to", "query,match,match", "query,match,distance"})
+    refused(header + "\n1,0,0\n", "expected the header query,match");
   Trajectory gap = trajectory;
   gap.poses[1].reset();
   CHECK(test::has(test::error_text([&] { read_loops(file("g.csv", "2,1\n"), gap); }),
