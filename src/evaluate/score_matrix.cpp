@@ -134,7 +134,7 @@ ScoreMatrix::ScoreMatrix(ScoreFile opened) {
   references = file->references();
   kind = order_of(file->format());
   fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
-  const auto read = [file](size_t first, size_t count, std::span<double> scores) {
+  compute = [file](size_t first, size_t count, std::span<double> scores) {
     const size_t width = file->references();
     if (file->is_query_major()) {
       for (size_t q = 0; q < count; ++q)
@@ -147,13 +147,6 @@ ScoreMatrix::ScoreMatrix(ScoreFile opened) {
       for (size_t q = 0; q < count; ++q) scores[q * width + r] = column[q];
     }
     file->forget(0, width);
-  };
-  compute = [read, name = file->name()](size_t first, size_t count, std::span<double> scores) {
-    try {
-      read(first, count, scores);
-    } catch (const Error& error) {
-      throw Error(error.kind(), fmt::format("{}: {}", name, error.what()));
-    }
   };
 }
 

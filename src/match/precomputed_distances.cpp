@@ -314,8 +314,12 @@ ScoreFile::ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& n
 }
 
 void ScoreFile::read(size_t index, size_t stride, size_t count, double* scores) const {
-  type_->read(array_->value_bytes().data() + index * type_->bytes, stride * type_->bytes, count,
-              scores, 1);
+  try {
+    type_->read(array_->value_bytes().data() + index * type_->bytes, stride * type_->bytes, count,
+                scores, 1);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: {}", name_, error.what()));
+  }
   if (format_.missing)
     std::replace(scores, scores + count, *format_.missing,
                  std::numeric_limits<double>::quiet_NaN());
