@@ -338,7 +338,7 @@ void Program::add_config_option(const Command& command,
             const Json json = read_config(path);
             if (json.is_object())
               for (const auto& item : json.items()) {
-                if (item.value() == "")
+                if (item.value().is_string() && item.value().get<std::string>().empty())
                   throw Error(ErrorKind::usage, "{}: the value of \"{}\" is empty. Omit it", path,
                               item.key());
                 common_.config_keys.push_back(item.key());

@@ -156,8 +156,9 @@ std::string next_step(const Session& session, const EvalInputs& inputs,
   for (const auto& [page, flag] : {std::pair(inputs.frame_questions, "--ground-truth labels.csv"),
                                    std::pair(inputs.place_questions, "--places places.csv")})
     if (!page.empty())
-      return fmt::format(
-          "next: open {} in a browser, answer, and pass the file that it saves: {}\n", page, flag);
+      return wrapped_text(
+          fmt::format("next: open {} in a browser, answer, and pass the file that it saves with {}",
+                      page, flag));
   if (evaluated.stored == nullptr || evaluation.warned_of_ground_truth) return "";
   const Localization& path = evaluation.judgment.localization;
   const bool has_places = evaluated.stored->result.places.has_value();

@@ -105,7 +105,7 @@ void visit_fields(DatasetFile& file, Visitor&& visit) {
 // An unset variable of the program that wrote the file.
 void refuse_empty_strings(const Json& json, const std::string& where) {
   for (const auto& [key, value] : json.items()) {
-    if (value == "")
+    if (value.is_string() && value.get<std::string>().empty())
       throw Error(ErrorKind::usage, "{}: the value of \"{}\" is empty. Omit it", where, key);
     if (value.is_structured()) refuse_empty_strings(value, where + ", " + key);
   }
