@@ -67,6 +67,22 @@ bool begins_with_query(const std::vector<std::string>& fields) {
          (fields.size() > 1 && folder(fields[0]) != folder(fields[1]));
 }
 
+// Whether the lines below a header are pairs with a score. Throws for other columns than those of
+// pairs and rankings.
+bool has_score_column(std::vector<std::string> names, const FileLocation& location) {
+  std::ranges::transform(names, names.begin(), lower_case);
+  const auto known = std::ranges::count_if(names, [](const std::string& name) {
+    return std::ranges::find(kPairColumns, name) != kPairColumns.end();
+  });
+  const bool are_pairs =
+      names.size() > 1 && names[1] == "reference" && std::cmp_equal(names.size(), 1 + known);
+  if (names[0] != "query" || (names.size() > 3 ? known > 0 : !are_pairs))
+    location.fail(
+        "the columns are query, reference and optionally score, in this order. Name the columns "
+        "of a ranking query,reference, however many references follow");
+  return names.size() == 3;
+}
+
 // Pairs with or without a score, or one line per query: its name and its references, best first.
 PredictionList read_list(const fs::path& path) {
   std::vector<CsvRow> lines = read_list_rows(path);
@@ -75,18 +91,7 @@ PredictionList read_list(const fs::path& path) {
   list.has_queries = !lines.empty() && std::ranges::count(lines[0].fields, "query", lower_case) > 0;
   bool are_pairs = false;
   if (list.has_queries) {
-    std::vector<std::string>& names = lines[0].fields;
-    std::ranges::transform(names, names.begin(), lower_case);
-    const auto known = std::ranges::count_if(names, [](const std::string& name) {
-      return std::ranges::find(kPairColumns, name) != kPairColumns.end();
-    });
-    are_pairs = names.size() == 3 && known == 2;
-    const bool is_list =
-        names.size() > 1 && names[1] == "reference" && std::cmp_equal(names.size(), 1 + known);
-    if (names[0] != "query" || (names.size() > 3 ? known > 0 : !is_list))
-      location.fail(
-          "the columns are query, reference and optionally score, in this order. Name the columns "
-          "of a ranking query,reference, however many references follow");
+    are_pairs = has_score_column(lines[0].fields, location);
     lines.erase(lines.begin());
   }
   for (CsvRow& line : lines)  // a ranking as a table has empty cells after a short line

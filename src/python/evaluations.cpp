@@ -50,6 +50,20 @@ struct EvaluationReport {
 };
 using ReportPointer = std::shared_ptr<EvaluationReport>;
 
+// The scores or, with the number of training frames, the ranks of indices, which are distances.
+ScoreMatrix open_scores(ScoreInput& input, size_t train_frames) {
+  if (train_frames == 0) {
+    require_order(input);
+    return ScoreMatrix(input.open());
+  }
+  const auto array = input.array ? input.array : std::make_shared<const NpyArray>(input.path);
+  if (!is_index_array(*array, train_frames))
+    throw Error(ErrorKind::usage,
+                "train_frames is for integers, the indices of the best references of each query");
+  input.is_similarity = false;
+  return index_scores(input.open(), train_frames);
+}
+
 // Judges a result or, if it is null, scores. `truth`: nullopt for none.
 ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& result,
                        const Source& scores, const std::optional<std::filesystem::path>& truth) {
@@ -79,20 +93,7 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
   const auto evaluate_input = [&](const Monitor& monitor) {
     settings.query.name = kUnnamedQuery;
     settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
-    const auto array = train_frames > 0 && !input.array
-                           ? std::make_shared<const NpyArray>(input.path)
-                           : input.array;
-    ScoreMatrix matrix;
-    if (train_frames == 0) {
-      require_order(input);
-      matrix = ScoreMatrix(input.open());
-    } else if (is_index_array(*array, train_frames)) {
-      matrix = index_scores(input.open(), train_frames);
-      input.is_similarity = false;
-    } else {
-      throw Error(ErrorKind::usage,
-                  "train_frames is for integers, the indices of the best references of each query");
-    }
+    ScoreMatrix matrix = open_scores(input, train_frames);
     settings.format = input.format();
     require_range("rows_are_windows_of", static_cast<double>(settings.window_length), 1,
                   static_cast<double>(matrix.queries));

@@ -107,7 +107,7 @@ void refuse_empty_strings(const Json& json, const std::string& where) {
   for (const auto& [key, value] : json.items()) {
     if (value.is_string() && value.get<std::string>().empty())
       throw Error(ErrorKind::usage, "{}: the value of \"{}\" is empty. Omit it", where, key);
-    if (value.is_structured()) refuse_empty_strings(value, where + ", " + key);
+    if (value.is_structured()) refuse_empty_strings(value, fmt::format("{}, {}", where, key));
   }
 }
 
