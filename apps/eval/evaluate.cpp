@@ -30,24 +30,22 @@ std::vector<SequenceArgument> train_arguments(const EvalInputs& inputs) {
 
 // The number of query frames; unset if it is unknown, as of a video.
 std::optional<size_t> query_frames(const EvalInputs& inputs) {
-  try {
-    const size_t frames = query_names(inputs).size();
-    return frames > 0 && inputs.scores.speed.empty() ? std::optional(frames) : std::nullopt;
-  } catch (const Error&) {  // without names
-    return std::nullopt;
-  }
+  const auto query = query_argument(inputs, inputs.query);
+  const auto names = query ? known_frame_names(*query) : std::nullopt;
+  return names && inputs.scores.speed.empty() ? std::optional(names->size()) : std::nullopt;
 }
 
 // The number of columns of a matrix; 0 if it is unknown, as of a video.
 size_t train_columns(const EvalInputs& inputs) {
   const size_t length = inputs.scores.window_length;
+  const size_t stated = window_count(inputs.scores.train_frames.value_or(0), length);
   size_t columns = 0;
-  try {
-    for (const auto& names : train_names(inputs)) columns += window_count(names.size(), length);
-  } catch (const Error&) {  // without names
-    columns = 0;
+  for (const SequenceArgument& argument : train_arguments(inputs)) {
+    const auto names = known_frame_names(argument);
+    if (!names) return stated;
+    columns += window_count(names->size(), length);
   }
-  return columns > 0 ? columns : window_count(inputs.scores.train_frames.value_or(0), length);
+  return columns > 0 ? columns : stated;
 }
 
 // Readers of frame names, for ground truths that need them.
@@ -103,8 +101,10 @@ ScoreMatrix open_scores(const EvalInputs& inputs, const Monitor& monitor) {
              "references are; omit the flags of scores or, for scores, save one column per frame");
       return index_scores(ScoreFile(scores.path, {}), columns);
     }
-    ScoreMatrix matrix(scores.path, scores.matrix.format());
+    ScoreFile file(scores.path, scores.matrix.format());
     require_order(scores.matrix);
+    warn_of_indices(file, monitor);
+    ScoreMatrix matrix(std::move(file));
     if (columns > 0 && matrix.references != columns)
       throw Error(ErrorKind::data,
                   "{}: has {} columns, but the training frames need {}. Pass the sequences that "
@@ -165,21 +165,20 @@ ScoreSettings score_settings(const EvalInputs& inputs, const ScoreMatrix& matrix
 // Warns if rows may belong to the images in another order.
 void warn_of_order(const Session& session, const EvalInputs& inputs, const ScoreMatrix& matrix) {
   if (matrix.has_names || session.options.process.order != FrameOrder::automatic) return;
-  std::vector<std::vector<std::string>> sides;
-  try {
-    sides = train_names(inputs);
-    sides.push_back(query_names(inputs));
-    const GroundTruthOptions& truth = inputs.truth.flags.options;
-    for (const auto& images : {truth.query.images, truth.train.images})
-      if (!images.empty()) sides.push_back(frame_names(parse_sequence_argument(images.string())));
-  } catch (const Error&) {  // without names, as of a video
+  std::vector<SequenceArgument> sides = train_arguments(inputs);
+  if (const auto query = query_argument(inputs, inputs.query)) sides.push_back(*query);
+  const GroundTruthOptions& truth = inputs.truth.flags.options;
+  for (const auto& images : {truth.query.images, truth.train.images})
+    if (!images.empty()) sides.push_back(parse_sequence_argument(images.string()));
+  for (const SequenceArgument& side : sides) {
+    const auto names = known_frame_names(side);
+    if (!names || std::ranges::is_sorted(*names)) continue;
+    const auto later = std::ranges::is_sorted_until(*names);
+    return warn(session.monitor,
+                "rows belong to images in natural order ({} before {}). If the program that wrote "
+                "them sorted names as text, add --order name",
+                *(later - 1), *later);
   }
-  for (const std::vector<std::string>& names : sides)
-    if (!std::ranges::is_sorted(names))
-      return warn(session.monitor,
-                  "rows belong to images in natural order ({} before {}). If the program that "
-                  "wrote them sorted names as text, add --order name",
-                  *(std::ranges::is_sorted_until(names) - 1), *std::ranges::is_sorted_until(names));
 }
 
 }  // namespace

@@ -252,11 +252,6 @@ std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation) {
 
 void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,
                     const Monitor& monitor) {
-  if (scores.has_order() && (scores.array || source.ends_with(".npy"))) {
-    ScoreInput input = scores;
-    input.path = source;
-    warn_of_indices(input.open(), monitor);
-  }
   constexpr double kClear = 0.05;  // of the queries: more than chance
   const auto found = recall_at(judgment.outcomes, 1);
   if (found && judgment.all_pairs && scores.is_distance != scores.is_similarity) {

@@ -51,10 +51,12 @@ struct EvaluationReport {
 using ReportPointer = std::shared_ptr<EvaluationReport>;
 
 // The scores or, with the number of training frames, the ranks of indices, which are distances.
-ScoreMatrix open_scores(ScoreInput& input, size_t train_frames) {
+ScoreMatrix open_scores(ScoreInput& input, size_t train_frames, const Monitor& monitor) {
   if (train_frames == 0) {
     require_order(input);
-    return ScoreMatrix(input.open());
+    ScoreFile file = input.open();
+    warn_of_indices(file, monitor);
+    return ScoreMatrix(std::move(file));
   }
   const auto array = input.array ? input.array : std::make_shared<const NpyArray>(input.path);
   if (!is_index_array(*array, train_frames))
@@ -93,7 +95,7 @@ ReportPointer evaluate(Call& call, const std::shared_ptr<const StoredResult>& re
   const auto evaluate_input = [&](const Monitor& monitor) {
     settings.query.name = kUnnamedQuery;
     settings.method = name.empty() ? std::filesystem::path(input.path).stem().string() : name;
-    ScoreMatrix matrix = open_scores(input, train_frames);
+    ScoreMatrix matrix = open_scores(input, train_frames, monitor);
     settings.format = input.format();
     require_range("rows_are_windows_of", static_cast<double>(settings.window_length), 1,
                   static_cast<double>(matrix.queries));

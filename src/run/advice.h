@@ -22,8 +22,8 @@ bool needs_advice(const Result& result);
 std::string no_recognition_advice(const Result& result);
 
 /// A sentence about a query that needs advice: the number of its frames that default_filter
-/// recognizes, and their median speed, or the number of frames that walk in the opposite direction.
-/// The database has statistics (ensure_statistics).
+/// recognizes, and the speed of its longest path, or the number of frames that walk in the opposite
+/// direction. The database has statistics (ensure_statistics).
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor);

@@ -432,16 +432,20 @@ std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
   return arguments;
 }
 
-std::vector<std::string> frame_names(const SequenceArgument& argument) {
+std::optional<std::vector<std::string>> known_frame_names(const SequenceArgument& argument) {
   if (has_extension(argument.path, kListExtensions))
     return apply_range(read_list(argument.path), argument);
   const SequenceSource sequence = open_sequence(argument);
-  if (sequence.kind == SequenceKind::video || sequence.is_one_array())
-    throw Error(ErrorKind::usage, "{}: has no names of frames. Pass a folder or a list",
-                argument.path.string());
+  if (sequence.kind == SequenceKind::video || sequence.is_one_array()) return std::nullopt;
   std::vector<std::string> names;
   for (const auto& path : sequence.files) names.push_back(path.generic_string());
   return names;
+}
+
+std::vector<std::string> frame_names(const SequenceArgument& argument) {
+  if (auto names = known_frame_names(argument)) return *std::move(names);
+  throw Error(ErrorKind::usage, "{}: has no names of frames. Pass a folder or a list",
+              argument.path.string());
 }
 
 std::string argument_text(const SequenceArgument& argument) {

@@ -113,8 +113,12 @@ bool is_frame_name(const std::filesystem::path& path);
 std::vector<SequenceArgument> subfolder_arguments(const std::filesystem::path& folder);
 
 /// Names of frames in order: the lines of a list (.txt, .lst, .csv; without empty lines and lines
-/// that start with #; the files need not exist), or the paths of a sequence's frames. Throws as
-/// open_sequence does, and Error(usage) for a range that a list does not have, or for a video.
+/// that start with #; the files need not exist), or the paths of a sequence's frames. Nullopt for a
+/// video or a single array. Throws as open_sequence does, and Error(usage) for a range that a list
+/// does not have.
+std::optional<std::vector<std::string>> known_frame_names(const SequenceArgument& argument);
+
+/// The same. Throws also Error(usage) for frames without names.
 std::vector<std::string> frame_names(const SequenceArgument& argument);
 
 /// The file names of all frames, without folders; empty for a video or a single array.

@@ -261,6 +261,12 @@ def arrays():
     matrix = ("vpr-query", "matrix", "marked.npy", "--distance", "--c-l", 1, "-o")
     assert "--missing 1000000" in said(*matrix, "marked.json") and not said(*matrix, "known.json", "--missing", 1e6)
     assert "use --missing -1" in said("vpr-query", "matrix", "minus.npy", *matrix[3:], "minus.json")
+    (folder / "unclear").mkdir()
+    for i, path in zip((5, 9, 10, 125), sorted((folder / "walk").iterdir())):
+        shutil.copy(path, folder / "unclear" / f"1.{i}.png")
+    for side in ("--query", "--train"):
+        refused(2, "order of frames is unclear", "vpr-eval", "matrix", "minus.npy", "--distance", side, "unclear",
+                "--ground-truth", "aligned")
 
 
 def flags_without_effect():
