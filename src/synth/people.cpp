@@ -39,8 +39,7 @@ struct Wardrobe {
 };
 
 cv::Mat draw_person(const Wardrobe& clothes, double stride_cm) {
-  cv::Mat picture(static_cast<int>(kFigureHeightM * kTexelsPerMeter),
-                  static_cast<int>(kFigureWidthM * kTexelsPerMeter), CV_8UC4, cv::Scalar(0));
+  cv::Mat picture(wall_texels(kFigureHeightM), wall_texels(kFigureWidthM), CV_8UC4, cv::Scalar(0));
   // In centimeters: x from the middle, y from the ground.
   const auto texels = [](double cm) { return wall_texels(cm / 100); };
   const auto at = [&](double x, double y) {

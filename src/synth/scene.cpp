@@ -75,24 +75,19 @@ uint8_t daylight_share(float daylight, float light) {
 
 BakedLight bake_along(const FloorDay& floor_day, const Wall& wall, int texels) {
   const int steps = std::max(2, static_cast<int>(wall.length_m / kLightStepM));
-  const bool daylit = !floor_day.daylight.empty();
-  cv::Mat light(1, steps, CV_32F), daylight(1, steps, CV_32F, cv::Scalar(0));
+  cv::Mat light(1, steps, CV_32F), daylight(1, steps, CV_32F);
   for (int i = 0; i < steps; ++i) {
     const double meters = (i + 0.5) * wall.length_m / steps;
     const double corner = std::min(meters, wall.length_m - meters);
     const Point p = wall.at(meters, 0.05);
-    double all = light_at(floor_day.plan, p);
-    if (daylit) {
-      daylight.at<float>(0, i) =
-          static_cast<float>(daylight_at(floor_day.plan, floor_day.daylight, p));
-      all += daylight.at<float>(0, i);
-    }
+    daylight.at<float>(0, i) =
+        static_cast<float>(daylight_at(floor_day.plan, floor_day.daylight, p));
+    const double all = light_at(floor_day.plan, p) + daylight.at<float>(0, i);
     light.at<float>(0, i) = static_cast<float>(all * (1 - 0.25 * std::exp(-corner / 0.3)));
   }
   cv::resize(light, light, {texels, 1}, 0, 0, cv::INTER_LINEAR);
-  if (!daylit) return {light, {}};
   cv::resize(daylight, daylight, {texels, 1}, 0, 0, cv::INTER_LINEAR);
-  return {light, daylight};
+  return {light, floor_day.daylight.empty() ? cv::Mat() : daylight};
 }
 
 // All glass of a floor, scaled by variety.window_light; empty if that is 0.
@@ -233,9 +228,7 @@ void furnish(const FloorDay& floor_day, size_t index, bool in_hall, WallBrush& b
 
 Texture paint_wall(const FloorDay& floor_day, size_t index) {
   const Wall& wall = floor_day.plan.walls[index];
-  cv::Mat picture(static_cast<int>(std::lround(kRoomHeightM * kTexelsPerMeter)),
-                  static_cast<int>(std::lround(wall.length_m * kTexelsPerMeter)), CV_8UC4,
-                  cv::Scalar(0));
+  cv::Mat picture(wall_texels(kRoomHeightM), wall_texels(wall.length_m), CV_8UC4, cv::Scalar(0));
   WallBrush brush{picture, named_engine(0, ""), slot_detail(floor_day, index, -1)};
   const bool in_hall = is_in_hall(floor_day.plan, wall);
   if (wall.is_glass) {

@@ -44,8 +44,7 @@ void paint_house(cv::Mat& picture, RandomEngine& engine) {
   const double dark = between(engine, 0.35, 0.7);
   for (int y = kHorizon - height + 12; y < kHorizon; y += 26)
     for (int x = left + 10; x + 12 < left + width; x += 24)
-      cv::rectangle(picture, cv::Rect(x, y, 12, 15),
-                    opaque(front[0] * dark, front[1] * dark, front[2] * dark), cv::FILLED);
+      cv::rectangle(picture, cv::Rect(x, y, 12, 15), darker(front, dark), cv::FILLED);
 }
 
 void paint_tree(cv::Mat& picture, RandomEngine& engine) {
