@@ -1,10 +1,8 @@
-#include <fstream>
-#include <iterator>
-
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
+#include "base/mapped_file.h"
 #include "bench/benches.h"
 #include "bench/generated.h"
 #include "describe/frame_descriptors.h"
@@ -20,11 +18,6 @@ struct Frames {
   std::vector<cv::Mat> gray;
 };
 
-std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 Frames load_frames(const std::optional<SequenceSource>& images, uint64_t count, uint64_t seed) {
   Frames frames;
   if (images && images->files.empty())
@@ -34,7 +27,8 @@ Frames load_frames(const std::optional<SequenceSource>& images, uint64_t count, 
     if (images) {
       if (i == images->files.size()) break;
       frames.gray.push_back(decode_image(images->files[i], PixelFormat::gray));
-      frames.files.push_back(read_bytes(images->files[i]));
+      const std::string bytes = read_whole_file(images->files[i]);
+      frames.files.emplace_back(bytes.begin(), bytes.end());
     } else {
       cv::imencode(".jpg", generate_frame(seed + i), frames.files.emplace_back());
       frames.gray.push_back(cv::imdecode(frames.files.back(), cv::IMREAD_GRAYSCALE));

@@ -18,7 +18,6 @@
 #include "match/match.h"
 #include "match/reference.h"
 #include "match/zscores.h"
-#include "run/query.h"
 
 namespace vpr {
 namespace {
