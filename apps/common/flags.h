@@ -67,8 +67,7 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
 void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags);
 
 /// The order and layout of a matrix of scores.
-void add_score_flags(const Command& command, ScoreInput& flags,
-                     const std::string& group = kEssentialGroup);
+void add_score_flags(const Command& command, ScoreInput& flags);
 
 /// Throws Error(usage) "FLAG WHY" for a given flag.
 void refuse(bool is_given, const std::string& flag, const std::string& why);

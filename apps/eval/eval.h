@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/json.h"
 #include "common/command.h"
 #include "common/flags.h"
 #include "evaluate/evaluation.h"

@@ -27,7 +27,7 @@ void add_place_option(const Command& command, std::vector<std::string>& places);
 /// The named training sequences; names differ from each other and from `taken`. Throws Error(usage)
 /// without a sequence.
 std::vector<NamedArgument> named_arguments(const TrainOptions& options,
-                                           const std::vector<std::string>& taken = {});
+                                           const std::vector<std::string>& taken);
 
 /// The views of --train, --train-folders and --place, named as in named_arguments.
 std::vector<NamedArgument> group_arguments(const TrainOptions& options,

@@ -7,7 +7,6 @@
 
 #include "common/flags.h"
 #include "evaluate/evaluation.h"
-#include "tune/sweep.h"
 
 namespace vpr {
 
