@@ -7,7 +7,7 @@
 #   scripts/install-deps.sh --package  also those of building and testing the Debian package
 #   scripts/install-deps.sh --cluster  also those of trees of experiments (docs/developer/clusters.md)
 #   scripts/install-deps.sh --arm64    also those of scripts/test-arm64.sh
-#   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs link
+#   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs and tests link
 set -euo pipefail
 libraries=(
   libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev

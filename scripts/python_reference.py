@@ -9,8 +9,8 @@ root = pathlib.Path(__file__).resolve().parent.parent
 PAGE = root / "docs/reference/python.md"
 
 
-def block(text, language=""):
-    return [f"```{language}", inspect.cleandoc(text), "```", ""]
+def block(text):
+    return ["```", inspect.cleandoc(text), "```", ""]
 
 
 def signature(name, function):

@@ -164,8 +164,8 @@ def worlds():
         yield f"world{index}", out / f"world{index}"
 
 
-def walk_of(path, truth=None, frames=None):
-    frames = frames or sum(1 for f in pathlib.Path(path).iterdir() if f.suffix in (".jpg", ".png"))
+def walk_of(path, truth=None):
+    frames = sum(1 for f in pathlib.Path(path).iterdir() if f.suffix in (".jpg", ".png"))
     return Walk(path, truth, frames, 0, frames)
 
 

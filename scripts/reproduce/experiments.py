@@ -2,7 +2,7 @@
 import re
 from dataclasses import dataclass, field
 
-from laboratory import ROOT, Failure, run, say
+from laboratory import Failure, run, say
 
 # Settings of a row in configs/paper; its other keys are measures with the paper's numbers.
 SETTINGS = ("sequence", "data", "query", "c_w", "t_p", "c_l", "t_r", "method", "what", "our_work",

@@ -35,7 +35,7 @@ def rises(values):
 
 def exponent(parameters, values):
     """The least-squares slope of log value over log parameter: 1 for proportional numbers, 0 for
-    constant ones; None if a number is not above 0."""
+    constant ones; NaN if a number is not above 0."""
     if min(values) <= 0:
         return math.nan
     x, y = [math.log(p) for p in parameters], [math.log(v) for v in values]
