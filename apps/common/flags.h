@@ -1,5 +1,4 @@
-// Flags of several programs: selections of sequences, ground truth, score matrices, scores and
-// decisions.
+// Flags of several programs: selections of sequences, ground truth, score matrices and tables.
 #pragma once
 
 #include <filesystem>

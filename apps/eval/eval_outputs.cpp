@@ -1,4 +1,4 @@
-// The files of vpr-eval, except reports: tables, trajectories, pairs, plots, maps and pages.
+// The files of vpr-eval, except reports and tables: trajectories, pairs, plots, maps and pages.
 #include <algorithm>
 #include <cassert>
 #include <iterator>
