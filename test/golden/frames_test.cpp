@@ -32,14 +32,13 @@ constexpr size_t kUnreadable = 9;  // of the query
 template <class Body>
 void for_each_setting(Body&& body) {
   for (const std::string& target : simd_targets()) {
-    use_simd_target(target);
+    const ChosenTarget chosen(target);
     for (const size_t threads : {1, 2, 5}) {
       INFO(target << ", " << threads << " threads");
       const ThreadLimit limit(threads);
       body();
     }
   }
-  use_simd_target("");
 }
 
 std::vector<LdbCode> describe(const Walk& walk) {

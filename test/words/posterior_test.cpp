@@ -5,7 +5,7 @@
 
 #include "base/exponentials.h"
 #include "base/random.h"
-#include "base/simd.h"
+#include "support.h"
 #include "words/model.h"
 
 using namespace vpr;
@@ -56,7 +56,6 @@ TEST_CASE("exponentials equal those of the standard library on every SIMD target
     for (double& value : logs) value = -1000 * uniform_unit(engine) * uniform_unit(engine) - 5000;
     logs[count / 2] = -4999;
     if (count > 2) logs[1] = -std::numeric_limits<double>::infinity();
-    use_simd_target("");
     std::vector<double> found = logs;
     const double sum = exponentiate(found);
     double expected_sum = 0;
@@ -70,11 +69,10 @@ TEST_CASE("exponentials equal those of the standard library on every SIMD target
     }
     CHECK(sum == Approx(expected_sum).epsilon(1e-14));
     for (const std::string& target : simd_targets()) {
-      use_simd_target(target);
+      const test::ChosenTarget chosen(target);
       std::vector<double> again = logs;
       CHECK(exponentiate(again) == sum);
       CHECK(again == found);
     }
   }
-  use_simd_target("");
 }

@@ -64,7 +64,6 @@ TEST_CASE("the nearest word equals the result of an exhaustive search, on every 
     const cv::Mat centers = random_floats(words, dims, 1);
     const cv::Mat rows = random_floats(points, dims, 2);
     const Vocabulary vocabulary = make_vocabulary(centers);
-    use_simd_target("");
     const auto found = nearest_words(vocabulary, rows);
     for (int p = 0; p < points; ++p) {
       const auto distance = [&](int w) { return cv::norm(centers.row(w), rows.row(p)); };
@@ -72,11 +71,10 @@ TEST_CASE("the nearest word equals the result of an exhaustive search, on every 
         REQUIRE(distance(static_cast<int>(found[static_cast<size_t>(p)])) <= distance(w) + 1e-4);
     }
     for (const std::string& target : simd_targets()) {
-      use_simd_target(target);
+      const ChosenTarget chosen(target);
       REQUIRE(nearest_words(vocabulary, rows) == found);
     }
   }
-  use_simd_target("");
 }
 
 TEST_CASE("equal words: the lower one is nearest; no descriptors: no words") {
@@ -103,13 +101,12 @@ TEST_CASE("the same seed yields the same words for any threads and SIMD target")
     const cv::Mat words = kmeans_words(points, {50, 8, 3}, {});
     CHECK_FALSE(same(words, kmeans_words(points, {50, 8, 4}, {})));
     for (const std::string& target : simd_targets()) {
-      use_simd_target(target);
+      const ChosenTarget chosen(target);
       for (const size_t threads : {1, 3}) {
         const ThreadLimit limit(threads);
         REQUIRE(same(kmeans_words(points, {50, 8, 3}, {}), words));
       }
     }
-    use_simd_target("");
   }
 }
 
@@ -190,7 +187,7 @@ TEST_CASE("a single word is its own root") {
 TEST_CASE(
     "the fast tree equals the reference implementation, with its ties, on every SIMD target") {
   for (const std::string& target : simd_targets()) {
-    use_simd_target(target);
+    const ChosenTarget chosen(target);
     for (const auto& [frames, words] : std::vector<std::pair<size_t, size_t>>{
              {1, 2}, {5, 3}, {63, 17}, {64, 16}, {65, 40}, {200, 90}})
       for (uint64_t seed = 0; seed < 3; ++seed) {
@@ -198,7 +195,6 @@ TEST_CASE(
         REQUIRE(same_tree(train_chow_liu(sets, words, {}), reference_chow_liu(sets, words)));
       }
   }
-  use_simd_target("");
 }
 
 TEST_CASE("an index lists the views of each word, computed by hand") {
