@@ -49,7 +49,6 @@ void make_inputs() {
            {"odd.csv", "frame,x,y,weight\n0,1,1,2\n"},
            {"xy.csv", "x,y\n1.5,0\n"},
            {"p.txt", "0 1 0.5\n"},
-           {"far.txt", "4194302 500\n"},
            {"laps.txt", poses},
            {"closures.csv", "query,match,score\n30,2,0.9\n"},
            {"both-ways.csv", "30,2\n2,30\n"},

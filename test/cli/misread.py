@@ -82,7 +82,6 @@ def headers():
         assert same_pairs(write(f"{name}.csv", content)) == 2, name
     refused(4, 'its header "frame x y"', "vpr-eval", "check", write("words.csv", "frame x y\n0 1 0\n"), "--radius", 1)
     assert same_pairs(write("my.anchors.csv", "query,reference\n0,0\n4,4\n")) == 2  # pairs, whatever the name
-    assert same_pairs(write("route.csv", "query,anchor\n0,0\n4,4\n")) == 5
     run("vpr-eval", "check", write("long.csv", "query,reference\n0,0\n"))
     refused(4, "... (5000 characters)", "vpr-eval", "check", write("long.csv", "query,reference\n" + "9" * 5000 + ",0\n"),
             "--query-frames", 5, "--train-frames", 5)

@@ -360,7 +360,6 @@ def masked():
 
 @pytest.mark.parametrize("call, kind", [
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_L=5), "UsageError"),
-    (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l=0), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", c_l="a"), "UsageError"),
     (lambda db, walks: vpr.query(db), "UsageError"),
     (lambda db, walks: vpr.train(), "UsageError"),
