@@ -1,4 +1,4 @@
-// vpr-eval loops and vpr-query --loop.
+// vpr-eval loops and vpr-query loops.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 

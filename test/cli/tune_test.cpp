@@ -208,7 +208,7 @@ TEST_CASE("without a recommendation there is no configuration, and the exit code
   CHECK((query["recommended"].is_null() && query["recommended_settings"].is_null()));
 }
 
-TEST_CASE("FAB-MAP has a default grid and a configuration as well") {
+TEST_CASE("FAB-MAP has a default grid as well") {
   const auto outcome = run_ok(
       "vpr-tune fabmap $fabmap --query $back --ground-truth aligned --tolerance 25 --format csv -o "
       "s.json");

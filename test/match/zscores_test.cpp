@@ -71,10 +71,6 @@ size_t window_pairs(const Example& example, size_t length) {
          count_windows(readable_runs({example.query, example.query_unreadable}), length);
 }
 
-std::vector<LdbCode> slow_walk(size_t count, uint64_t seed) {
-  return test::walk_codes(count, seed, 25);
-}
-
 }  // namespace
 
 TEST_CASE("a score equals the value computed by hand") {
@@ -154,11 +150,10 @@ TEST_CASE(
       CHECK(expected.size() == window_pairs(example, length));
       CHECK(check_against_reference(example, basis, length) < 1);
       for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        const test::ChosenTarget chosen(target);
         INFO(target);
         CHECK(fast_cells(example, basis, length) == expected);
       }
-      use_simd_target("");
     }
   }
 }
@@ -295,7 +290,7 @@ TEST_CASE("scores beyond 32 deviations are clamped, without overflow") {
 TEST_CASE("a stationary query keeps the current place for any time") {
   // A walk again, with some bits changed, that stops at frame 60 for 600 frames.
   Example example;
-  example.train = {slow_walk(200, 11)};
+  example.train = {test::walk_codes(200, 11, 25)};
   example.train_unreadable = {{}};
   RandomEngine engine(1);
   const auto seen_again = [&](size_t frame) {

@@ -261,7 +261,6 @@ TEST_CASE("days differ by the requested amount in how the phone is held") {
 TEST_CASE("walks and views of a day share how the phone is held") {
   World world = corridor_world();
   Walk walk = straight_walk();
-  walk.shake = 0;
   CHECK(held_on_day(world, 1, {}).pitch_deg == 0);
   world.variety.hands = 1;
   for (const uint64_t day : {0, 1}) {
