@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "chart/chart.h"
 #include "support.h"

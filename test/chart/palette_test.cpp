@@ -10,7 +10,6 @@
 
 #include "chart/chart.h"
 #include "files/report.h"
-#include "present/report_tables.h"
 
 using namespace vpr;
 

@@ -10,7 +10,6 @@
 
 using namespace vpr;
 using namespace vpr::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -44,7 +43,7 @@ void make_arrays() {
         bits + " -o db" + bits + ".vprdb");
 }
 
-RunOutcome query(const std::string& words, const std::string& precision = "8") {
+RunOutcome query(const std::string& words, const std::string& precision) {
   return run("vpr-query db" + precision + ".vprdb --query-npy q.npy --json " + words);
 }
 

@@ -1,5 +1,4 @@
 // FAB-MAP's commands, and damage in the files of a database.
-#include <algorithm>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>

@@ -7,7 +7,6 @@
 
 #include "base/random.h"
 #include "match/reference.h"
-#include "match/score_kernels.h"
 #include "support.h"
 
 using namespace vpr;

@@ -3,7 +3,6 @@
 
 #include "base/random.h"
 #include "decide/exclusion_zones.h"
-#include "examples.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/monitor.h"
 #include "evaluate/judgment.h"
 #include "queries.h"
 #include "support.h"

@@ -9,7 +9,6 @@
 
 using namespace vpr;
 using namespace vpr::test;
-namespace fs = std::filesystem;
 
 TEST_CASE("companions are named after the result") {
   CHECK(companion_path("a/r.json", "recognitions.npy") == "a/r.recognitions.npy");

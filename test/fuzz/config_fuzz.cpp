@@ -3,7 +3,6 @@
 #include "bench/generated.h"
 #include "common/parser.h"
 #include "fabmap/place_query.h"
-#include "files/result_file.h"
 #include "fuzz.h"
 #include "run/open.h"
 #include "run/query.h"

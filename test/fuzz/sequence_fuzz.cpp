@@ -1,5 +1,4 @@
 // The name of a sequence, as on a command line, and a list of images.
-#include "base/npy.h"
 #include "base/text.h"
 #include "fuzz.h"
 #include "sequence/sequence_source.h"

@@ -8,7 +8,6 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "base/simd.h"
 #include "examples.h"
 #include "match/reference.h"
 #include "support.h"

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <span>
-#include <vector>
 
 #include "base/monitor.h"
 #include "decide/row_scan.h"

@@ -15,7 +15,6 @@
 #include "reference/reference_fusion.h"
 #include "reference/reference_past.h"
 #include "run/query.h"
-#include "settings/query_settings.h"
 
 namespace vpr::test {
 namespace {

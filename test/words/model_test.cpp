@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "match/fusion.h"
 #include "queries.h"
 #include "support.h"
 
