@@ -54,8 +54,6 @@ int compare_values(std::string_view a, std::string_view b) {
   return a.compare(b);
 }
 
-constexpr std::string_view kSeparatorLine = "sep=";
-
 class CsvParser {
  public:
   CsvParser(std::string_view text, const std::string& where) : text_(text), where_(where) {}
@@ -81,8 +79,7 @@ class CsvParser {
  private:
   // Lines before the first row that begin with #, and the line in which Excel names the separator.
   void skip_comments() {
-    while (at_ < text_.size() &&
-           (text_[at_] == '#' || text_.substr(at_).starts_with(kSeparatorLine))) {
+    while (at_ < text_.size() && (text_[at_] == '#' || text_.substr(at_).starts_with("sep="))) {
       at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
       ++line_;
     }

@@ -161,11 +161,10 @@ std::string body_of(const Drawing& drawing, bool for_page = false, bool uses_oth
   const Chart& chart = drawing.chart;
   std::string svg;
   if (chart.image) svg += image_svg(drawing, uses_other);
-  const auto is_behind = [](const Series& series) { return series.style == SeriesStyle::boxes; };
   if (!chart.is_plan) svg += ticks_and_labels_svg(drawing) + bands_svg(drawing);
   for (const bool behind : {true, false})
     for (size_t s = 0; s < chart.series.size(); ++s)
-      if (is_behind(chart.series[s]) == behind) svg += series_svg(drawing, s);
+      if ((chart.series[s].style == SeriesStyle::boxes) == behind) svg += series_svg(drawing, s);
   svg += labels_svg(drawing) + runs_svg(drawing);
   if (chart.image) svg += grays_svg(drawing, for_page, uses_other ? "grays-again" : "grays");
   return svg;

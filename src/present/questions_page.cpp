@@ -101,11 +101,9 @@ std::string page_of(Json data, const std::vector<Question>& questions, const Eva
 std::vector<size_t> asked_queries(const Judgment& judgment, const GroundTruth& truth) {
   const auto& queries = judgment.outcomes.queries;
   std::vector<size_t> open;  // in the order of the path
-  for (size_t q = 0; q < queries.size(); ++q) {
-    const auto& best = queries[q].best;
-    if (!best || (!truth.asked.empty() && queries[q].verdict != Verdict::ignored)) continue;
-    open.push_back(q);
-  }
+  for (size_t q = 0; q < queries.size(); ++q)
+    if (queries[q].best && (truth.asked.empty() || queries[q].verdict == Verdict::ignored))
+      open.push_back(q);
   const size_t spread = std::min(kSpreadFrames, open.size());
   std::vector<size_t> asked;
   std::vector<bool> is_spread(queries.size());

@@ -59,10 +59,6 @@ double read_number(const Fields& fields, const std::string& key,
   return number;
 }
 
-double read_typical_distance(const Fields& fields, const DescriptorShape& shape) {
-  return read_number(fields, "typical_distance", most_distance(shape), true);
-}
-
 // Pointers to the sequences of a database.
 auto pointers_of(auto& sequences) {
   std::vector<decltype(&sequences.front().sequence)> pointers;
@@ -161,7 +157,7 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
                                 const DescriptorShape& shape) {
   const Fields fields = archive.fields(archive.manifest()).object("statistics");
   TrainStatistics statistics;
-  statistics.typical_distance = read_typical_distance(fields, shape);
+  statistics.typical_distance = read_number(fields, "typical_distance", most_distance(shape), true);
   Json json = fields.json();
   json.erase("typical_distance");
   if (shape.element == ElementType::ldb_hog)
