@@ -310,7 +310,7 @@ ScoreMatrix scores_of(const std::shared_ptr<const ScoredLists>& lists,
       check_stop(monitor);
       sums += checksum(MappedFile(file).bytes());
     }
-    return files.size() == 1 ? sums : checksum(std::as_bytes(std::span(sums)));
+    return files.size() == 1 ? sums : checksum(sums);
   };
   return scores;
 }

@@ -7,8 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -214,7 +212,7 @@ ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource&
         check_stop(stop);
         sums += checksum(NpyArray(file).file_bytes());
       }
-    return checksum(std::as_bytes(std::span(sums)));
+    return checksum(sums);
   };
   return scores;
 }

@@ -80,8 +80,8 @@ struct ScoreMatrix {
 /// metric. A row of NaN has no scores. Throws Error(data) for sequences without descriptors or of
 /// different types or lengths; invalid vectors (import_descriptors) are found when scores are read.
 ScoreMatrix descriptor_scores(const SequenceSource& query, const SequenceSource& reference,
-                              std::optional<DescriptorMetric> metric_of_vectors = {},
-                              const Monitor& monitor = {});
+                              std::optional<DescriptorMetric> metric_of_vectors,
+                              const Monitor& monitor);
 
 /// The meaning of rows and columns: windows of the query and of training sequences, indexed by
 /// their first frame and judged at their anchor. Frames are windows of length 1.

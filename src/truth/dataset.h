@@ -55,8 +55,6 @@ struct GroundTruthOptions {
   TruthSide train = {};
   /// Maximum distance of a frame to its nearest pose in seconds. Nullopt: 0.02, or 1 for GPS.
   std::optional<double> max_difference_s = {};
-
-  bool operator==(const GroundTruthOptions&) const = default;
 };
 
 template <class Visitor>

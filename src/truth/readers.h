@@ -190,7 +190,7 @@ void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
 /// that only nearby ones are compared. Query frames in `unplaced`, which is empty or has one entry
 /// per frame, are different from all references.
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train, std::optional<double> default_radius_m = std::nullopt,
+                        const Poses& train, std::optional<double> default_radius_m,
                         const std::vector<bool>& unplaced = {});
 
 /// Readers of poses. All take the query's poses from the argument's path and the training
