@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "match/match.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

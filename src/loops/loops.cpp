@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/mapped_file.h"
 #include "base/text.h"
 #include "truth/text_file.h"
 #include "truth/times.h"

@@ -12,7 +12,6 @@
 #include "match/precomputed_distances.h"
 #include "run/query.h"
 #include "run/train_sequences.h"
-#include "settings/query_settings.h"
 #include "store/sequence_database.h"
 
 namespace vpr {

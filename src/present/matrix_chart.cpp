@@ -9,11 +9,6 @@
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
-#include "base/json.h"
-#include "base/npy.h"
-#include "base/output.h"
-#include "chart/chart.h"
-#include "files/result_file.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

@@ -1,4 +1,4 @@
-// Score matrices: axes that count frames, charts, and files that a query writes row by row.
+// Score matrices: axes that count frames, and charts.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,6 @@
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
-#include "base/output.h"
 #include "chart/chart.h"
 #include "evaluate/judgment.h"
 #include "match/match.h"

@@ -14,7 +14,6 @@
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "match/row_kernels.h"
-#include "run/train_sequences.h"
 
 namespace vpr {
 namespace {

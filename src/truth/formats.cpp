@@ -8,6 +8,7 @@
 
 #include "base/converters.h"
 #include "base/error.h"
+#include "base/mapped_file.h"
 #include "base/named_table.h"
 #include "base/text.h"
 #include "truth/positions.h"

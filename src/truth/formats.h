@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/mapped_file.h"
 #include "base/output.h"
 #include "truth/ground_truth.h"
 

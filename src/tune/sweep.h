@@ -2,7 +2,6 @@
 // setting.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>

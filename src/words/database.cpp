@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "base/error.h"
 #include "base/json.h"
 #include "base/provenance.h"
 #include "sequence/sequence_json.h"
