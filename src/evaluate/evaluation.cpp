@@ -302,15 +302,15 @@ std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path,
     if (!place || !place->in_range || place->value == 0 || place->value > places ||
         answer_row(result, place->value - 1) != found)
       rows.fail(
-          fmt::format("the result has no place {}. The answers are of another result: repeat "
-                      "--ask-places with this one",
-                      found));
+          "the result has no place {}. The answers are of another result: repeat --ask-places with "
+          "this one",
+          found);
     PlaceLabel& label = labels[place->value - 1];
     const std::string& answer = rows.text("same");
     if (label != PlaceLabel::ignore)
-      rows.fail(fmt::format("place {} has two answers. Remove one", place->value));
+      rows.fail("place {} has two answers. Remove one", place->value);
     if (answer != "yes" && answer != "no")
-      rows.fail(fmt::format("\"same\" is \"{}\". Use yes or no, or remove the row", answer));
+      rows.fail("\"same\" is \"{}\". Use yes or no, or remove the row", answer);
     label = answer == "yes" ? PlaceLabel::same : PlaceLabel::different;
   }
   return labels;

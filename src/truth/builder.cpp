@@ -81,7 +81,8 @@ void GroundTruthBuilder::require_query_frames(size_t frames) {
 }
 
 void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::string& what) {
-  if (inconsistent_ == InconsistentPairs::refuse && kind != FindingKind::duplicate) fail(what);
+  if (inconsistent_ == InconsistentPairs::refuse && kind != FindingKind::duplicate)
+    location_.fail(what);
   GroundTruthFinding& finding = findings_[static_cast<size_t>(kind)];
   finding.count += count;
   if (finding.examples.size() < kMaxExamples)

@@ -71,11 +71,9 @@ class GroundTruthBuilder {
   }
   void check_stop() const { vpr::check_stop(monitor_); }
   void at_file(const std::filesystem::path& path) { location_ = {path.string()}; }
-  [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
-  template <class First, class... Rest>
-  [[noreturn]] void fail(fmt::format_string<First, Rest...> what, First&& first,
-                         Rest&&... rest) const {
-    location_.fail(fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) const {
+    location_.fail(fmt::format(what, std::forward<Values>(values)...));
   }
   const Monitor& monitor() const { return monitor_; }
   /// Sets the frames of a file that are query frames. Throws Error(data) for another number of

@@ -115,11 +115,9 @@ class NamedRows {
   /// A frame number up to kMaxGrownFrames. Throws Error(data), with the line, for other text.
   size_t frame(std::string_view column) const;
   /// Throws Error(data) with the current line.
-  [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
-  template <class First, class... Rest>
-  [[noreturn]] void fail(fmt::format_string<First, Rest...> what, First&& first,
-                         Rest&&... rest) const {
-    location_.fail(fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+  template <class... Values>
+  [[noreturn]] void fail(fmt::format_string<Values...> what, Values&&... values) const {
+    location_.fail(fmt::format(what, std::forward<Values>(values)...));
   }
 
  private:
