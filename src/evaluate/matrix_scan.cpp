@@ -189,8 +189,7 @@ Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const Scor
   const KeyIndex index(std::move(same_keys));
   const Counters counters = count_incorrect(matrix, truth, layout, index, monitor);
   Curve curve{matrix.kind, positives, {}};
-  const bool has_incorrect = counters.best.count > 0;
-  if (has_incorrect && (index.size() == 0 || counters.best.key < index.key(0)))
+  if (counters.best.count > 0 && (index.size() == 0 || counters.best.key < index.key(0)))
     curve.points.push_back({counters.best.key, 0, 0, counters.best.count});
   curve.points.reserve(index.size() + 2);
   CurvePoint last;

@@ -16,8 +16,7 @@ namespace {
 constexpr size_t kLabelWidth = 14;
 
 std::string line(const std::string& label, const std::string& value) {
-  const size_t indent = kLabelWidth + 2;
-  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), indent);
+  return wrapped_text(fmt::format("  {:<{}}{}", label, kLabelWidth, value), kLabelWidth + 2);
 }
 
 // "AP 0.9910, R@100P 0.7387".
