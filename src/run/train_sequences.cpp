@@ -169,8 +169,7 @@ NamedArgument parse_named_range(const std::string& text, const std::filesystem::
         parse_sequence_argument(fmt::format("{}@{}", path.string(), text.substr(equals + 1)));
     if (argument.path == path) return {text.substr(0, equals), argument};
   }
-  throw Error(ErrorKind::usage,
-              fmt::format("{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text));
+  throw Error(ErrorKind::usage, "{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text);
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
