@@ -77,9 +77,9 @@ class CsvParser {
   }
 
  private:
-  // Lines before the first row that begin with #, and the line in which Excel names the separator.
+  // Lines before the first row that begin with # or name the separator.
   void skip_comments() {
-    while (at_ < text_.size() && (text_[at_] == '#' || text_.substr(at_).starts_with("sep="))) {
+    while (at_ < text_.size() && (text_[at_] == '#' || names_separator(text_.substr(at_)))) {
       at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
       ++line_;
     }
@@ -302,6 +302,8 @@ bool natural_less(std::string_view a, std::string_view b) {
   if (a.empty() && b.empty()) return fewer_zeros;
   return a.empty();
 }
+
+bool names_separator(std::string_view line) { return line.starts_with("sep="); }
 
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where) {
   return CsvParser(without_byte_order_mark(text), where).parse();

@@ -82,6 +82,9 @@ std::string wrapped_command(const std::vector<std::string>& words);
 /// strings.
 bool natural_less(std::string_view a, std::string_view b);
 
+/// Whether a line of a CSV names its separator, as Excel writes it before the first row.
+bool names_separator(std::string_view line);
+
 /// One row of a CSV file: its fields as text, without quotes.
 struct CsvRow {
   size_t line = 0;  ///< one-based, where the row starts
@@ -90,8 +93,9 @@ struct CsvRow {
 
 /// Parses comma-separated values (RFC 4180): quoted fields, \n or \r\n. If the first row has no
 /// comma, semicolons or tabs separate. Skips empty lines, blanks around fields, a byte order mark,
-/// and lines before the first row that begin with #. `where` names the file in errors. Throws
-/// Error(data) for an unterminated quote, and for a field without a comma or line end after it.
+/// and lines before the first row that begin with # or name the separator. `where` names the file
+/// in errors. Throws Error(data) for an unterminated quote, and for a field without a comma or line
+/// end after it.
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
 
 /// A field of CSV, quoted if necessary.

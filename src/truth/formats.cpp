@@ -53,8 +53,7 @@ bool has_only_numbers(std::string_view line) {
 
 std::string first_line_of(std::string_view text) {
   for (const std::string_view line : split_lines(without_byte_order_mark(text)))
-    if (!line.empty() && !line.starts_with('#') && !line.starts_with("sep="))
-      return std::string(line);
+    if (!line.empty() && !line.starts_with('#') && !names_separator(line)) return std::string(line);
   return "";
 }
 

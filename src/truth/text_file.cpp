@@ -149,7 +149,7 @@ std::string with_header(std::string text) {
   for (const std::string_view line : split_lines(without_byte_order_mark(text))) {
     if (line.starts_with('#')) {
       comment = static_cast<size_t>(line.data() - text.data());
-    } else if (const auto cells = cells_of(line); !cells.empty()) {
+    } else if (const auto cells = cells_of(line); !cells.empty() && !names_separator(line)) {
       if (comment != std::string::npos && parse_real(cells.front())) text[comment] = ' ';
       break;
     }

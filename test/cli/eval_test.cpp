@@ -207,7 +207,7 @@ TEST_CASE("reports are compared query by query") {
   CHECK(has(text, "\nw - s: R@1 -0.2500 (95 %: "));
   CHECK_FALSE(has(text, "differences to s"));
   CHECK(has(run_ok(compare + " -v").out, "differences to s over 12 frames with a match"));
-  std::fill_n(worse.begin() + 36, 24, std::nanf("")); // no answer for the query frames 3 and 4
+  std::fill_n(worse.begin() + 36, 24, std::nanf(""));  // no answer for the query frames 3 and 4
   write_array("w.npy", worse, {12, 12});
   run_ok("vpr-eval matrix w.npy -o w.json --quiet --force" + kAligned);
   CHECK(report_of(compare)["frames"]["compared"] == 12);

@@ -78,7 +78,7 @@ def headers():
     for name, content in {"blank": "query, reference\n0, 0\n1, 1\n", "semicolon": "query;reference\n0;0\n1;1\n",
                           "tab": "query\treference\n0\t0\n1\t1\n", "upper": "Query,REFERENCE\n0,0\n1,1\n",
                           "quotes": '"query" , "reference"\n"0" , "0"\n1,\t1\n', "excel": "sep=;\nquery;reference\n0;0\n1;1\n",
-                          "numpy": "# of numpy\n# query,reference\n0.0,0.0\n1,1\n"}.items():
+                          "numpy": "sep=,\n# of numpy\n# query,reference\n0.0,0.0\n1,1\n"}.items():
         assert same_pairs(write(f"{name}.csv", content)) == 2, name
     refused(4, 'its header "frame x y"', "vpr-eval", "check", write("words.csv", "frame x y\n0 1 0\n"), "--radius", 1)
     assert same_pairs(write("my.anchors.csv", "query,reference\n0,0\n4,4\n")) == 2  # pairs, whatever the name
