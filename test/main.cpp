@@ -12,7 +12,7 @@ namespace {
 
 class OwnFolder : public Catch::TestEventListenerBase {
  public:
-  using TestEventListenerBase::TestEventListenerBase;
+  using Catch::TestEventListenerBase::TestEventListenerBase;
   void testCaseStarting(const Catch::TestCaseInfo&) override {
     folder_.emplace();
     std::filesystem::current_path(folder_->path());

@@ -25,8 +25,8 @@ Source make_source(const TuneOptions& options, NamedSequence sequence, GroundTru
 Source find_in_dataset(const TuneOptions& options, const std::string& path, const std::string& name,
                        DatabaseFamily family, const Session& session) {
   const Dataset dataset = read_dataset(path);
-  const DatasetQuery& query =
-      select_query(dataset, name.empty() ? std::nullopt : std::optional(name));
+  const auto given = name.empty() ? std::nullopt : std::optional(name);
+  const DatasetQuery& query = select_query(dataset, given);
   const auto truth = ground_truth_of(query, family, options.ground_truth_flags);
   if (!truth)
     throw Error(ErrorKind::usage, "{}: the query {} has no ground truth", path,

@@ -18,7 +18,8 @@ void write_two_walks(const std::string& from, const std::string& to) {
   const auto keep = [&](const char* list, const Words& names) {
     Json kept = Json::array();
     for (const Json& item : dataset[list])
-      if (std::find(names.begin(), names.end(), item["name"]) != names.end()) kept.push_back(item);
+      if (std::find(names.begin(), names.end(), item["name"].get<std::string>()) != names.end())
+        kept.push_back(item);
     dataset[list] = kept;
   };
   keep("train", {"one", "two"});

@@ -1,4 +1,6 @@
 // An archive of matrices as ground truth: raw bytes, and parts packed with valid checksums.
+#include <algorithm>
+
 #include "base/zip_file.h"
 #include "fuzz.h"
 #include "truth/ground_truth.h"
