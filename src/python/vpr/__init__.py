@@ -217,7 +217,7 @@ def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = 
 
     >>> db = vpr.train(descriptors=monday)
     >>> result = vpr.query(db, descriptors=tuesday, c_l=5, score="zscore", decide="margin")
-    >>> result.best[7], len(result.recognitions)
+    >>> result.best[7].item(), len(result.recognitions)
     ((7, 0, 7), 196)
     """
     return _vpr.query(_call("query", settings, progress), _opened(db, Database), name,
@@ -235,7 +235,7 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
 
     >>> laps = np.concatenate([monday, tuesday])
     >>> result = vpr.loops(descriptors=laps, loop_gap=100, c_l=5, score="zscore", t_r=-2)
-    >>> result.recognitions[-1]
+    >>> result.recognitions[-1].item()
     (395, 0, 195)
     """
     opened = None if db is None else _opened(db, Database)
@@ -251,7 +251,7 @@ def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
     Settings: those of query, and train_first, missing and train_sequence (["NAME=FIRST:LAST", ...]).
 
     >>> result = vpr.query_scores(tuesday @ monday.T, similarity=True, c_l=5)
-    >>> result.best[7]
+    >>> result.best[7].item()
     (7, 0, 7)
     """
     return _vpr.query_scores(_call("query_scores", settings, progress), name, scores)
@@ -343,7 +343,7 @@ def distances(db: Database, query: Source, *, progress: Progress = None,
     """Frame distances of a query (images, a .npy file or an array) to all training frames.
 
     >>> d = vpr.distances(vpr.train(descriptors=monday), tuesday)
-    >>> d.shape, d[0].argmin(), np.asarray(d).dtype
+    >>> d.shape, int(d[0].argmin()), np.asarray(d).dtype
     ((200, 200), 0, dtype('uint16'))
     """
     return _vpr.distances(_call("distances", settings, progress), _opened(db, Database), query)
