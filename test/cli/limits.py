@@ -16,6 +16,8 @@ from support import folder as root, programs, read_json
 
 train_frames = int(sys.argv[3]) if len(sys.argv) > 3 else 100_000
 random = numpy.random.default_rng(1)
+# Programs with sanitizers, whose options scripts/sanitizers.sh sets, need more time and memory.
+slack = 4 if {"ASAN_OPTIONS", "TSAN_OPTIONS"} & set(os.environ) else 1
 
 
 def run(*command, status=0, seconds=60.0, megabytes=1000, interrupt_after=None, prefix=(), **surroundings):
@@ -37,7 +39,7 @@ def run(*command, status=0, seconds=60.0, megabytes=1000, interrupt_after=None, 
         printed.seek(0)
         text = printed.read().decode(errors="surrogateescape")
     allowed = status if isinstance(status, tuple) else (status,)
-    if child.returncode not in allowed or elapsed > seconds or memory > megabytes:
+    if child.returncode not in allowed or elapsed > slack * seconds or memory > slack * megabytes:
         sys.exit(f"limits: {command}: exit code {child.returncode}, {elapsed:.1f} s, {memory:.0f} MB\n{text[-2000:]}")
     return text, f"{elapsed:.2f} s, {memory:.0f} MB"
 
