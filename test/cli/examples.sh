@@ -32,7 +32,7 @@ run vpr-bench compare
 run vpr-synth
 for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
   for command in '' $("$program" -h | sed -n '/^Commands:$/,/^$/s/^  \([a-z]*\)  .*/\1/p'); do
-    printf '%s\n' "${ran[@]}" | grep -qx "$program${command:+ $command}" || { echo "$program $command -h was not run"; exit 1; }
+    grep -qx "$program${command:+ $command}" < <(printf '%s\n' "${ran[@]}") || { echo "$program $command -h was not run"; exit 1; }
   done
 done
 echo "${#ran[@]} examples of -h run"
