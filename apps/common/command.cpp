@@ -248,20 +248,25 @@ void Session::write_output(const Json& json) const {
   if (!options.output.empty()) outputs.file(options.output).write(to_text(json));
 }
 
-void Session::print_result(const std::string& text, const Json& json) const {
+void Session::print_result(const std::string& text, const Json& json,
+                           const std::function<std::string()>& advice) const {
   const bool has_files = outputs.has_outputs();
   outputs.commit();
   try {
-    if (options.json) {
-      print_json(progress, to_text(json));
-    } else if (!options.quiet) {
-      progress.clear();
-      write_to_stdout(printable(text));
-    }
+    if (options.json) print_json(progress, to_text(json));
+    if (!prints_text()) return;
+    progress.clear();
+    write_to_stdout(printable(text));
+    if (!advice) return;
+    const std::string sentences = advice();
+    progress.clear();
+    write_to_stdout(printable(sentences));
   } catch (const Error& error) {
     if (!has_files) throw;
-    const std::string sentence = fmt::format("{}; the output files are complete", error.what());
-    if (options.json) throw Error(error.kind(), sentence);
+    const bool is_interrupted = error.kind() == ErrorKind::interrupted;
+    const std::string sentence = fmt::format("{}; the output files are complete",
+                                             is_interrupted ? "interrupted" : error.what());
+    if (options.json || is_interrupted) throw Error(error.kind(), sentence);
     warn(monitor, sentence);
   }
 }

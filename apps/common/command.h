@@ -127,10 +127,13 @@ struct Session {
   void write_output(const Json& json) const;
   /// Prints a JSON value as one line on stdout. Throws Error(output) if that fails.
   void print_line(const Json& json) const;
-  /// Commits the outputs, then prints the text to stdout, or the JSON with --json. With --quiet,
-  /// omits the text. Throws Error(output) if printing fails; for a text after written files, warns
-  /// instead.
-  void print_result(const std::string& text, const Json& json) const;
+  /// Whether print_result prints texts: neither --json nor --quiet is set.
+  bool prints_text() const { return !options.json && !options.quiet; }
+  /// Commits the outputs, then prints the text to stdout, or the JSON with --json. Advice takes
+  /// longer, and is computed after the text is printed. With --quiet, omits both. Throws
+  /// Error(output) if printing fails; for a text after written files, warns instead.
+  void print_result(const std::string& text, const Json& json,
+                    const std::function<std::string()>& advice = {}) const;
 };
 
 /// Parses the command line and runs one command.

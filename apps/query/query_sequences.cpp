@@ -164,8 +164,8 @@ void query_sequences(Session& session, const QueryOptions& options,
   finish_matrix(matrix, options.matrix, run.result, context, session);
   const Json json = save_result(session, run.result, context);
   save_loops(options, run.result, session);
-  session.print_result(
-      summary(run, options, session) + advice_text(data, run.result, resources, session), json);
+  session.print_result(summary(run, options, session), json,
+                       [&] { return advice_text(data, run.result, resources, session); });
 }
 
 void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {

@@ -211,7 +211,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
     const Monitor silent = {monitor.progress, {}, monitor.stop};
     const SequenceQuerySettings filter = default_filter(*settings);
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
-    if (found.filter->recognized == 0 && !found.recommendation.cell)
+    if (session.prints_text() && found.filter->recognized == 0 && !found.recommendation.cell)
       found.advice = filter_advice(database, query, filter, resources, silent);
     return found;
   };

@@ -90,7 +90,7 @@ void try_all(Session& session, const Try& command) {
     session.outputs.file(options.save_config)
         .write(config_text(trials.all[*trials.chosen].settings));
   const std::string advice =
-      trials.all.front().total().path.recognized == 0
+      session.prints_text() && trials.all.front().total().path.recognized == 0
           ? filter_advice(database, queries.front().frames, command.settings, resources, monitor)
           : "";
   session.print_result(result_text(command, session.options, trials, advice), json);

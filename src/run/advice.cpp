@@ -34,9 +34,10 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
                 const Monitor& monitor) {
   SequenceQuerySettings filter = default_filter(settings);
   if (fused_views(database) != nullptr) filter.fusion_weight = settings.fusion_weight;
-  const Monitor silent = {{}, {}, monitor.stop};
+  const Monitor unwarned = {monitor.progress, {}, monitor.stop};
   const QueryResources unverified = {resources.memory_limit, 0, resources.seed};
-  return run_query(plan_query(database, query, "", filter, unverified, silent), {}, silent).result;
+  return run_query(plan_query(database, query, "", filter, unverified, unwarned), {}, unwarned)
+      .result;
 }
 
 // The database with every `step`-th training frame.

@@ -94,6 +94,32 @@ def many_recognitions(folder):
     print(f"1.1 million recognitions: query {cost}; evaluation {evaluation}")
 
 
+def advice(folder):
+    """Advice on a query without a match follows its complete outputs, and takes no time with --quiet."""
+    write_codes(folder / "train.npy", 200_000)
+    write_codes(folder / "query.npy", 150).flush()
+    run("vpr-train", "descriptors", "--npy", folder / "train.npy", "--bits", "-o", folder / "other.vprdb")
+    result = folder / "result.json"
+    command = ["vpr-query", folder / "other.vprdb", "--query-npy", folder / "query.npy", "--c-l", 20, "--t-r", 0.1,
+               "-o", result, "--threads", 1, "--force"]
+    text, with_advice = run(*command)
+    without = run(*command, "--quiet")[1]
+    print(f"advice on 200 000 training frames: {with_advice}; without: {without}")
+    seconds, quiet_seconds = (float(cost.split()[0]) for cost in (with_advice, without))
+    if "another place" not in " ".join(text.split()) or 2 * quiet_seconds > seconds:
+        sys.exit(f"limits: --quiet takes the time of advice, or there is none: {text}")
+    result.unlink()
+    child = subprocess.Popen([programs / command[0], *map(str, command[1:])], stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE, text=True)
+    while not result.exists() and child.poll() is None:
+        time.sleep(0.01)
+    child.send_signal(signal.SIGINT)
+    said = child.communicate()[1]
+    if child.returncode != 130 or "the output files are complete" not in said:
+        sys.exit(f"limits: a query is interrupted during its advice: exit code {child.returncode}, {said}")
+    read_json(result)
+
+
 def many_loops(folder):
     poses = "".join(f"{i / 10} {i % 1000} {i // 1000 % 2} 0 0 0 0 1\n" for i in range(110_000))
     (folder / "poses.tum").write_text(poses)
@@ -171,6 +197,6 @@ def surroundings(folder):
     print("no environment, names that are not UTF-8: ok")
 
 
-for part in (surroundings, huge_numbers, many_loops, many_recognitions, large_database):
+for part in (surroundings, huge_numbers, advice, many_loops, many_recognitions, large_database):
     (root / part.__name__).mkdir()
     part(root / part.__name__)
