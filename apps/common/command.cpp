@@ -24,6 +24,7 @@
 #include "base/text.h"
 #include "files/result_file.h"
 #include "progress.h"
+#include "sequence/frame_order.h"
 #include "sequence/sequence_source.h"
 #include "store/archive.h"
 #include "truth/dataset.h"

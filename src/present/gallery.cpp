@@ -303,8 +303,8 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
         "--dataset.";
   else
     gallery.note = fmt::format(
-        "Mistakes are ordered by their {}, the most confident first. Other queries that are less "
-        "than {} frames from a stronger one are not shown.",
+        "Mistakes are ordered by their {}, the most confident first. Others are shown at least {} "
+        "frames apart.",
         judgment.outcomes.confidence == Confidence::margin ? "margin" : "score",
         std::max(kLeastApart, layout.window_length));
   return gallery;

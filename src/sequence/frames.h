@@ -13,6 +13,7 @@
 #include "base/monitor.h"
 #include "base/parallel.h"
 #include "sequence/decode.h"
+#include "sequence/frame_order.h"
 #include "sequence/sequence_source.h"
 
 namespace cv {

@@ -16,6 +16,7 @@
 #include "base/output.h"
 #include "base/text.h"
 #include "sequence/decode.h"
+#include "sequence/frame_order.h"
 #include "sequence/sequence_source.h"
 
 namespace vpr {

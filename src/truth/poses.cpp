@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "sequence/frame_order.h"
 #include "sequence/sequence_source.h"
 #include "truth/formats.h"
 #include "truth/positions.h"
