@@ -22,7 +22,7 @@ def signature(name, function):
 def page(vpr):
     out = ["# Python module", "", "The docstrings of `vpr`. Written by `scripts/python_reference.py`.", ""]
     out += block(vpr.__doc__)
-    for name in ["train", "load", "query", "loops", "query_scores", "evaluate", "evaluate_scores", "distances"]:
+    for name in ["train", "load", "query", "loops", "evaluate", "evaluate_scores", "distances"]:
         out += [f"## vpr.{name}", "", f"`{signature(name, getattr(vpr, name))}`", ""]
         out += block(getattr(vpr, name).__doc__)
     for name in ["Database", "Result", "Report", "Distances", "Live", "Fields"]:

@@ -164,16 +164,6 @@ void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings&
     truth.options.query.times.clear();
 }
 
-void add_score_flags(const Command& command, ScoreInput& flags) {
-  const Flag distance =
-      command.add_flag("--distance", flags.is_distance, "small scores are better");
-  command.add_flag("--similarity", flags.is_similarity, "large scores are better")
-      .excludes(distance);
-  command.add_flag("--train-first", flags.train_first,
-                   "rows of the matrix are training frames, columns are queries");
-  add_setting(command, "--missing", flags.missing, "value of missing scores, in addition to NaN");
-}
-
 void refuse(bool is_given, const std::string& flag, const std::string& why) {
   if (is_given) throw Error(ErrorKind::usage, "{} {}", flag, why);
 }

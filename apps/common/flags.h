@@ -6,7 +6,6 @@
 #include <string>
 
 #include "command.h"
-#include "evaluate/score_matrix.h"
 #include "present/table.h"
 #include "run/train_sequences.h"
 #include "store/archive.h"
@@ -64,9 +63,6 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
 /// With --fps, --query-times states the times of the selection. Removes it from a ground truth
 /// whose format does not use times. Throws as detect_format does.
 void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags);
-
-/// The order and layout of a matrix of scores.
-void add_score_flags(const Command& command, ScoreInput& flags);
 
 /// Throws Error(usage) "FLAG WHY" for a given flag.
 void refuse(bool is_given, const std::string& flag, const std::string& why);

@@ -204,7 +204,14 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
                      "query x training matrix (.npy), or a list of matches; a list has one \"query "
                      "reference\" or \"query reference score\" per line, or is a folder preds of "
                      "VPR-methods-evaluation. Frames are numbers, or names of --query and --train");
-  add_score_flags(command, scores.matrix);
+  const Flag distance =
+      command.add_flag("--distance", scores.matrix.is_distance, "small scores are better");
+  command.add_flag("--similarity", scores.matrix.is_similarity, "large scores are better")
+      .excludes(distance);
+  command.add_flag("--train-first", scores.matrix.train_first,
+                   "rows of the matrix are training frames, columns are queries");
+  add_setting(command, "--missing", scores.matrix.missing,
+              "value of missing scores, in addition to NaN");
   const std::string descriptors = "Descriptors instead of scores";
   command.add_option("--query-npy", scores.query_npy,
                      "descriptors of the query (n x d array, .npy); their distances to --train-npy "
@@ -219,7 +226,7 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
   const std::string rows = "Rows of the scores";
   add_setting(command, kWindowFlag, scores.window_length,
               "frames per row and column, each a window that is judged at its last frame (default: "
-              "1). vpr-query matrix SCORES --c-l N computes windows",
+              "1)",
               rows, "N");
   command.add_option("--query-frames", scores.query_frames,
                      "frames of the query before --speed: required by --speed, otherwise checked",

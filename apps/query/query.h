@@ -12,14 +12,14 @@
 namespace vpr {
 
 struct QueryOptions {
-  std::string database;  ///< empty: none, for a matrix or loops
+  std::string database;  ///< empty: none, for loops
   std::optional<std::string> query;
   std::string query_npy;  ///< descriptors instead of frames
   std::string query_bow;  ///< OpenFABMAP's BOW matrix instead of frames
   std::string dataset;
   SelectionSettings selection;
   std::string query_times;  ///< times of the frames, for --fps
-  QueryInputs inputs;       ///< without frames and database
+  std::string frame_times;  ///< of a loop query with a gap in seconds
   std::string loop_list;    ///< output
   std::string matrix;       ///< output
   std::string fuse;         ///< FAB-MAP database of the same training sequences
@@ -48,7 +48,6 @@ void visit_fields(AllSettings& settings, Visitor&& visit) {
 void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings);
-void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 
 /// The query of --query, --query-npy or --dataset, with its rate and selection. An endless source
@@ -72,7 +71,7 @@ void save_loops(const QueryOptions& options, const Result& result, const Session
 /// A few lines about the recognitions of a query: a headline, ranges, the settings in force.
 std::string summary_text(const Result& result, const QueryOptions& options, const Session& session);
 
-/// Matches sequences with a database, with themselves or by a score matrix.
+/// Matches sequences with a database or with themselves.
 void query_sequences(Session& session, const QueryOptions& options,
                      const ResolvedSettings& settings);
 

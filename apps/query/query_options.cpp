@@ -171,30 +171,13 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                      "write one line query,match,score per best match, for vpr-eval loops; only "
                      "recognitions with --t-r or --margin",
                      kEssentialGroup, "FILE");
-  command.add_option("--frame-times", options.inputs.frame_times,
+  command.add_option("--frame-times", options.frame_times,
                      "times of the frames for a gap in seconds: a list with one per line (default: "
                      "from names of images, or from the video)",
                      kQueryGroup, "FILE");
   add_sequence_flags(command, options, settings.sequence, Feature::loops);
   add_matrix_output(command, options);
   add_fabmap_flags(command, options, settings.fabmap);
-}
-
-void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
-  command
-      .add_option("SCORES", options.inputs.scores.path,
-                  "score matrix (.npy): query frames x training frames")
-      .required();
-  add_score_flags(command, options.inputs.scores);
-  command.add_option("--name", options.inputs.query.name,
-                     "name of the query (default: the name of the file)", kQueryGroup);
-  command.add_list("--train-sequence", options.inputs.train_sequences,
-                   "NAME=FIRST:LAST: training frames of the matrix that form a sequence (from 0, "
-                   "without LAST), which windows do not cross; repeatable (default: one sequence)",
-                   kQueryGroup);
-  add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_sequence_flags(command, options, settings.sequence, Feature::matrix);
-  add_matrix_output(command, options);
 }
 
 void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings) {

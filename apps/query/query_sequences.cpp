@@ -27,14 +27,8 @@ constexpr size_t kMatrixPixels = 2000;  // per side
 
 QueryInputs inputs_of(const QueryOptions& options, const ResolvedSettings& settings,
                       const Session& session) {
-  QueryInputs inputs = options.inputs;
-  if (!inputs.scores.path.empty()) {
-    inputs.query.sequence.speed = options.selection.speed;
-    inputs.query.sequence.seed = session.options.process.seed;
-    return inputs;
-  }
   const NamedSequence query = find_query(options, false, session);
-  inputs.query = {query.name, query.sequence};
+  QueryInputs inputs{{query.name, query.sequence}, nullptr, options.frame_times};
   if (!settings->loop)
     inputs.database = std::make_shared<SequenceDatabase>(
         open_database(options.database, settings, options.fuse, session.monitor));
@@ -89,12 +83,12 @@ std::string summary(const QueryRun& run, const QueryOptions& options, const Sess
 }
 
 // Advice for few recognitions. The filter needs training sequences and their statistics, which a
-// score matrix and a loop query do not have.
+// loop query does not have.
 std::string advice_text(const QueryData& data, const Result& result,
                         const QueryResources& resources, const Session& session) {
   if (!needs_advice(result)) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (data.scores || settings.loop) return wrapped_text(no_recognition_advice(result));
+  if (settings.loop) return wrapped_text(no_recognition_advice(result));
   ensure_statistics(*data.database, session.monitor);
   return wrapped_text(
       filter_advice(*data.database, data.query, settings, resources, session.monitor));

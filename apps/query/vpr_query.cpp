@@ -22,7 +22,7 @@ struct QueryCommand {
   const char* example;
 };
 
-constexpr std::array<QueryCommand, 5> kCommands = {
+constexpr std::array<QueryCommand, 4> kCommands = {
     {{"", Feature::query, "Recognize the places of a query sequence in a database.",
       add_match_flags,
       "  vpr-query corridor.vprdb --query tuesday -o result.json\n"
@@ -39,12 +39,6 @@ constexpr std::array<QueryCommand, 5> kCommands = {
       "  vpr-query loops --query laps --gap 60 --c-l 10 --save-loops loops.csv\n"
       "  vpr-query loops --query laps.mp4 --gap 30s --score zscore -o loops.json\n"
       "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"},
-     {"matrix", Feature::matrix, "Match the windows of a score matrix of any program.",
-      add_matrix_flags,
-      "  vpr-query matrix scores.npy --distance --name tuesday --c-l 20 --score zscore --t-r=-1.5 "
-      "-o windows.json\n"
-      "  vpr-query matrix similarities.npy --similarity --c-l 20 --t-r 0.6 --save-matrix "
-      "windows.npy"},
      {"explain", Feature::explain,
       "List the words for and against the best places of one frame, by FAB-MAP.", add_explain_flags,
       "  vpr-query explain fabmap.vprdb --query tuesday --frame 17 --train monday -o "
@@ -134,10 +128,9 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
     throw Error(ErrorKind::usage, "{}: has the settings of vpr-query loops",
                 session.options.config);
   settings.sequence.loop = settings.fabmap.loop = is_loop;
-  refuse(!options.inputs.frame_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
+  refuse(!options.frame_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
          "needs a gap in seconds, as in --gap 30s");
-  const bool has_own_frames = is_loop || command == Feature::matrix;
-  const DatabaseFamily family = family_of(options, !has_own_frames);
+  const DatabaseFamily family = family_of(options, !is_loop);
   if (settings.method.empty())
     settings.method = family == DatabaseFamily::fabmap
                           ? enum_name(family)

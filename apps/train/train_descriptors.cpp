@@ -26,6 +26,17 @@ struct ImportOptions {
   SequenceTrainSettings settings;
 };
 
+// "NAME=FIRST:LAST", a range of the rows of an array. The name may contain "=".
+NamedArgument named_range(const std::string& text, const std::filesystem::path& array) {
+  const size_t equals = text.rfind('=');
+  if (equals != std::string::npos && equals > 0) {
+    const SequenceArgument argument =
+        parse_sequence_argument(fmt::format("{}@{}", array.string(), text.substr(equals + 1)));
+    if (argument.path == array) return {text.substr(0, equals), argument};
+  }
+  throw Error(ErrorKind::usage, "--sequence takes NAME=FIRST:LAST, counted from 0, found {}", text);
+}
+
 std::vector<NamedArgument> find_sequences(const ImportOptions& options) {
   std::vector<SequenceArgument> arrays;
   for (const std::string& text : options.arrays) arrays.push_back(parse_sequence_argument(text));
@@ -44,7 +55,7 @@ std::vector<NamedArgument> find_sequences(const ImportOptions& options) {
                 "--sequence needs a single --npy without a range; for several arrays use ranges, "
                 "as in --npy A.npy@0:100 --npy B.npy");
   for (const std::string& text : options.ranges) {
-    sequences.push_back(parse_named_range(text, arrays.front().path, "--sequence"));
+    sequences.push_back(named_range(text, arrays.front().path));
     for (size_t s = 0; s + 1 < sequences.size(); ++s)
       if (sequences[s].name == sequences.back().name)
         throw Error(ErrorKind::usage, "two sequences have the name {}", sequences[s].name);

@@ -30,9 +30,8 @@ using WordSet = std::vector<uint32_t>;
 
 /// The element type of a descriptor, which determines the distance: bits; signed integers of 8 or
 /// 16 bits (vectors, compared by direction only); points with 16-bit coordinates (one unit for a
-/// whole database); gray levels of 8 bits (images); a code of LDB followed by a HOG vector; or only
-/// the number of the frame, for precomputed distances.
-enum class ElementType { bits, int8, int16, points16, gray_levels, ldb_hog, frame_numbers };
+/// whole database); gray levels of 8 bits (images); or a code of LDB followed by a HOG vector.
+enum class ElementType { bits, int8, int16, points16, gray_levels, ldb_hog };
 
 /// The longest descriptors that can be compared: distances of bits must fit 16 bits, scalar
 /// products of integers 32 bits.
@@ -52,10 +51,9 @@ struct DescriptorShape {
 
   /// Bytes per row. Bit b is in byte b / 8, least significant first, and rows of bits are padded
   /// with zeros to multiples of 64 bits. Integers of 8 bits and gray levels take one byte, integers
-  /// and coordinates of 16 bits two, frame numbers four, in little-endian order.
+  /// and coordinates of 16 bits two, in little-endian order.
   constexpr size_t row_bytes() const {
     if (element == ElementType::bits) return (length + 63) / 64 * 8;
-    if (element == ElementType::frame_numbers) return 4 * length;
     return element == ElementType::int16 || element == ElementType::points16 ? 2 * length : length;
   }
 };
@@ -112,15 +110,11 @@ inline DescriptorRows codes_of(const DescriptorRows& rows) {
              : rows;
 }
 
-class PrecomputedDistances;
-
 /// The frames of one sequence as input of matchers: their descriptors and the unreadable frames.
 /// Owns nothing.
 struct DescribedFrames {
   DescriptorRows rows;
-  std::span<const size_t> unreadable;  ///< increasing
-  const PrecomputedDistances* precomputed =
-      nullptr;                          ///< set for a query whose distances are precomputed
+  std::span<const size_t> unreadable;   ///< increasing
   std::span<const WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
 };
 

@@ -107,15 +107,6 @@ const DescriptorKind& descriptor_kind(std::string_view name) {
               fmt::join(names, ", "));
 }
 
-const DescriptorKind& precomputed_kind() {
-  static constexpr DescriptorKind kPrecomputed = {"scores",
-                                                  "frames with precomputed scores only",
-                                                  {ElementType::frame_numbers, 1},
-                                                  nullptr,
-                                                  true};
-  return kPrecomputed;
-}
-
 DescriptorShape DescriptorStore::shape() const {
   return {kind->shape.element, kind->shape.length == 0 ? length : kind->shape.length};
 }
@@ -149,7 +140,6 @@ DescriptorSet selected(DescriptorSet set, const Selection& selection) {
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
   result.descriptors.unit = set.descriptors.unit;
-  result.precomputed = set.precomputed;
   const DescriptorRows rows = set.rows();
   for (const uint32_t source : selection.sources)
     result.descriptors.append(rows.subspan(source, 1));

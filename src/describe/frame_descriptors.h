@@ -54,10 +54,6 @@ const DescriptorKind* find_descriptor_kind(std::string_view name);
 /// describe frames.
 const DescriptorKind& descriptor_kind(std::string_view name);
 
-/// A placeholder for frames with precomputed distances (match/precomputed_distances.h): the
-/// descriptor is the number of the frame. It is never stored and cannot be selected by a flag.
-const DescriptorKind& precomputed_kind();
-
 /// Descriptors of one kind: in memory, or memory-mapped from a stored database. Copies share an
 /// array.
 struct DescriptorStore {
@@ -78,11 +74,10 @@ struct DescriptorStore {
 struct DescriptorSet {
   DescriptorStore descriptors;
   Sequence sequence;
-  const PrecomputedDistances* precomputed = nullptr;  ///< set if distances are precomputed
   std::vector<WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescribedFrames span() const { return {rows(), sequence.unreadable, precomputed, words}; }
+  DescribedFrames span() const { return {rows(), sequence.unreadable, words}; }
 };
 
 /// The set with the selected frames: repeats or omits rows without describing frames again.

@@ -359,7 +359,7 @@ ScoreMatrix index_scores(ScoreFile indices, size_t references) {
   lists.queries.resize(file->queries());
   std::vector<double> row(file->references());
   for (size_t query = 0; query < lists.queries.size(); ++query) {
-    file->read_query(query, 0, row.size(), row.data());
+    file->read_query(query, row.data());
     for (size_t k = 0; k < row.size(); ++k) {
       if (row[k] == -1) continue;  // faiss found no further neighbor
       if (!(row[k] >= 0 && row[k] < static_cast<double>(references)))

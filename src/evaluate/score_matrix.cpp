@@ -135,8 +135,7 @@ ScoreMatrix::ScoreMatrix(ScoreFile opened) {
   compute = [file](size_t first, size_t count, std::span<double> scores) {
     const size_t width = file->references();
     if (file->is_query_major()) {
-      for (size_t q = 0; q < count; ++q)
-        file->read_query(first + q, 0, width, scores.data() + q * width);
+      for (size_t q = 0; q < count; ++q) file->read_query(first + q, scores.data() + q * width);
       return file->forget(first, count);
     }
     std::vector<double> column(count);

@@ -12,7 +12,7 @@
 #include "base/monitor.h"
 #include "decide/result.h"
 #include "describe/imported.h"
-#include "match/precomputed_distances.h"
+#include "evaluate/score_file.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

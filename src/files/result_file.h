@@ -36,7 +36,6 @@ struct ResultContext {
   std::map<std::string, double> seconds;         ///< written only
   std::optional<Verification> verification;
   std::optional<MatrixLayout> matrix;      ///< of a saved matrix
-  std::optional<ScoreUnits> scores;        ///< of a precomputed matrix
   std::optional<Explanation> explanation;  ///< of one frame, by FAB-MAP
   FileEntries files;  ///< a saved matrix or posteriors; write_result adds the arrays
   std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known

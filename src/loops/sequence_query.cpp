@@ -1,61 +1,15 @@
 #include "loops/sequence_query.h"
 
-#include <algorithm>
-#include <filesystem>
-
-#include <fmt/format.h>
-
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "describe/imported.h"
-#include "match/components.h"
 #include "run/advice.h"
 #include "run/open.h"
 #include "truth/times.h"
 
 namespace vpr {
 namespace {
-
-void append_frames(SequenceDatabase& database, const PrecomputedDistances& matrix,
-                   const NamedArgument& argument) {
-  const FrameRange& range = argument.sequence.range;
-  const uint64_t last = range.last.value_or(matrix.references());
-  if (range.first >= last || last > matrix.references())
-    throw Error(ErrorKind::usage,
-                "the training sequence {} has the range {}, and the matrix has {}", argument.name,
-                range_text(range), counted(matrix.references(), "reference"));
-  for (const TrainSequence& before : database.sequences)
-    if (before.sequence.name == argument.name)
-      throw Error(ErrorKind::usage, "duplicate name of training sequences: {}", argument.name);
-  Sequence& sequence = database.sequences.emplace_back().sequence;
-  sequence.name = argument.name;
-  const std::vector<size_t>& empty = matrix.empty_references();
-  for (uint64_t number = range.first; number < last; number += range.step) {
-    if (std::binary_search(empty.begin(), empty.end(), number))
-      sequence.unreadable.push_back(sequence.frames);
-    sequence.frame_names.push_back(fmt::format("#{}", number));
-    ++sequence.frames;
-    append_frame_numbers(database.descriptors.owned, number, 1);
-  }
-}
-
-// The variance of the distances of the first readable query frame.
-double first_variance(const QueryData& made) {
-  const std::vector<DescribedFrames> train = descriptor_spans(*made.database);
-  const std::vector<FrameStretch> queries = readable_runs(made.query.span());
-  const FrameDistances distances = frame_distances(train, made.query.span());
-  if (queries.empty() || distances.readable_frames == 0) return 0;
-  const size_t query = queries.front().first;
-  const double mean = row_mean(distances, query);
-  std::vector<uint16_t> row;
-  compute_row(distances, query, row);
-  double squares = 0;
-  for (const FrameStretch& run : distances.train_runs)
-    for (size_t i = run.first; i < run.first + run.count; ++i)
-      squares += (row[i] - mean) * (row[i] - mean);
-  return squares / static_cast<double>(distances.readable_frames);
-}
 
 std::string fingerprint_of(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
@@ -134,26 +88,6 @@ QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& 
   return data;
 }
 
-QueryData open_scores(const QueryInputs& inputs, ResultContext& context, const Monitor& monitor) {
-  const ScoreInput& scores = inputs.scores;
-  require_order(scores);
-  const auto distances = std::make_shared<const PrecomputedDistances>(scores.open(), monitor);
-  std::vector<NamedArgument> sequences;
-  for (const std::string& range : inputs.train_sequences)
-    sequences.push_back(parse_named_range(range, "", "--train-sequence"));
-  QueryData data = matrix_query(*distances, sequences);
-  if (!scores.array) context.run.paths["scores"] = scores.path;
-  context.scores = distances->units();
-  context.database_fingerprint = context.query_fingerprint = distances->fingerprint(monitor);
-  const std::string& name = inputs.query.name;
-  const SequenceArgument& query = inputs.query.sequence;
-  data.name = name.empty() ? std::filesystem::path(scores.path).stem().string() : name;
-  data.query =
-      selected(std::move(data.query), at_speed(query.speed, distances->queries(), query.seed));
-  data.scores = distances;
-  return data;
-}
-
 }  // namespace
 
 SequenceDatabase own_database(const DescriptorSet& query, const std::string& name) {
@@ -167,34 +101,8 @@ SequenceDatabase own_database(const DescriptorSet& query, const std::string& nam
   return database;
 }
 
-QueryData matrix_query(const PrecomputedDistances& matrix,
-                       const std::vector<NamedArgument>& sequences) {
-  QueryData made{"", std::make_shared<SequenceDatabase>()};
-  SequenceDatabase& database = *made.database;
-  database.descriptors.kind = &precomputed_kind();
-  if (sequences.empty()) append_frames(database, matrix, {"references", {}});
-  for (const NamedArgument& sequence : sequences) append_frames(database, matrix, sequence);
-  made.query.descriptors.kind = &precomputed_kind();
-  append_frame_numbers(made.query.descriptors.owned, 0, matrix.queries());
-  Sequence& query = made.query.sequence;
-  query.frames = matrix.queries();
-  for (size_t i = 0; i < query.frames; ++i) query.frame_names.push_back(fmt::format("#{}", i));
-  query.unreadable = matrix.empty_queries();
-  made.query.precomputed = &matrix;
-  const size_t frames = database.descriptors.rows().size();
-  database.overlapping_sequences.emplace();
-  database.statistics =
-      TrainStatistics{{},
-                      0,
-                      std::vector<float>(frames, 0),
-                      std::vector<float>(frames, static_cast<float>(first_variance(made))),
-                      no_components(frames)};
-  return made;
-}
-
 QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,
                      ResultContext& context, const Monitor& monitor) {
-  if (!inputs.scores.path.empty()) return open_scores(inputs, context, monitor);
   set_query_path(context.run, inputs.query.sequence);
   return inputs.database ? describe_for(inputs, settings, context, monitor)
                          : describe_loop(inputs, *settings, context, monitor);

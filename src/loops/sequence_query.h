@@ -1,5 +1,4 @@
-// A query by a sequence method as in vpr-query: with a database, with its own past, or of a score
-// matrix.
+// A query by a sequence method as in vpr-query: with a database, or with its own past.
 #pragma once
 
 #include <functional>
@@ -7,9 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/score_matrix.h"
 #include "files/result_file.h"
-#include "match/precomputed_distances.h"
 #include "run/query.h"
 #include "run/train_sequences.h"
 #include "store/sequence_database.h"
@@ -24,35 +21,21 @@ struct QueryData {
   std::string name;  ///< of the query
   std::shared_ptr<SequenceDatabase> database = {};
   DescriptorSet query = {};
-  std::vector<int64_t> times_ns = {};                    ///< for loops with a gap in seconds
-  std::shared_ptr<const PrecomputedDistances> scores{};  ///< to which the other members refer
+  std::vector<int64_t> times_ns = {};  ///< for loops with a gap in seconds
 };
 
-/// The rows of a matrix as query frames, its columns as training frames: all columns as one
-/// sequence, "references", or the ranges of columns in `sequences`. Frames without any score are
-/// unreadable. Z-scores start without bias, from the variance of the first readable query frame's
-/// distances; every frame is a keyframe. Automatic thresholds and exclusion radii are unknown.
-/// `matrix` must outlive the result. Throws Error(usage) for a range outside the matrix and for
-/// duplicate names.
-QueryData matrix_query(const PrecomputedDistances& matrix,
-                       const std::vector<NamedArgument>& sequences);
-
-/// Frames or scores to match, before they are read.
+/// Frames to match, before they are read.
 struct QueryInputs {
-  NamedArgument query = {};  ///< of scores, only the name (empty: the file's) and the speed
+  NamedArgument query = {};
   /// With what the settings need (prepare_database); null: the query is matched with its own past.
   std::shared_ptr<SequenceDatabase> database = {};
   /// A file with the times of a loop query with a gap in seconds; empty: the names of its frames.
   std::string frame_times = {};
-  ScoreInput scores = {};  ///< instead of frames, if it has a path
-  /// Training frames of scores that form sequences, "NAME=FIRST:LAST"; empty: all are one sequence.
-  std::vector<std::string> train_sequences = {};
 };
 
-/// Describes the frames like those of the database, or by the settings, or opens the scores. Adds
-/// paths and fingerprints to the context. Throws as describe_query, describe_frames, require_order,
-/// parse_named_range and matrix_query do, Error(usage) for frames whose names are not times, and
-/// Error(data) for another number of times than frames.
+/// Describes the frames like those of the database, or by the settings. Adds paths and fingerprints
+/// to the context. Throws as describe_query and describe_frames do, Error(usage) for frames whose
+/// names are not times, and Error(data) for another number of times than frames.
 QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,
                      ResultContext& context, const Monitor& monitor);
 

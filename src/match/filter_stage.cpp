@@ -135,7 +135,6 @@ PathReport add_frame(FilteredQuery& query, const FrameDistances& distances,
     query.keyframe.assign(row.begin(), row.end());
     advance_filter(query.filter, query.scores);
     const auto distance_to = [&](size_t cell) -> uint32_t {
-      if (distances.query.precomputed != nullptr) return 0;  // unknown
       return distance_of(distances.query.rows.shape.element)
           .pair(query.keyframe, descriptor_of(query.filter.cells, distances, cell));
     };

@@ -15,9 +15,8 @@ constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the sec
 constexpr size_t kRowsAhead = 16;
 constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
-constexpr std::array kKinds = {&kHammingDistance,    &kCosineDistance, &kWideCosineDistance,
-                               &kPointDistance,      &kGrayDistance,   &kLdbHogDistance,
-                               &kPrecomputedDistance};
+constexpr std::array kKinds = {&kHammingDistance, &kCosineDistance, &kWideCosineDistance,
+                               &kPointDistance,   &kGrayDistance,   &kLdbHogDistance};
 
 FrameDistances compare(const std::vector<DescribedFrames>& train, const DescribedFrames& query,
                        const PreparedTraining& prepared) {

@@ -172,9 +172,6 @@ extern const DistanceKind kGrayDistance;
 /// 2/256 and rounded to nearest, ties up. Rows of bytes 0 have a distance of 128.
 extern const DistanceKind kLdbHogDistance;
 
-/// Precomputed distances (precomputed_distances.h).
-extern const DistanceKind kPrecomputedDistance;
-
 /// The entry of an element type.
 const DistanceKind& distance_of(ElementType element);
 

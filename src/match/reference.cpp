@@ -150,12 +150,10 @@ double reference_unrounded(ElementType element, DescriptorRow a, DescriptorRow b
     case ElementType::gray_levels:
       return gray_distance(a, b);
     case ElementType::ldb_hog:
-      return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
-             cosine_distance(bytes_of(a.subspan(kLdbBytes)), bytes_of(b.subspan(kLdbBytes))) / 256;
-    case ElementType::frame_numbers:
       break;
   }
-  return distance_of(element).pair(a, b);
+  return reference_hamming(a.first(kLdbBytes), b.first(kLdbBytes)) +
+         cosine_distance(bytes_of(a.subspan(kLdbBytes)), bytes_of(b.subspan(kLdbBytes))) / 256;
 }
 
 uint32_t reference_distance(ElementType element, DescriptorRow a, DescriptorRow b) {

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "evaluate/prediction_lists.h"
+#include "evaluate/score_matrix.h"
 #include "files/report.h"
 #include "files/run_info.h"
 #include "present/evaluation_page.h"
@@ -49,6 +50,16 @@ struct EvaluationReport {
   }
 };
 using ReportPointer = std::shared_ptr<EvaluationReport>;
+
+// Sets the path or the array, which is called "scores".
+void set_source(ScoreInput& scores, const Source& source) {
+  const auto* path = std::get_if<std::filesystem::path>(&source);
+  scores.path = path == nullptr ? "scores" : path->string();
+  if (path == nullptr) {
+    const auto& values = std::get<py::object>(source);
+    scores.array = view_of(array_of(values, scores.path), scores.path);
+  }
+}
 
 // The scores or, with the number of training frames, the ranks of indices, which are distances.
 ScoreMatrix open_scores(ScoreInput& input, size_t train_frames, const Monitor& monitor) {

@@ -180,15 +180,6 @@ std::vector<NamedArgument> arguments_of(const Sources& sources, const std::strin
   return named;
 }
 
-void set_source(ScoreInput& scores, const Source& source) {
-  const auto* path = std::get_if<std::filesystem::path>(&source);
-  scores.path = path == nullptr ? "scores" : path->string();
-  if (path == nullptr) {
-    const auto& values = std::get<py::object>(source);
-    scores.array = view_of(array_of(values, scores.path), scores.path);
-  }
-}
-
 py::object fields_of(const Json& json) {
   return py::module_::import("vpr").attr("_read")(to_line(json));
 }

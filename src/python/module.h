@@ -18,7 +18,6 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/output.h"
-#include "evaluate/score_matrix.h"
 #include "files/run_info.h"
 #include "sequence/frames.h"
 #include "words/database.h"
@@ -72,9 +71,6 @@ std::shared_ptr<const NpyArray> view_of(pybind11::array array, const std::string
 /// Sequences and their names. Without a name, it is the one of the path, or `array_name`, numbered
 /// if there are several sources. Throws Error(usage) for None.
 std::vector<NamedArgument> arguments_of(const Sources& sources, const std::string& array_name);
-
-/// Sets the path or the array, which is called "scores".
-void set_source(ScoreInput& scores, const Source& source);
 
 /// An object of the class Fields.
 pybind11::object fields_of(const Json& json);

@@ -27,25 +27,21 @@ struct SequenceQuery {
 
   /// `command`: of vpr-query.
   SequenceQuery(Call& call, Feature command) {
-    const bool has_database = command == Feature::query || command == Feature::live;
+    const bool is_loop = command == Feature::loops;
     SequenceQuerySettings chosen;
     NestedObject own{[&](auto&& visit) {
       visit("max_memory", resources.memory_limit);
-      if (has_database) visit("fuse", fuse);
+      if (!is_loop) visit("fuse", fuse);
       if (command == Feature::query) visit_fields(selection, visit);
-      if (command == Feature::loops) visit("frame_times", inputs.frame_times);
-      if (command != Feature::matrix) return;
-      visit("train_sequence", inputs.train_sequences);
-      visit("speed", inputs.query.sequence.speed);
-      visit_fields(inputs.scores, visit);
+      if (is_loop) visit("frame_times", inputs.frame_times);
     }};
     call.read(own, chosen);
-    resources.seed = inputs.query.sequence.seed = call.process.seed;
-    chosen.loop = command == Feature::loops;
+    resources.seed = call.process.seed;
+    chosen.loop = is_loop;
     std::vector<std::string> keys;
     for (const auto& item : call.keywords.items()) keys.push_back(item.key());
     Features run = {command};
-    if (has_database) run.push_back(Feature::database);
+    if (!is_loop) run.push_back(Feature::database);
     if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
     if (!fuse.empty()) run.push_back(Feature::fuse);
     add_given_features(run, chosen, keys);
@@ -124,13 +120,6 @@ ResultPointer query(Call& call, const DatabasePointer& database, const std::stri
         std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
     return by.run(context, monitor);
   });
-}
-
-ResultPointer query_scores(Call& call, const std::string& name, const Source& scores) {
-  SequenceQuery by(call, Feature::matrix);
-  by.inputs.query.name = name;
-  set_source(by.inputs.scores, scores);
-  return result_of(call, nullptr, std::bind_front(&SequenceQuery::run, &by));
 }
 
 ResultPointer load(const Call& call, const std::filesystem::path& path) {
@@ -262,11 +251,10 @@ void add_queries(py::module_& module) {
   using namespace py::literals;
   py::class_<StoredResult, ResultPointer>(
       module, "Result",
-      "Matches of a query, from query, loops, query_scores or load. Its arrays are those of the\n"
-      "result file (docs/reference/files.md), with columns as fields: recognitions,\n"
-      "recognition_scores, best, best_scores, margins, path, keyframes, best_rates, new_place,\n"
-      "source_frames, train_source_frames. Windows are identified by their first frame; -1 and\n"
-      "NaN: no match.")
+      "Matches of a query, from query, loops or load. Its arrays are those of the result file\n"
+      "(docs/reference/files.md), with columns as fields: recognitions, recognition_scores, best,\n"
+      "best_scores, margins, path, keyframes, best_rates, new_place, source_frames,\n"
+      "train_source_frames. Windows are identified by their first frame; -1 and NaN: no match.")
       .def("save", save_result, "path"_a, "force"_a = false,
            "Writes the result file of vpr-query and its arrays.")
       .def_property_readonly(
@@ -299,7 +287,6 @@ void add_queries(py::module_& module) {
       .def("add", &Live::add)
       .def("finish", &Live::finish);
   module.def("query", query);
-  module.def("query_scores", query_scores);
   module.def("load_result", load);
   module.def("distances", distances);
 }

@@ -134,9 +134,7 @@ std::optional<std::string> excess_advice(const Result& result) {
 std::string no_recognition_advice(const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (std::ranges::none_of(result.best, [](const auto& best) { return best.has_value(); }))
-    return fmt::format(
-        "No window has a match: {}.",
-        settings.loop ? "none has an earlier readable window beyond --gap" : "none has a score");
+    return "No window has a match: none has an earlier readable window beyond --gap.";
   if (settings.decision == Decision::threshold) {
     const bool has_threshold = std::ranges::any_of(
         result.sequences, [](const ComparedSequence& t) { return t.threshold.has_value(); });

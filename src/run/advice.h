@@ -18,7 +18,7 @@ std::optional<std::string> excess_advice(const Result& result);
 /// less than a quarter of the frames.
 bool needs_advice(const Result& result);
 
-/// A sentence about windows without recognitions, from their settings alone.
+/// A sentence about a loop query without recognitions, from its settings alone.
 std::string no_recognition_advice(const Result& result);
 
 /// A sentence about a query that needs advice: the number of its frames that default_filter

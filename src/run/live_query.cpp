@@ -91,8 +91,7 @@ void add_frame(LiveScores& live, ArrivedFrame frame) {
   if (!frame.is_readable) live.unreadable.push_back(kept.size());
   live.words.assign(kept.size(), {});
   live.words.push_back(std::move(frame.words));
-  live.scores =
-      live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable, nullptr, live.words});
+  live.scores = live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable, live.words});
   live.scores.train_runs = live.raw.train_runs;
   for (const StartedStage& stage : live.stages)
     live.scores = stage.scores(std::move(live.scores), kept, {});

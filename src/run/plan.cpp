@@ -43,9 +43,8 @@ void plan_windows(QueryPlan& plan, const Monitor& monitor) {
         query.name, counted(query.frames, "frame"), length);
   plan.result.query_windows = query.frames - length + 1;
   if (!query.unreadable.empty())
-    warn(monitor, "{}: {} of {} {} and will never match", query.name, query.unreadable.size(),
-         counted(query.frames, "frame"),
-         plan.query.precomputed ? "have no score" : "cannot be decoded");
+    warn(monitor, "{}: {} of {} cannot be decoded and will never match", query.name,
+         query.unreadable.size(), counted(query.frames, "frame"));
 }
 
 void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
@@ -145,7 +144,7 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
       sequence.threshold = settings.distance_threshold;
       sequence.scale = scale_of(settings);
     }
-  } else if (!plan.query.precomputed) {  // a matrix has no automatic threshold
+  } else {
     plan_automatic_thresholds(plan, database, settings, monitor);
   }
   plan.decision = ByThreshold{};
@@ -196,7 +195,7 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
   plan.verify_cells = plan.match.method->is_approximate() ? 0 : resources.verify_cells;
   plan.scores = stages_of(settings, statistics);
-  if (statistics != nullptr && !query.precomputed)
+  if (statistics != nullptr)
     plan.typical_distance = is_raw
                                 ? statistics->code_distance.value_or(statistics->typical_distance)
                                 : statistics->typical_distance;
@@ -208,11 +207,10 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
 void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
                  const SequenceQuerySettings& settings, const Monitor& monitor) {
   plan_sequences(plan, database.sequences, settings, monitor);
-  const bool has_radii = !plan.query.precomputed && !settings.loop;
-  if (!plan.match.method->is_approximate() && (has_radii || settings.exclusion_frames)) {
+  if (!plan.match.method->is_approximate() && (!settings.loop || settings.exclusion_frames)) {
     plan.exclusion_zones = exclusion_zones_of(database, settings, monitor);
     plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
-    if (plan.match.method->has_paths && has_radii && settings.same_place.empty())
+    if (plan.match.method->has_paths && settings.same_place.empty())
       plan.match.passes = repeated_places(database, monitor);
   }
   plan_decision(plan, database, settings, monitor);

@@ -161,17 +161,6 @@ DescriptorSet describe_with_words(const SequenceSource& source, const SequenceDa
 
 }  // namespace
 
-NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
-                                const std::string& flag) {
-  const size_t equals = text.rfind('=');
-  if (equals != std::string::npos && equals > 0) {
-    const SequenceArgument argument =
-        parse_sequence_argument(fmt::format("{}@{}", path.string(), text.substr(equals + 1)));
-    if (argument.path == path) return {text.substr(0, equals), argument};
-  }
-  throw Error(ErrorKind::usage, "{} takes NAME=FIRST:LAST, counted from 0, found {}", flag, text);
-}
-
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const Monitor& monitor) {
   check_window_length(settings.window_length);

@@ -33,11 +33,6 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("statistics", settings.statistics);
 }
 
-/// "NAME=FIRST:LAST", a range of the frames of `path`. Throws Error(usage), beginning with `flag`,
-/// for other text.
-NamedArgument parse_named_range(const std::string& text, const std::filesystem::path& path,
-                                const std::string& flag);
-
 /// Describes each sequence and computes the thresholds for settings.window_length (or warns if
 /// is_left_to_queries) and the training statistics. Names must differ. Throws Error(usage) for
 /// settings out of range, and what DescriptorKind::describe throws.

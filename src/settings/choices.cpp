@@ -60,28 +60,23 @@ bool has_relative_threshold(const Settings& settings, const Features&) {
          (settings.distance_threshold || settings.loop);
 }
 
-// Without a threshold, loops and matrices of scores have best matches only.
+// Without a threshold, loops have best matches only.
 bool has_automatic_threshold(const Settings& settings, const Features& run) {
   return settings.decision == Decision::threshold && !settings.distance_threshold &&
-         !settings.loop && !has(run, Feature::matrix) && !has(run, Feature::sweep);
+         !settings.loop && !has(run, Feature::sweep);
 }
 
 constexpr std::array kChoices = {
     Choice{.feature = Feature::loops,
-           .needs = kFrames,
            .excludes = kTrainingDistances | kSequences | kRates | kLaterFrames,
-           .instead = "Omit one of them.",
            .is_implied = is_set<&Settings::loop>},
     Choice{.flag = "a query without its own past",
            .excludes = kPast,
            .is_implied = is<&Settings::loop, false>},
     Choice{.feature = Feature::fabmap, .excludes = kSeconds | kDescriptor},
-    Choice{.feature = Feature::matrix, .excludes = kTrainingDistances | kFrames},
-    Choice{.feature = Feature::database,
-           .needs = kSequences | kFrames,
-           .instead = "Omit the database."},
+    Choice{.feature = Feature::database, .needs = kSequences, .instead = "Omit the database."},
     Choice{.feature = Feature::live,
-           .needs = kSingleFrames | kSequences | kFrames,
+           .needs = kSingleFrames | kSequences,
            .excludes = kRates | kMatrix | kLaterFrames,
            .instead = "Use --method filter, or vpr-query without live."},
     Choice{.feature = Feature::sweep,
@@ -93,12 +88,12 @@ constexpr std::array kChoices = {
            .instead = "Use --method fastable and a decision by margin."},
 
     Choice{.flag = "--method filter",
-           .needs = kTrainingDistances | kFrames,
+           .needs = kTrainingDistances,
            .excludes = kThreshold | kRaw | kWindows | kRates | kDefinition,
            .instead = "Use --method fastable.",
            .is_implied = [](const Settings& s, const Features&) { return s.method == "filter"; }},
     Choice{.flag = "--method lsh",
-           .needs = kTrainingDistances | kFrames,
+           .needs = kTrainingDistances,
            .excludes =
                kMargin | kZScores | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
            .instead = "Use --method fastable.",
@@ -114,7 +109,7 @@ constexpr std::array kChoices = {
            .is_implied = [](const Settings& s,
                             const Features&) { return !score_kind(s.score).needs_statistics; }},
     Choice{.feature = Feature::fuse,
-           .needs = kFabmap | kZScores | kSequences | kFrames,
+           .needs = kFabmap | kZScores | kSequences,
            .excludes = kRaw | kDefinition,
            .instead = "Omit --fuse and fusion_weight.",
            .is_implied = is_set<&Settings::fusion_weight>},
@@ -310,7 +305,7 @@ void add_given_features(Features& run, const SequenceQuerySettings& settings,
 }
 
 std::string_view default_method(Feature command, std::span<const std::string> given) {
-  if (command == Feature::loops || command == Feature::matrix) return "fastable";
+  if (command == Feature::loops) return "fastable";
   const bool has_windows = std::ranges::any_of(sequence_setting_rows(), [&](const SettingRow& row) {
     return row.is_for_windows && std::ranges::count(given, row.key) > 0;
   });

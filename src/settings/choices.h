@@ -35,8 +35,7 @@ std::span<const Choice> choices();
 void check_choices(const SequenceQuerySettings& settings, const Features& run);
 
 /// The method of a sequence query if its settings do not name one: the filter, or fastable for
-/// loops and score matrices, or if a setting of windows is given, such as c_l. `given`: keys of
-/// settings.
+/// loops, or if a setting of windows is given, such as c_l. `given`: keys of settings.
 std::string_view default_method(Feature command, std::span<const std::string> given);
 
 /// Adds the features of settings that the method or --fuse would replace and that are given with

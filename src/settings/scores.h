@@ -14,7 +14,6 @@
 #include "base/enum_names.h"
 #include "base/monitor.h"
 #include "match/match.h"
-#include "match/precomputed_distances.h"
 #include "match/zscores.h"
 
 namespace vpr {
@@ -27,6 +26,12 @@ enum class Score { raw, zscore, zscore_offline };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<Score> = {"raw", "zscore",
                                                                       "zscore-offline"};
+
+/// Whether smaller or larger scores are better.
+enum class ScoreOrder { distance, similarity };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<ScoreOrder> = {"distance",
+                                                                           "similarity"};
 
 /// Whether score a is better than b; false if they are equal.
 inline bool is_better(double a, double b, ScoreOrder order) {

@@ -8,18 +8,18 @@
 namespace vpr {
 namespace {
 
-constexpr uint32_t kBatch = in(Feature::query, Feature::matrix);
+constexpr uint32_t kQuery = in(Feature::query);
 constexpr uint32_t kOnline = in(Feature::live, Feature::loops);
 constexpr uint32_t kTuned = in(Feature::sweep, Feature::calibrate);
 constexpr uint32_t kPlaces = in(Feature::query, Feature::loops, Feature::explain);
 
 constexpr std::array kSequenceRows = {
     SettingRow{.key = "c_l",
-               .commands = kBatch | kOnline,
+               .commands = kQuery | kOnline,
                .help = "window length c_l, selects fastable (default: {}); in frames",
                .is_for_windows = true},
     SettingRow{.key = "t_r",
-               .commands = kBatch | kOnline,
+               .commands = kQuery | kOnline,
                .help =
                    "threshold t_r of windows, selects fastable; a number, or auto, the smallest "
                    "distance between two or more training sequences of a database",
@@ -29,7 +29,7 @@ constexpr std::array kSequenceRows = {
                .instead = "Use --margin, or --method fastable with --decide threshold."},
     SettingRow{.key = "score",
                .group = kWindowGroup,
-               .commands = kBatch | kTuned,
+               .commands = kQuery | kTuned,
                .help = "score of windows: raw (distances), zscore (normalized online per training "
                        "frame) or zscore-offline (normalized over the whole query) (default: {})",
                .is_for_windows = true},
@@ -43,7 +43,7 @@ constexpr std::array kSequenceRows = {
                .is_for_windows = true},
     SettingRow{.key = "exclusion_frames",
                .group = kWindowGroup,
-               .commands = kBatch | kOnline | kTuned,
+               .commands = kQuery | kOnline | kTuned,
                .help = "exclusion zone: frames before and after the best match (default: the "
                        "frames after which training sequences show another place)",
                .is_for_windows = true,
@@ -51,14 +51,14 @@ constexpr std::array kSequenceRows = {
                .instead = "Use filter.near_keyframes in a configuration."},
     SettingRow{.key = "decide",
                .group = kWindowGroup,
-               .commands = kBatch | kOnline | in(Feature::sweep),
+               .commands = kQuery | kOnline | in(Feature::sweep),
                .help =
                    "decision on windows: threshold accepts every pair closer than --t-r, margin "
                    "the best match if it is --margin better than the runner-up (default: {})",
                .is_for_windows = true},
     SettingRow{.key = "t_r_scale",
                .group = kWindowGroup,
-               .commands = kBatch | in(Feature::sweep),
+               .commands = kQuery | in(Feature::sweep),
                .help =
                    "scale of t_r: relative (D / max D), bits (D / c_l), or mean-z, which z-scores "
                    "always have (default: relative)",
@@ -72,7 +72,7 @@ constexpr std::array kSequenceRows = {
     SettingRow{
         .key = "margin",
         .group = kWindowGroup,
-        .commands = kBatch | kOnline,
+        .commands = kQuery | kOnline,
         .help = "minimum difference of best match and runner-up, in score per frame (default: "
                 "14 for the filter, 5.1 / sqrt(c_l) deviations for z-scores, and 0.75 / sqrt(c_l) "
                 "of the typical distance for raw distances)",
@@ -80,7 +80,7 @@ constexpr std::array kSequenceRows = {
         .instead = "Use --decide margin."},
     SettingRow{.key = "rates",
                .group = kWindowGroup,
-               .commands = kBatch | kTuned,
+               .commands = kQuery | kTuned,
                .help = "rates of windows in training frames per query frame, as in "
                        "1/2,2/3,1,3/2,2; the best one counts (default: 1)",
                .value = "P/Q",
@@ -91,14 +91,14 @@ constexpr std::array kSequenceRows = {
                .instead = "Omit it, or use --method fastable with vpr-query DB."},
     SettingRow{.key = "same_place",
                .group = kWindowGroup,
-               .commands = kBatch | kTuned,
+               .commands = kQuery | kTuned,
                .help = "A=B: training sequences of the same place, which are in each other's "
                        "exclusion zone; repeatable; none: all differ (default: detected)",
                .needs = kSequences,
                .instead = "Omit it."},
     SettingRow{.key = "only_sequence",
                .group = kWindowGroup,
-               .commands = kBatch | in(Feature::live),
+               .commands = kQuery | in(Feature::live),
                .help = "training sequence to search; repeatable (default: all)",
                .needs = kSequences,
                .instead = "Omit it."},
@@ -119,9 +119,7 @@ constexpr std::array kSequenceRows = {
         .group = kQueryGroup,
         .commands = in(Feature::query, Feature::live, Feature::loops, Feature::explain) | kTuned,
         .help = "ignore frames that cannot be decoded; they keep their index and never "
-                "match",
-        .needs = kFrames,
-        .instead = "Omit it: frames without a score never match."},
+                "match"},
     SettingRow{.key = "descriptor",
                .group = kQueryGroup,
                .commands = in(Feature::loops),

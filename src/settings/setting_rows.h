@@ -19,7 +19,6 @@ enum class Feature {
   query,
   live,
   loops,
-  matrix,
   explain,
   sweep,
   calibrate,
@@ -35,10 +34,9 @@ enum class Feature {
   margins
 };
 template <>
-inline constexpr std::array<std::string_view, 17> kEnumNames<Feature> = {"vpr-query",
+inline constexpr std::array<std::string_view, 16> kEnumNames<Feature> = {"vpr-query",
                                                                          "vpr-query live",
                                                                          "vpr-query loops",
-                                                                         "vpr-query matrix",
                                                                          "vpr-query explain",
                                                                          "vpr-tune fastable",
                                                                          "vpr-tune calibrate",
@@ -69,17 +67,16 @@ enum Facet : uint32_t {
   kLaterFrames = 1 << 9,
   kTrainingDistances = 1 << 10,
   kSequences = 1 << 11,
-  kFrames = 1 << 12,
-  kPast = 1 << 13,
-  kSeconds = 1 << 14,
-  kDescriptor = 1 << 15,
-  kFabmap = 1 << 16,
-  kDefinition = 1 << 17,
-  kAutomaticThreshold = 1 << 18,
+  kPast = 1 << 12,
+  kSeconds = 1 << 13,
+  kDescriptor = 1 << 14,
+  kFabmap = 1 << 15,
+  kDefinition = 1 << 16,
+  kAutomaticThreshold = 1 << 17,
 };
 
 /// By bit number.
-inline constexpr std::array<std::string_view, 19> kFacetNames = {
+inline constexpr std::array<std::string_view, 18> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
@@ -92,7 +89,6 @@ inline constexpr std::array<std::string_view, 19> kFacetNames = {
     "later frames",
     "distances between training frames",
     "training sequences",
-    "frames to describe",
     "past frames",
     "gap in seconds",
     "choice of descriptors",

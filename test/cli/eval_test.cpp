@@ -126,9 +126,6 @@ TEST_CASE("incorrect recognitions or best matches within a larger tolerance are 
   CHECK(run_ok(eval).err ==
         "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
   CHECK(run_ok(eval + "--tolerance 2").err.empty());
-  run_ok("vpr-query matrix s.npy --distance --c-l 1 -o none.json");
-  CHECK(run_ok("vpr-eval none.json --ground-truth aligned").err ==
-        "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
 }
 
 TEST_CASE("reports of one query with several names are in one table") {

@@ -1,7 +1,6 @@
 // Matrices, descriptors, lists and ground truth as input and output.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/random.h"
 #include "world.h"
@@ -48,29 +47,6 @@ void make_scores() {
 
 const std::string kNamed = "--query q.txt --train db.txt";
 const std::string kTruth = "--ground-truth aligned --tolerance 0 --json";
-
-// The frame distances of the rendered sequences, and multiples of 1/1024 below 2 as similarities
-// with references first.
-void make_matrix() {
-  run_ok("vpr-query $db --query $back --c-l 1 --t-r 0.1 --save-matrix s.npy -o s.json");
-  const NpyArray array("s.npy");
-  const auto distances = array.values<int32_t>(2);
-  const size_t queries = array.shape()[0];
-  const size_t references = array.shape()[1];
-  std::vector<double> similarities(distances.size());
-  for (size_t j = 0; j < queries; ++j)
-    for (size_t i = 0; i < references; ++i)
-      similarities[i * queries + j] = 2 - distances[j * references + i] / 1024.0;
-  write_array("turned.npy", similarities, {references, queries});
-}
-
-// `words`: the matrix with its order, and further flags. The sequences are those of the database.
-RunOutcome query_matrix(const std::string& words) {
-  const size_t one = images_of(world().walk("one")).size();
-  const size_t two = images_of(world().walk("two")).size();
-  return run(fmt::format("vpr-query matrix {} --train-sequence one=0:{} --train-sequence two={}:{}",
-                         words, one, one, one + two));
-}
 
 }  // namespace
 
@@ -175,47 +151,4 @@ TEST_CASE("pairs of a result are its best matches, or those of its matrix") {
   CHECK(3 * std::count(one.begin(), one.end(), '\n') == std::count(all.begin(), all.end(), '\n'));
   CHECK(all.starts_with(one.substr(0, one.find('\n'))));
   CHECK(one.starts_with(world().walk("back")));
-}
-
-TEST_CASE("windows of a matrix of frame distances equal those of the database") {
-  start_with(make_matrix);
-  write_text("openable.json", R"({"method": "openable"})");
-  write_text("online.json", R"({"method": "fastable-online"})");
-  for (const std::string words : {"--t-r 0.65", "--t-r 0.7 --config openable.json",
-                                  "--t-r 150 --t-r-scale bits --config online.json", "--t-r 0.8",
-                                  "--t-r 0.65 --only-sequence two", "--t-r 0.65 --rates 1/2,1,2",
-                                  "--decide margin --margin 20"}) {
-    INFO(words);
-    const std::string common =
-        words + " --c-l 10 --exclusion-frames 4 --same-place none --force -o ";
-    run_ok("vpr-query $db --query $back " + common + "coded.json");
-    ok(query_matrix("s.npy --distance " + common + "read.json"));
-    for (const char* kind :
-         {"recognitions", "recognition_scores", "best", "best_scores", "margins"})
-      CHECK(read_text(fmt::format("coded.{}.npy", kind)) ==
-            read_text(fmt::format("read.{}.npy", kind)));
-    const Json json = file_json("read.json");
-    CHECK(json["scores"] ==
-          Json{{"kind", "distance"}, {"best", 0.0}, {"unit", 1.0}, {"is_exact", true}});
-    CHECK(json["clusters"] == file_json("coded.json")["clusters"]);
-  }
-  const Json rounded =
-      printed_json(query_matrix("turned.npy --similarity --train-first --c-l 7 --t-r 0.6 --json"));
-  CHECK(rounded["scores"]["kind"] == "similarity");
-  CHECK_FALSE(rounded["scores"]["is_exact"].get<bool>());
-}
-
-TEST_CASE("similarities have the best matches of distances, and are evaluated like any result") {
-  start_with(make_matrix);
-  for (const std::string score : {"raw", "zscore", "zscore-offline"}) {
-    INFO(score);
-    const auto rate = [&](const std::string& matrix) {
-      ok(query_matrix(matrix + " --c-l 10 --force -o r.json --score " + score));
-      const Json report = printed_json("vpr-eval r.json --ground-truth $truth --json");
-      return report["best_match"]["rate"].get<double>();
-    };
-    const double distances = rate("s.npy --distance");
-    CHECK(distances > 0.5);
-    CHECK(rate("turned.npy --similarity --train-first") == Approx(distances).margin(0.03));
-  }
 }

@@ -192,7 +192,6 @@ TEST_CASE("everything about a run is read back") {
   context.fused_fingerprint = "xxh3:3";
   context.verification = {12, 0};
   context.matrix = {4, 5, {{"a", 0}}};
-  context.scores = {ScoreOrder::similarity, 0.5, 0.25, true};
   context.explanation = {3, 0.25, {{{}, "hall", "a: 1.png", 1.5, {{2, true, false, 0.5}}, {}}}};
   context.files["matrix"] = {4, "xxh3:4"};
   Result result = example_result();
@@ -215,8 +214,6 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.fused_fingerprint == "xxh3:3");
   CHECK(read.verification->cells == 12);
   CHECK(read.matrix->sequences.at(0).sequence == "a");
-  CHECK(read.scores->kind == ScoreOrder::similarity);
-  CHECK(read.scores->unit == 0.25);
   CHECK(read.explanation->places.at(0).for_it.at(0).log_odds == 0.5);
   CHECK(read.files.at("matrix") == FileEntry{4, "xxh3:4"});
   CHECK(read.files.at("best").rows == 4);

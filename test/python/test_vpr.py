@@ -149,26 +149,6 @@ def test_loops_of_places_are_found_as_by_the_program(run, walks, tmp_path):
         vpr.loops(walks / "tuesday", db=vpr.train(walks / "monday"), loop_gap=20)
 
 
-@pytest.mark.parametrize("settings", [{"c_l": 5, "t_r": 0.6}, {"c_l": 5, "score": "zscore"},
-                                      {"train_sequence": ["a=0:90", "b=90:200"], "speed": "0.5"}])
-def test_scores_are_matched_as_by_the_program(run, walks, tmp_path, settings):
-    scores = np.load(walks / "tuesday.npy") @ np.load(walks / "monday.npy").T
-    np.save(tmp_path / "scores.npy", scores)
-    given = dict(settings)
-    ranges = [f"--train-sequence={text}" for text in given.pop("train_sequence", [])]
-    run("vpr-query", "matrix", "scores.npy", "--similarity", *ranges, *flags(given), "-o", "c.json",
-        folder=tmp_path)
-    program = written(tmp_path / "c.json")
-    for source in (scores, tmp_path / "scores.npy", np.asfortranarray(scores)[:, ::1]):
-        vpr.query_scores(source, similarity=True, **settings).save(tmp_path / "p.json", force=True)
-        if isinstance(source, np.ndarray) and np.isfortran(source):  # bytes of another file
-            assert written(tmp_path / "p.json")["files"] == program["files"]
-        else:
-            assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
-    with pytest.raises(vpr.UsageError, match="--similarity"):
-        vpr.query_scores(scores, c_l=5)
-
-
 @pytest.mark.parametrize("is_live", [False, True])
 def test_scores_are_fused_as_by_the_program(run, walks, tmp_path, is_live):
     fuse = tmp_path / "fabmap.vprdb"
@@ -393,7 +373,6 @@ def masked():
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", frame_times="x"),
      "UsageError"),
     (lambda db, walks: vpr.loops(walks / "tuesday", loop_gap=9, fuse="x"), "UsageError"),
-    (lambda db, walks: vpr.query_scores(np.eye(9), distance=True, fps=2), "UsageError"),
     (lambda db, walks: vpr.train(walks / "monday", threads=2000), "UsageError"),
     (lambda db, walks: vpr.query(db, walks / "missing"), "InputError"),
     (lambda db, walks: vpr.query(db, walks / "tuesday"), "DataError"),

@@ -100,7 +100,6 @@ TEST_CASE("the filter distinguishes another speed from another place") {
 
 TEST_CASE("without a match of any window, none is compared with a limit") {
   Result result = planned_result(10);
-  std::get<SequenceQuerySettings>(result.settings).loop = true;
   CHECK(has(no_recognition_advice(result), "below t_r"));
   result.best.assign(20, std::nullopt);
   CHECK(no_recognition_advice(result) ==

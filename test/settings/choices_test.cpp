@@ -30,7 +30,6 @@ void by_loop(SequenceQuerySettings& settings) {
 const std::vector<ChosenFlag> kChosenFlags = {
     {"DB", {}},
     {"vpr-query live", {}},
-    {"vpr-query matrix", {}},
     {"vpr-query loops", by_loop},
     {"vpr-tune fastable", {}},
     {"vpr-tune calibrate", {}},
@@ -138,7 +137,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--rates", "--verify"}, "--verify", "--rates"},
       // A loop query.
       {{"vpr-query loops", "DB"}, "DB", "vpr-query loops"},
-      {{"vpr-query loops", "vpr-query matrix"}, "vpr-query loops", "vpr-query matrix"},
       {{"vpr-query loops", "vpr-query live"}, "vpr-query live", "vpr-query loops"},
       {{"vpr-query loops", "--method filter"}, "--method filter", "vpr-query loops"},
       {{"vpr-query loops", "--method lsh"}, "--method lsh", "vpr-query loops"},
@@ -155,21 +153,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"vpr-query loops", "vpr-tune fastable"}, "vpr-tune fastable", "vpr-query loops"},
       {{"vpr-query loops", "vpr-tune calibrate"}, "vpr-tune calibrate", "vpr-query loops"},
       {{"DB", "--descriptor"}, "--descriptor", "its own past"},
-      // A matrix of scores.
-      {{"vpr-query matrix", "DB"}, "DB", "vpr-query matrix"},
-      {{"vpr-query matrix", "vpr-query live"}, "vpr-query live", "vpr-query matrix"},
-      {{"vpr-query matrix", "--fuse"}, "--fuse", "vpr-query matrix"},
-      {{"vpr-query matrix", "--skip-unreadable"}, "--skip-unreadable", "vpr-query matrix"},
-      {{"vpr-query matrix", "--method filter"}, "--method filter", "vpr-query matrix"},
-      {{"vpr-query matrix", "--method lsh"}, "--method lsh", "vpr-query matrix"},
-      {{"vpr-query matrix", "--decide margin"}, "a default --margin", "vpr-query matrix"},
-      {{"vpr-query matrix", "--decide margin", "--margin"},
-       "an automatic --exclusion-frames",
-       "vpr-query matrix"},
-      {{"vpr-query matrix", "--decide margin", "--exclusion-frames"},
-       "a default --margin",
-       "vpr-query matrix"},
-      {{"vpr-query matrix", "--safety-factor"}, "--safety-factor", "vpr-query matrix"},
       // Frames as they arrive.
       {{"vpr-query live", "--method openable"}, "vpr-query live", "--method openable"},
       {{"vpr-query live", "--method lsh"}, "vpr-query live", "--method lsh"},
@@ -212,8 +195,7 @@ TEST_CASE("choices that can be combined are accepted") {
       {"vpr-query loops", "--descriptor", "--save-matrix"},
       {"vpr-query loops", "a --gap in seconds", "--score zscore", "--t-r"},
       {"vpr-query loops", "--decide margin", "--margin", "--method openable"},
-      {"vpr-query matrix", "--score zscore", "--only-sequence", "--same-place", "--rates"},
-      {"vpr-query matrix", "--decide margin", "--margin", "--exclusion-frames"},
+      {"--score zscore", "--t-r", "--only-sequence", "--same-place", "--rates"},
       {"vpr-tune fastable", "--score zscore", "--fuse", "--rates", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
       {"vpr-tune calibrate", "--decide margin", "--score zscore", "--method filter"},
@@ -249,8 +231,7 @@ TEST_CASE("settings of windows select FastABLE; otherwise the filter is the meth
   for (const char* key :
        {"c_l", "t_r", "t_r_scale", "safety_factor", "score", "rates", "decide", "exclusion_frames"})
     CHECK(default_method(Feature::query, std::vector<std::string>{"margin", key}) == "fastable");
-  for (const Feature own_frames : {Feature::loops, Feature::matrix})
-    CHECK(default_method(own_frames, std::vector<std::string>{}) == "fastable");
+  CHECK(default_method(Feature::loops, std::vector<std::string>{}) == "fastable");
 }
 
 TEST_CASE("resolving fills in implied settings") {

@@ -29,7 +29,7 @@ from ._vpr import Database, Distances, Result, __version__
 
 __all__ = ["Database", "DataError", "Distances", "Error", "Fields", "InputError", "InternalError",
            "Live", "OutputError", "Report", "Result", "UsageError", "distances", "evaluate",
-           "evaluate_scores", "load", "loops", "query", "query_scores", "train"]
+           "evaluate_scores", "load", "loops", "query", "train"]
 
 Path = Union[str, "os.PathLike[str]"]
 Source = Union[None, Path, ArrayLike]
@@ -241,20 +241,6 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
     opened = None if db is None else _opened(db, Database)
     return _vpr.query(_call("loops", settings, progress), opened, name,
                       _frames(images, descriptors), True)
-
-
-def query_scores(scores: Source, *, name: str = "", progress: Progress = None,
-                 **settings: object) -> Result:
-    """Matches windows of scores of any program, query x training frames, as vpr-query matrix.
-
-    scores: an array or a .npy file. Pass similarity=True if large scores are good, or distance=True.
-    Settings: those of query, and train_first, missing and train_sequence (["NAME=FIRST:LAST", ...]).
-
-    >>> result = vpr.query_scores(tuesday @ monday.T, similarity=True, c_l=5)
-    >>> result.best[7].item()
-    (7, 0, 7)
-    """
-    return _vpr.query_scores(_call("query_scores", settings, progress), name, scores)
 
 
 def _evaluate(function: str, result: Optional[Result], scores: Source, truth: Source,
