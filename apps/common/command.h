@@ -71,7 +71,6 @@ void add_row(const Command& command, const SettingRow& row, T& field) {
                          word.empty() ? value_name<T>() : word);
   };
   Flag flag = added();
-  if (row.is_comma_separated) flag.comma_separated();
   if (row.choices != nullptr) flag.choices(std::string(row.value), row.choices());
 }
 

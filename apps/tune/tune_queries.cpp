@@ -64,9 +64,6 @@ std::vector<std::string> setting_flags(const QuerySettings& chosen) {
     for (const char* key : {"c_l", "t_r", "c_w", "t_p", "score", "decide", "margin",
                             "exclusion_frames", "fusion_weight"})
       add(key);
-  if (settings.contains("rates") && !settings["rates"].empty())
-    flags.push_back(fmt::format("--rates {}",
-                                fmt::join(settings["rates"].get<std::vector<std::string>>(), ",")));
   if (settings.value("t_r_scale", "") == enum_name(ThresholdScale::bits))
     flags.emplace_back("--t-r-scale bits");
   if (settings.value("skip_unreadable", false)) flags.emplace_back("--skip-unreadable");

@@ -25,11 +25,10 @@ SPEEDS = {"equal speed": None, "0.5x": "0.5", "0.67x": "0.67", "1.5x": "1.5", "2
 RANDOM = {"varying", "stops", "cuts"}  # three seeds each
 WINDOW_SPEEDS = ["equal speed", "1.5x"]
 NEAR_FRAMES = 12  # an incorrect match within this many frames is a near miss
-METHODS = ["filter", "windows", "windows of five speeds", "FastABLE"]
-RANKED = ["filter", "windows of five speeds", "FastABLE"]
+METHODS = ["filter", "windows", "FastABLE"]
+RANKED = ["filter", "FastABLE"]
 RANKED_SPEEDS = [speed for speed in SPEEDS if speed != "0.67x"]
 DELAY_SPEEDS = ["equal speed", "0.5x", "1.5x", "2x", "varying"]
-FIVE_SPEEDS = "1/2,2/3,1,3/2,2"
 TOWER = "tower, 30 pairs"
 BUILDINGS = {"building 1": (21, 0.3), "building 2": (22, 0.8), "building 3": (23, 0.5)}  # seed, resemblance
 ON_MAP = ["same", "slow", "fast", "varying", "detour", "carried"]
@@ -97,15 +96,12 @@ class Case:
 
 
 class Result:
-    """The matches of one run. Windows are judged at their last frame, those of five speeds at their
-    middle. speed: a value of --speed, or None."""
+    """The matches of one run. Windows are judged at their last frame. speed: a value of --speed, or None."""
 
     def __init__(self, case, method, speed, seed):
         length, flags = {
             "filter": (1, ["--method", "filter"]),
             "windows": (case.window, ["--score", "zscore", "--decide", "margin"]),
-            "windows of five speeds": (min(30, case.window), ["--score", "zscore", "--decide", "margin",
-                                                              "--rates", FIVE_SPEEDS]),
             "FastABLE": (case.window, ["--t-r", 0])}[method]
         flags = [*flags, *(["--c-l", length] if length > 1 else [])]
         replay = ["--speed", speed, "--seed", seed] if speed else []
@@ -123,13 +119,8 @@ class Result:
             self.reversed_frames = description["totals"].get("reversed_frames", 0)
             if method == "filter":
                 self.decided = read("path")[:, 2]
-            behind = train_behind = np.zeros(len(best), int)  # from the last frame to the judged one
-            if method == "windows of five speeds":
-                behind = np.full(len(best), length // 2)
-                rates = np.nan_to_num(read("best_rates"), nan=1)
-                train_behind = np.floor(behind * rates + 0.5).astype(int)
         found = best[:, 2] >= 0
-        query, train = best[:, 0] + length - 1 - behind, best[:, 2] + length - 1 - train_behind
+        query, train = best[:, 0] + length - 1, best[:, 2] + length - 1
         self.known = case.on_map(self)
         self.keyframe = self.keyframe_of(query)
         self.confidence = np.where(found, np.nan_to_num(confidence, nan=-np.inf), -np.inf)

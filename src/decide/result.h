@@ -76,8 +76,6 @@ struct Result {
   std::vector<Match> recognitions;         ///< by query, sequence, train; each once
   std::vector<std::optional<Match>> best;  ///< by query window; ties to the first. Nullopt: has an
                                            ///< unreadable frame, or a frame without words
-  /// For windows of several rates: training frames per query frame of each best match.
-  std::vector<std::optional<double>> best_rates;
   /// By query window: the score of the runner-up minus the best score, which the filter reduces for
   /// far paths; nullopt without a runner-up. Empty: unknown, as for approximate methods and
   /// FAB-MAP.

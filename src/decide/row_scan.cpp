@@ -17,8 +17,7 @@ namespace {
 
 Cell cell_at(const ScoreRow& row, size_t x) {
   return {static_cast<uint32_t>(row.query_window), static_cast<uint32_t>(row.sequence),
-          static_cast<uint32_t>(row.train_window + x), row.scores[x],
-          row.rates.empty() ? uint8_t{0} : row.rates[x]};
+          static_cast<uint32_t>(row.train_window + x), row.scores[x]};
 }
 
 // Whether cell a is a better match than cell b of the same row.

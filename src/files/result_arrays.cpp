@@ -152,15 +152,6 @@ void read_best_scores(Result& result, std::span<const double> values, const Refu
   }
 }
 
-void read_best_rates(Result& result, std::span<const double> values, const Refuse& refuse) {
-  require_rows(values.size(), result.query_windows, refuse);
-  result.best_rates = without_nan(values);
-  for (size_t window = 0; window < values.size(); ++window)
-    if (const auto rate = result.best_rates[window];
-        rate.has_value() != result.best[window].has_value() || rate.value_or(1) <= 0)
-      refuse("has an invalid rate");
-}
-
 void read_margins(Result& result, std::span<const double> values, const Refuse& refuse) {
   require_rows(values.size(), result.query_windows, refuse);
   result.margins = without_nan(values);
@@ -281,7 +272,7 @@ void read_selected(Result& result, std::span<const int32_t> values, const Refuse
 }
 
 /// In the order of files. A reader may use what precedes its array.
-const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
+const std::array<std::variant<Integers, Doubles>, 10> kArrays = {
     Integers{"recognitions",
              {},
              [](const Result& r) { return match_rows(r, r.recognitions); },
@@ -295,10 +286,6 @@ const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
             {""},
             [](const Result& r) { return match_scores(r.best); },
             read_best_scores},
-    Doubles{"best_rates",
-            {""},
-            [](const Result& r) { return with_nan(r.best_rates); },
-            read_best_rates},
     Doubles{"margins", {""}, [](const Result& r) { return with_nan(r.margins); }, read_margins},
     Doubles{"path", {"rate", "path", "decided"}, path_rows, read_path},
     Integers{"keyframes", {"sequence", "frame"}, keyframe_rows, read_keyframes},

@@ -88,7 +88,6 @@ ScoreRow part_of_row(const ScoreRow& row, size_t first, size_t count) {
   ScoreRow part = row;
   part.train_window += first;
   part.scores = row.scores.subspan(first, count);
-  if (!row.rates.empty()) part.rates = row.rates.subspan(first, count);
   return part;
 }
 
@@ -166,7 +165,7 @@ void match(const FrameDistances& distances, const MatchSettings& settings,
   // Pieces of a whole query arrive in any order and from several threads: no sink may need rows.
   const SequenceMethod& method = *settings.method;
   const bool needs_rows =
-      distances.is_in_order() || !settings.rates.empty() ||
+      distances.is_in_order() ||
       std::ranges::any_of(passes, [](const Pass& pass) { return !pass.sinks.rows.empty(); });
   if (method.match_whole != nullptr && (!needs_rows || method.is_approximate()))
     return method.match_whole(distances, lengths, settings, monitor,

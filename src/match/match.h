@@ -23,7 +23,6 @@ struct Cell {
   uint32_t sequence = 0;
   uint32_t train_window = 0;
   uint32_t score = 0;  ///< D, or the biased sum of scores, over the window
-  uint8_t rate = 0;    ///< for windows of several rates: the index of its rate
 
   bool operator==(const Cell&) const = default;
 };
@@ -51,8 +50,6 @@ struct ScoreRow {
   size_t sequence = 0;
   size_t train_window = 0;
   std::span<const uint32_t> scores;
-  /// for windows of several rates: the index of each cell's rate
-  std::span<const uint8_t> rates = {};
   const PathReport* path = nullptr;      ///< of the filter
   const PathReport* reversed = nullptr;  ///< against the direction; without rate and matches
 };
@@ -112,14 +109,6 @@ void check_filter(const FilterSettings& settings);
 /// The default memory limit for rings and recognitions in bytes.
 inline constexpr size_t kDefaultMemoryLimit = size_t{1} << 33;
 
-/// The number of training frames per number of query frames; reduced.
-struct Rate {
-  uint32_t train = 1;
-  uint32_t query = 1;
-
-  bool operator==(const Rate&) const = default;
-};
-
 struct SequenceMethod;
 
 /// All methods, in the order of the help text: the exact ones first, FastABLE as the first.
@@ -130,8 +119,7 @@ struct MatchSettings {
   size_t window_length = 40;                  ///< c_l, at least 1, at most kMaxWindowLength
   size_t memory_limit = kDefaultMemoryLimit;  ///< for rings, in bytes
   LshSettings lsh = {};
-  uint64_t seed = 1;             ///< of lsh
-  std::vector<Rate> rates = {};  ///< windows of each rate for FastABLE (fastable.h); empty: rate 1
+  uint64_t seed = 1;  ///< of lsh
   FilterSettings filter = {};
   /// For the method filter: which training sequences overlap, [a][b]; empty: none.
   std::vector<std::vector<uint8_t>> overlapping_sequences = {};

@@ -37,10 +37,8 @@ std::string threshold_text(const Result& result, const SequenceQuerySettings& se
 
 std::string settings_text(const Result& result, const SequenceQuerySettings& settings) {
   std::string text = settings.method;
-  if (!has_paths(settings)) {
+  if (!has_paths(settings))
     text += fmt::format(", c_l {}, {}", settings.window_length, enum_name(settings.score));
-    if (!settings.rates.empty()) text += fmt::format(", rates {}", fmt::join(settings.rates, ","));
-  }
   if (settings.fusion_weight) text += fmt::format(", fused with {:g}", *settings.fusion_weight);
   const bool has_margin = settings.decision == Decision::margin;
   return text + ", " +

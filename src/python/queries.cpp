@@ -253,8 +253,8 @@ void add_queries(py::module_& module) {
       module, "Result",
       "Matches of a query, from query, loops or load. Its arrays are those of the result file\n"
       "(docs/reference/files.md), with columns as fields: recognitions, recognition_scores, best,\n"
-      "best_scores, margins, path, keyframes, best_rates, new_place, source_frames,\n"
-      "train_source_frames. Windows are identified by their first frame; -1 and NaN: no match.")
+      "best_scores, margins, path, keyframes, new_place, source_frames, train_source_frames.\n"
+      "Windows are identified by their first frame; -1 and NaN: no match.")
       .def("save", save_result, "path"_a, "force"_a = false,
            "Writes the result file of vpr-query and its arrays.")
       .def_property_readonly(

@@ -145,7 +145,7 @@ void warn_of_rates(const SequenceDatabase& database, std::optional<double> query
   constexpr double kAlike = 1.1;
   constexpr double kFilterRange = 2.05;  // from half to twice the rate
   const bool is_filter = has_paths(settings);
-  if (!query_fps || (settings.window_length == 1 && !is_filter) || !settings.rates.empty()) return;
+  if (!query_fps || (settings.window_length == 1 && !is_filter)) return;
   for (const TrainSequence& train : database.sequences) {
     const Sequence& sequence = train.sequence;
     if (!sequence.fps || !is_searched(settings, sequence.name)) continue;

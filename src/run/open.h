@@ -50,8 +50,8 @@ void prepare_database(SequenceDatabase& database, const ResolvedSettings& settin
                       const std::string& fabmap, const Monitor& monitor);
 
 /// Warns of the first searched training sequence whose frame rate is not the query's: of windows of
-/// several frames at one rate if they differ by more than a tenth, since windows then have
-/// different durations; of the filter if by more than a factor of 2.05.
+/// several frames if they differ by more than a tenth, since windows then have different durations;
+/// of the filter if by more than a factor of 2.05.
 void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
                    const SequenceQuerySettings& settings, const Monitor& monitor);
 

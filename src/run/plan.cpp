@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "match/fastable.h"
 #include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
@@ -82,27 +81,23 @@ void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
   }
 }
 
-// The table of the database, or a new one. Closest windows of several rates depend on the settings
-// and are computed for each query.
+// The table of the database, or a new one.
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
                                const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
-  MatchSettings match{length, plan.match.memory_limit};
-  match.rates = plan.match.rates;
-  const ThresholdTable* stored =
-      match.rates.empty() ? find_thresholds(database.thresholds, length) : nullptr;
-  if (stored == nullptr && match.rates.empty() && is_left_to_queries(plan.train))
+  const ThresholdTable* stored = find_thresholds(database.thresholds, length);
+  if (stored == nullptr && is_left_to_queries(plan.train))
     warn(monitor,
          "the database has no automatic t_r for c_l {}: computing it, which takes a while; "
          "vpr-tune threshold DB --c-l {} --write stores it",
          length, length);
-  const bool has_factor = match.rates.empty() && !database.thresholds.empty();
-  const double factor = has_factor ? database.thresholds.front().safety_factor : 1;
+  const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
   ThresholdTable table =
       stored != nullptr
           ? *stored
           : ThresholdTable{length, factor,
-                           find_closest_windows(code_spans(database), match, monitor)};
+                           find_closest_windows(code_spans(database),
+                                                {length, plan.match.memory_limit}, monitor)};
   table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
   return table;
 }
@@ -111,25 +106,18 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
                                const SequenceQuerySettings& settings, const Monitor& monitor) {
   check_automatic(database, settings);
   const ThresholdTable table = automatic_table(plan, database, settings, monitor);
-  std::vector<std::string> without;  // sequences that have windows, but no t_r
   bool any = false;
   for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
     ComparedSequence& sequence = plan.result.sequences[s];
     if (!sequence.searched || sequence.windows == 0) continue;
     sequence.threshold = automatic_threshold(table, s);
     any = any || sequence.threshold;
-    if (!sequence.threshold) without.push_back(sequence.sequence.name);
   }
   if (!any)
     throw Error(ErrorKind::usage,
                 "the automatic t_r needs two training sequences with windows of {} frames (c_l). "
                 "Use a smaller --c-l, or a number for --t-r.",
                 table.window_length);
-  if (!without.empty())
-    warn(monitor,
-         "{}: cannot be recognized without an automatic t_r, because no other training sequence "
-         "has a window to compare with",
-         fmt::join(without, ", "));
   if (const auto sentence = overlap_warning(table, database.sequences, code_spans(database)))
     warn(monitor, *sentence);
 }
@@ -187,7 +175,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
                 resources.memory_limit,
                 settings.lsh,
                 resources.seed,
-                parse_rates(settings.rates),
                 settings.filter,
                 {},
                 {},

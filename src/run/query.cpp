@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "match/fastable.h"
 
 namespace vpr {
 namespace {
@@ -95,11 +94,6 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
   Result result = plan.result;
   for (const auto& best : found.best)
     result.best.push_back(best ? std::optional(match_of(*best, plan)) : std::nullopt);
-  const std::vector<Rate>& rates = plan.match.rates;
-  for (size_t window = 0; !rates.empty() && window < found.best.size(); ++window) {
-    const auto& best = found.best[window];
-    result.best_rates.push_back(best ? std::optional(ratio_of(rates[best->rate])) : std::nullopt);
-  }
   result.margins.assign(margins.begin(), margins.end());
   if (std::holds_alternative<ByMargin>(plan.decision)) {
     for (size_t window = 0; window < result.best.size(); ++window)

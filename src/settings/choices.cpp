@@ -68,7 +68,7 @@ bool has_automatic_threshold(const Settings& settings, const Features& run) {
 
 constexpr std::array kChoices = {
     Choice{.feature = Feature::loops,
-           .excludes = kTrainingDistances | kSequences | kRates | kLaterFrames,
+           .excludes = kTrainingDistances | kSequences | kLaterFrames,
            .is_implied = is_set<&Settings::loop>},
     Choice{.flag = "a query without its own past",
            .excludes = kPast,
@@ -77,7 +77,7 @@ constexpr std::array kChoices = {
     Choice{.feature = Feature::database, .needs = kSequences, .instead = "Omit the database."},
     Choice{.feature = Feature::live,
            .needs = kSingleFrames | kSequences,
-           .excludes = kRates | kMatrix | kLaterFrames,
+           .excludes = kMatrix | kLaterFrames,
            .instead = "Use --method filter, or vpr-query without live."},
     Choice{.feature = Feature::sweep,
            .needs = kWindows | kSequences | kEveryScore,
@@ -89,17 +89,16 @@ constexpr std::array kChoices = {
 
     Choice{.flag = "--method filter",
            .needs = kTrainingDistances,
-           .excludes = kThreshold | kRaw | kWindows | kRates | kDefinition,
+           .excludes = kThreshold | kRaw | kWindows | kDefinition,
            .instead = "Use --method fastable.",
            .is_implied = [](const Settings& s, const Features&) { return s.method == "filter"; }},
     Choice{.flag = "--method lsh",
            .needs = kTrainingDistances,
-           .excludes =
-               kMargin | kZScores | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
+           .excludes = kMargin | kZScores | kEveryScore | kMatrix | kSingleFrames | kDefinition,
            .instead = "Use --method fastable.",
            .is_implied = [](const Settings& s, const Features&) { return s.method == kLshMethod; }},
     Choice{.flag = "--method openable",
-           .excludes = kZScores | kRates | kSingleFrames,
+           .excludes = kZScores | kSingleFrames,
            .is_implied = [](const Settings& s, const Features&) { return s.method == "openable"; }},
 
     Choice{.feature = Feature::raw_score,
@@ -242,7 +241,6 @@ void check_gap(const Settings& settings) {
 
 void check_ranges(const Settings& settings) {
   check_window_length(settings.window_length);
-  parse_rates(settings.rates);
   if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
   check_threshold(settings);
   check_margin(settings);

@@ -35,7 +35,7 @@ Json in_force(SequenceQuerySettings settings) {
       erase_unless(d == static_cast<size_t>(settings.decision), key);
   const bool is_filter = has_paths(settings);
   erase_unless(is_filter, "filter");
-  for (const char* key : {"rates", "exclusion_frames"}) erase_unless(!is_filter, key);
+  erase_unless(!is_filter, "exclusion_frames");
   erase_unless(settings.method == kLshMethod, "lsh");
   erase_unless(score_kind(settings.score).needs_statistics, "zscore");
   erase_unless(settings.fusion_weight.has_value(), "fusion_weight");

@@ -61,7 +61,6 @@ struct SequenceQuerySettings {
   LshSettings lsh;  ///< for the method lsh
   Score score = Score::raw;
   ZScoreSettings zscore;
-  std::vector<std::string> rates;  ///< of windows, "3/2": training per query frames; empty: 1
   Decision decision = Decision::threshold;
   std::optional<double> margin;              ///< X, in score per frame; nullopt: default_margin
   std::optional<uint64_t> exclusion_frames;  ///< exclusion radius w; nullopt: one per sequence
@@ -89,7 +88,6 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("lsh", settings.lsh);
   visit("score", settings.score);
   visit("zscore", settings.zscore);
-  visit("rates", settings.rates);
   visit("decide", settings.decision);
   visit("margin", settings.margin);
   visit("exclusion_frames", settings.exclusion_frames);

@@ -60,29 +60,27 @@ enum Facet : uint32_t {
   kRaw = 1 << 2,
   kZScores = 1 << 3,
   kWindows = 1 << 4,
-  kRates = 1 << 5,
-  kEveryScore = 1 << 6,
-  kMatrix = 1 << 7,
-  kSingleFrames = 1 << 8,
-  kLaterFrames = 1 << 9,
-  kTrainingDistances = 1 << 10,
-  kSequences = 1 << 11,
-  kPast = 1 << 12,
-  kSeconds = 1 << 13,
-  kDescriptor = 1 << 14,
-  kFabmap = 1 << 15,
-  kDefinition = 1 << 16,
-  kAutomaticThreshold = 1 << 17,
+  kEveryScore = 1 << 5,
+  kMatrix = 1 << 6,
+  kSingleFrames = 1 << 7,
+  kLaterFrames = 1 << 8,
+  kTrainingDistances = 1 << 9,
+  kSequences = 1 << 10,
+  kPast = 1 << 11,
+  kSeconds = 1 << 12,
+  kDescriptor = 1 << 13,
+  kFabmap = 1 << 14,
+  kDefinition = 1 << 15,
+  kAutomaticThreshold = 1 << 16,
 };
 
 /// By bit number.
-inline constexpr std::array<std::string_view, 18> kFacetNames = {
+inline constexpr std::array<std::string_view, 17> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
     "z-scores",
     "windows of c_l frames",
-    "windows of several rates",
     "scores of all windows",
     "matrix of all windows",
     "frame-by-frame matching",
@@ -117,7 +115,6 @@ struct SettingRow {
   std::string_view help;        ///< {} is the default, the value of the field before flags are read
   std::string_view value = {};  ///< in the help; empty: by the type of the field
   std::vector<std::string> (*choices)() = nullptr;  ///< values for completions, or null
-  bool is_comma_separated = false;                  ///< a list in one argument
   bool is_for_windows = false;                      ///< selects FastABLE instead of the filter
   uint32_t needs = 0;                               ///< facets, as bits
   uint32_t excludes = 0;                            ///< facets, as bits

@@ -77,9 +77,7 @@ std::string name_of(const SequenceQuerySettings& settings) {
   if (settings.decision == Decision::threshold)
     return fmt::format("FastABLE, c_l {}, t_r {:g}", settings.window_length,
                        *settings.distance_threshold);
-  const size_t speeds = settings.rates.size();
-  return fmt::format("windows of {}{}", settings.window_length,
-                     speeds == 0 ? "" : fmt::format(", {} speeds", speeds));
+  return fmt::format("windows of {}", settings.window_length);
 }
 
 // The settings of the best cell over all queries.
@@ -173,10 +171,7 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
   SequenceQuerySettings windows = base;
   windows.score = Score::zscore;
   windows.decision = Decision::margin;
-  const Grid by_margin = {lengths, {std::nullopt}};
-  try_windows(windows, by_margin);
-  windows.rates = {"1/2", "2/3", "1", "3/2", "2"};
-  try_windows(windows, by_margin);
+  try_windows(windows, {lengths, {std::nullopt}});
   try_windows(base, {lengths, kDistanceThresholds});
   choose(trials);
   return trials;

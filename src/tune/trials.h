@@ -27,7 +27,7 @@ using LabeledWords = Labeled<SequenceWords>;
 
 /// One setting on all queries.
 struct Trial {
-  std::string name;  ///< for tables: "windows of 40, 5 speeds"
+  std::string name;  ///< for tables: "windows of 40"
   QuerySettings settings;
   bool is_tuned = false;            ///< its threshold is chosen by the ground truth
   std::vector<FrameCounts> counts;  ///< by query
@@ -54,11 +54,11 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
                   const SequenceQuerySettings& settings, const QueryResources& resources,
                   const Monitor& monitor, const Monitor& truth_monitor);
 
-/// Tries the filter, windows of z-scores by margin, the same at several speeds, and FastABLE's raw
-/// distances by t_r, each at its best cell of a small grid (best_counts). Windows are omitted if no
-/// c_l of the grid fits, or, with a warning, if their recognitions exceed the memory. `base`:
-/// skip_unreadable and the training sequences to search. The database has statistics
-/// (ensure_statistics). Throws what plan_query and sweep_sequences throw.
+/// Tries the filter, windows of z-scores by margin, and FastABLE's raw distances by t_r, each at
+/// its best cell of a small grid (best_counts). Windows are omitted if no c_l of the grid fits, or,
+/// with a warning, if their recognitions exceed the memory. `base`: skip_unreadable and the
+/// training sequences to search. The database has statistics (ensure_statistics). Throws what
+/// plan_query and sweep_sequences throw.
 Trials try_sequences(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
                      const SequenceQuerySettings& base, uint64_t max_incorrect,
                      const QueryResources& resources, const Monitor& monitor);

@@ -121,8 +121,7 @@ TEST_CASE("two different rates cause a warning, unless the method estimates them
             "the query has 24 frames per second, the training sequence one has 8"));
   CHECK(has(warned("--recorded-fps 16"), "--fps 8 for the query, or --method filter"));
   CHECK(has(warned("--recorded-fps 4"), "--fps 4 for vpr-train"));
-  for (const std::string equal :
-       {"--recorded-fps 24 --fps 8", "--recorded-fps 8.5", "", "--recorded-fps 24 --rates 1,1/3"})
+  for (const std::string equal : {"--recorded-fps 24 --fps 8", "--recorded-fps 8.5", ""})
     CHECK_FALSE(has(warned(equal), "frames per second"));
   const std::string filter = "vpr-query w.vprdb --query $back --method filter --recorded-fps ";
   CHECK(has(run(filter + "24").err, "the filter needs half to twice as many. Use --fps 8"));
@@ -192,21 +191,4 @@ TEST_CASE("a single frame is selected at any rate and speed") {
     run_ok(kQuery + "--c-l 1 --force -o r.json --query $back@0:1 " + flags);
     CHECK(file_json("r.json")["query"]["frames"] == 1);
   }
-}
-
-TEST_CASE("windows of several rates store the rate of best matches") {
-  const std::string query = "vpr-query $db --dataset $dataset --c-l 8 --t-r 0 ";
-  const std::string rates = "--rates 1/2,2/3,1,3/2,2 ";
-  run_ok(query + rates + "--speed 2 -o r.json --score zscore");
-  const auto found = read_array<double>("r.best_rates.npy");
-  const Json result = file_json("r.json");
-  CHECK(result["settings"]["rates"] == Json{"1/2", "2/3", "1", "3/2", "2"});
-  REQUIRE(found.size() == result["query"]["windows"].get<size_t>());
-  CHECK(std::count(found.begin(), found.end(), 2.0) > static_cast<long>(found.size() / 2));
-  CHECK(evaluate("r.json")["best_match"]["correct"].get<int>() > 0);
-
-  run_ok(query + "--rates 1 -o one.json");
-  run_ok(query + "-o plain.json");
-  CHECK(read_text("one.best.npy") == read_text("plain.best.npy"));
-  CHECK(file_json("plain.json")["settings"]["rates"].empty());
 }

@@ -57,7 +57,7 @@ def corridor():
                f"--save-config {score}.best.json -o {score}.sweep.json")
     yield f"vpr-query color.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o color.json"
     yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --speed 1.5 -o filter.json"
-    yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --score zscore --rates 2/3,1,3/2 --decide margin -o rates.json"
+    yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --score zscore --decide margin -o margin.json"
 
 
 def loop():

@@ -197,7 +197,6 @@ TEST_CASE("everything about a run is read back") {
   Result result = example_result();
   result.recall = SearchRecall{4, 3, 2, 1};
   result.statistics = UsedStatistics{{}, 300.5};
-  result.best_rates = {1.5, 1, 0.5, std::nullopt};
   {
     Outputs outputs(Existing::refuse);
     outputs.file("m.png").write("image");
@@ -220,7 +219,6 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.companions.size() == 1);
   CHECK(stored.result.recall->found_best == 3);
   CHECK(stored.result.statistics->typical_distance == 300.5);
-  CHECK(stored.result.best_rates == result.best_rates);
 }
 
 TEST_CASE("a cluster lists the frames of its windows") {

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <optional>
 
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "match/fastable.h"
 #include "match/reference.h"
 #include "match/score_kernels.h"
 #include "reference/reference_fusion.h"
@@ -19,11 +17,6 @@
 namespace vpr::test {
 namespace {
 
-struct RatedWindows {
-  size_t length = 1;
-  std::vector<Rate> rates;  ///< at least one
-};
-
 // In units of scores.
 double tolerance_of(size_t window_length, const ScoreBasis& basis) {
   return static_cast<double>(window_length) * (1 + fusion_tolerance(basis.fusion));
@@ -32,33 +25,11 @@ double tolerance_of(size_t window_length, const ScoreBasis& basis) {
 /// The terms of sums: a value of training frame i of a sequence and query frame j.
 using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
 
-// The sum of the window of a rate that ends at training frame i and query frame j; nullopt if it
-// begins before training frame `first`.
-std::optional<double> reference_sum(const PairValue& value, const Rate& rate, size_t length,
-                                    size_t sequence, size_t first, size_t i, size_t j) {
-  if (i + 1 < first + rate_span(rate, length)) return std::nullopt;
+double reference_sum(const PairValue& value, size_t window_length, const Cell& cell) {
   double sum = 0;
-  for (size_t m = 0; m < length; ++m) sum += value(sequence, i - rate_offset(rate, m), j - m);
+  for (size_t k = 0; k < window_length; ++k)
+    sum += value(cell.sequence, cell.train_window + k, cell.query_window + k);
   return sum;
-}
-
-// The start of the readable run that contains frame i of a sequence.
-size_t run_start(const DescribedFrames& sequence, size_t i) {
-  const auto behind = std::ranges::upper_bound(sequence.unreadable, i);
-  return behind == sequence.unreadable.begin() ? 0 : *(behind - 1) + 1;
-}
-
-// The best sum over all rates; nullopt if no window fits.
-std::optional<double> reference_best(const PairValue& value, const RatedWindows& windows,
-                                     std::span<const DescribedFrames> train, const Cell& cell) {
-  const size_t i = cell.train_window + windows.length - 1;
-  const size_t first = run_start(train[cell.sequence], i);
-  std::optional<double> best;
-  for (const Rate& rate : windows.rates)
-    if (const auto sum = reference_sum(value, rate, windows.length, cell.sequence, first, i,
-                                       cell.query_window + windows.length - 1))
-      best = std::min(best.value_or(*sum), *sum);
-  return best;
 }
 
 /// z of a training frame to all query frames that a cell needs, computed once.
@@ -87,39 +58,35 @@ class ReferenceScores {
   std::map<size_t, std::vector<double>> known_;  // by training frame of the last sequence
 };
 
-// Windows of one or several rates, with or without fusion; with a basis, of scores. A cell without
-// a fitting window of any rate is not wrong.
-std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
-                                    std::span<const DescribedFrames> train,
-                                    const DescribedFrames& query, const ScoreBasis* basis,
-                                    const Monitor& monitor) {
+// With or without fusion; with a basis, of scores.
+std::vector<Cell> wrong_sums(std::span<const Cell> cells, size_t window_length,
+                             std::span<const DescribedFrames> train, const DescribedFrames& query,
+                             const ScoreBasis* basis, const Monitor& monitor) {
   const ReferenceUpdates updates =
       basis != nullptr ? reference_updates(train, query, *basis, monitor) : ReferenceUpdates{};
   const ReferenceFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
-                               windows.length, monitor);
+                               window_length, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return reference_distance(train[sequence].rows, i, query.rows, j);
   };
-  std::vector<std::optional<double>> right(cells.size());
+  std::vector<double> right(cells.size());
   parallel_for(cells.size(), monitor, [&](size_t c) {
     if (basis == nullptr) {
-      right[c] = reference_best(distance, windows, train, cells[c]);
+      right[c] = reference_sum(distance, window_length, cells[c]);
       return;
     }
     // Only an offline score depends on frames after the window.
-    const size_t known =
-        basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
+    const size_t known = basis->offline ? query.rows.size() : cells[c].query_window + window_length;
     ReferenceScores scores(train, query.rows.first(known), updates, *basis, fusion);
-    right[c] = reference_best(std::ref(scores), windows, train, cells[c]);
-    if (right[c])
-      *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
+    right[c] = reference_sum(std::ref(scores), window_length, cells[c]) * kScoreUnit +
+               static_cast<double>(score_offset(window_length));
   });
-  const double tolerance = basis == nullptr ? 0 : tolerance_of(windows.length, *basis);
+  const double tolerance = basis == nullptr ? 0 : tolerance_of(window_length, *basis);
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
-    if (!right[c] || std::abs(cells[c].score - *right[c]) <= tolerance) continue;
+    if (std::abs(cells[c].score - right[c]) <= tolerance) continue;
     wrong.push_back(cells[c]);
-    wrong.back().score = static_cast<uint32_t>(std::llround(*right[c]));
+    wrong.back().score = static_cast<uint32_t>(std::llround(right[c]));
   }
   return wrong;
 }
@@ -148,10 +115,8 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
   const bool has_scores = !plan.scores.rows.empty();
   if (has_scores && !plan.past.empty())
     return wrong_past_scores(cells, plan.query, plan.past, length, plan.scores.basis->settings);
-  RatedWindows windows{length, plan.match.rates};
-  if (windows.rates.empty()) windows.rates = {{1, 1}};
   const ScoreBasis* basis = has_scores ? plan.scores.basis.get() : nullptr;
-  return wrong_rated_cells(cells, windows, plan.train, plan.query, basis, {});
+  return wrong_sums(cells, length, plan.train, plan.query, basis, {});
 }
 
 }  // namespace

@@ -119,8 +119,6 @@ TEST_CASE("whole queries equal the definition, for every method, score and numbe
   other = settings;
   other.only_sequences = {"b"};
   query_all(walks, other);
-  other.rates = {"1/2", "1", "2"};
-  query_all(walks, other);
   other = settings;
   other.decision = Decision::margin;
   other.distance_threshold.reset();

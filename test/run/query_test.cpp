@@ -131,29 +131,13 @@ TEST_CASE("training sequences that look different accept every window, with a wa
 }
 
 TEST_CASE("an automatic threshold needs another training sequence with a window") {
-  const auto walks = [](size_t second) {
-    return std::vector<std::vector<LdbCode>>{test::walk_codes(60, 1, 120),
-                                             test::walk_codes(second, 2, 120)};
-  };
-  const DescriptorSet query = make_query(test::walk_codes(50, 3, 120));
-  test::Warnings warnings;
+  const SequenceDatabase alone =
+      make_database({test::walk_codes(60, 1, 120), test::walk_codes(9, 2, 120)}, 10);
   SequenceQuerySettings settings;
   settings.window_length = 10;
-  const SequenceDatabase alone = make_database(walks(9), 10);
-  CHECK_THROWS_WITH(query_all(alone, query, settings),
+  CHECK_THROWS_WITH(query_all(alone, make_query(test::walk_codes(50, 3, 120)), settings),
                     "the automatic t_r needs two training sequences with windows of 10 frames "
                     "(c_l). Use a smaller --c-l, or a number for --t-r.");
-  auto three = walks(60);
-  three.push_back(test::walk_codes(12, 4, 120));  // too short at twice the speed
-  settings.rates = {"2"};
-  const SequenceDatabase database = make_database(three, 10);
-  const QueryPlan plan = plan_query(database, query, "q", settings, resources(), warnings.monitor);
-  CHECK(plan.result.sequences[0].threshold.has_value());
-  CHECK_FALSE(plan.result.sequences[2].threshold);
-  CHECK(warnings.said ==
-        std::vector<std::string>{
-            "c: cannot be recognized without an automatic t_r, because no other training "
-            "sequence has a window to compare with"});
 }
 
 TEST_CASE("only queries with an automatic threshold warn that sequences show one place") {

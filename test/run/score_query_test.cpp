@@ -60,23 +60,6 @@ TEST_CASE("z-scores recognize a revisit, with the same result for every method")
         result.recognitions);
 }
 
-TEST_CASE("windows of several rates equal the definition, for distances and for scores") {
-  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
-                                                   test::walk_codes(45, 2)};
-  SequenceDatabase database = make_database(train);
-  database.sequences[0].sequence.unreadable = {17};
-  const DescriptorSet query = make_query(test::walk_codes(50, 3));
-  const QueryResources resources = test::resources();
-  for (const Score score : {Score::raw, Score::zscore, Score::zscore_offline}) {
-    SequenceQuerySettings settings = scored_settings(6);
-    settings.score = score;
-    settings.rates = {"1/2", "2/3", "1", "2"};
-    settings.distance_threshold = score == Score::raw ? 0.4 : -1;
-    const QueryPlan plan = plan_query(database, query, "q", settings, resources, {});
-    test::run_verified(plan, 200);
-  }
-}
-
 TEST_CASE("rows are centered over all training frames, also in a limited search") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1), test::walk_codes(50, 2),
                                                    test::walk_codes(30, 3)};

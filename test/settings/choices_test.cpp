@@ -41,7 +41,6 @@ const std::vector<ChosenFlag> kChosenFlags = {
     {"--score raw", {}},
     {"--score zscore", [](auto& s) { s.score = Score::zscore; }},
     {"--score zscore-offline", [](auto& s) { s.score = Score::zscore_offline; }},
-    {"--rates", [](auto& s) { s.rates = {"1/2"}; }},
     {"--c-l", {}},
     {"--decide threshold", {}},
     {"--decide margin", by_margin},
@@ -115,9 +114,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--decide margin", "--t-r-scale relative"}, "--t-r-scale relative", "--decide margin"},
       {{"--decide margin", "--safety-factor"}, "--safety-factor", "--decide margin"},
       // Methods.
-      {{"--rates", "--method openable"}, "--rates", "--method openable"},
-      {{"--rates", "--method filter"}, "--rates", "--method filter"},
-      {{"--rates", "--method lsh"}, "--rates", "--method lsh"},
       {{"--decide margin", "--method lsh"}, "--decide margin", "--method lsh"},
       {{"--score zscore", "--t-r", "--method lsh"}, "zscore", "--method lsh"},
       {{"--t-r", "--method lsh"}, "a relative --t-r", "--method lsh"},
@@ -134,13 +130,11 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--fuse", "--t-r", "--score raw"}, "--score raw", "--fuse"},
       {{"--fuse", "--t-r", "--method openable"}, "--fuse", "--method openable"},
       {{"--fuse", "--t-r", "--verify"}, "--verify", "--fuse"},
-      {{"--rates", "--verify"}, "--verify", "--rates"},
       // A loop query.
       {{"vpr-query loops", "DB"}, "DB", "vpr-query loops"},
       {{"vpr-query loops", "vpr-query live"}, "vpr-query live", "vpr-query loops"},
       {{"vpr-query loops", "--method filter"}, "--method filter", "vpr-query loops"},
       {{"vpr-query loops", "--method lsh"}, "--method lsh", "vpr-query loops"},
-      {{"vpr-query loops", "--rates"}, "--rates", "vpr-query loops"},
       {{"vpr-query loops", "--score zscore-offline"}, "offline", "vpr-query loops"},
       {{"vpr-query loops", "--fuse"}, "--fuse", "vpr-query loops"},
       {{"vpr-query loops", "--t-r-scale relative"}, "relative", "vpr-query loops"},
@@ -157,7 +151,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"vpr-query live", "--method openable"}, "vpr-query live", "--method openable"},
       {{"vpr-query live", "--method lsh"}, "vpr-query live", "--method lsh"},
       {{"vpr-query live", "--score zscore-offline"}, "offline", "vpr-query live"},
-      {{"vpr-query live", "--rates"}, "--rates", "vpr-query live"},
       {{"vpr-query live", "--t-r"}, "a relative --t-r", "vpr-query live"},
       {{"vpr-query live", "--save-matrix"}, "--save-matrix", "vpr-query live"},
       // FAB-MAP.
@@ -189,14 +182,14 @@ TEST_CASE("choices that can be combined are accepted") {
       {"vpr-query live", "--t-r", "--t-r-scale bits", "--skip-unreadable"},
       {"vpr-query live", "--t-r-scale relative"},
       {"vpr-query live", "--decide margin", "--fuse"},
-      {"--score zscore", "--t-r", "--t-r-scale mean-z", "--rates", "--fuse"},
+      {"--score zscore", "--t-r", "--t-r-scale mean-z", "--fuse"},
       {"--score zscore-offline", "--decide margin", "--margin", "--exclusion-frames"},
       {"--score zscore", "--decide margin", "--verify", "--save-matrix"},
       {"vpr-query loops", "--descriptor", "--save-matrix"},
       {"vpr-query loops", "a --gap in seconds", "--score zscore", "--t-r"},
       {"vpr-query loops", "--decide margin", "--margin", "--method openable"},
-      {"--score zscore", "--t-r", "--only-sequence", "--same-place", "--rates"},
-      {"vpr-tune fastable", "--score zscore", "--fuse", "--rates", "--t-r"},
+      {"--score zscore", "--t-r", "--only-sequence", "--same-place"},
+      {"vpr-tune fastable", "--score zscore", "--fuse", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
       {"vpr-tune calibrate", "--decide margin", "--score zscore", "--method filter"},
       {"a FAB-MAP database", "vpr-query loops"}};
@@ -229,7 +222,7 @@ TEST_CASE("settings of windows select FastABLE; otherwise the filter is the meth
   CHECK(default_method(Feature::query, std::vector<std::string>{"margin", "only_sequence"}) ==
         "filter");
   for (const char* key :
-       {"c_l", "t_r", "t_r_scale", "safety_factor", "score", "rates", "decide", "exclusion_frames"})
+       {"c_l", "t_r", "t_r_scale", "safety_factor", "score", "decide", "exclusion_frames"})
     CHECK(default_method(Feature::query, std::vector<std::string>{"margin", key}) == "fastable");
   CHECK(default_method(Feature::loops, std::vector<std::string>{}) == "fastable");
 }

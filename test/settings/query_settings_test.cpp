@@ -66,7 +66,7 @@ TEST_CASE("files hold the settings of their own score, method and decision") {
   CHECK(settings_in_force(settings).contains("lsh"));
   settings.method = "filter";
   CHECK(settings_in_force(settings).contains("filter"));
-  CHECK_FALSE(settings_in_force(settings).contains("rates"));
+  CHECK_FALSE(settings_in_force(settings).contains("exclusion_frames"));
 }
 
 TEST_CASE("a number is on the scale of its score by default") {

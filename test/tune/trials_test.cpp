@@ -91,7 +91,7 @@ TEST_CASE(
     return try_sequences(database, queries, {}, 0, resources, {});
   };
   const Trials twice = trials_of(80, 2);
-  REQUIRE(twice.all.size() == 4);
+  REQUIRE(twice.all.size() == 3);
   CHECK(twice.chosen.has_value());
   CHECK(twice.all[0].name == "filter");
   CHECK(twice.all[0].counts[0].path.correct > twice.all[1].counts[0].path.correct);
