@@ -65,7 +65,7 @@ ScoreBasis score_basis(const MatchingCase& example) {
   TrainStatistics statistics = compute_statistics(example.distances.train, {}, {});
   statistics.components =
       compute_components(example.distances.train, statistics.typical_distance, {});
-  return make_score_basis({}, false, statistics);
+  return make_score_basis(statistics);
 }
 
 void time_zscores(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -73,7 +73,7 @@ void time_zscores(const MatchingCase& example, const Effort& effort, const Monit
   const Stopwatch watch;
   const ScoreBasis basis = score_basis(example);
   row.values.emplace_back("statistics_s", watch.elapsed_s());
-  const auto learning = start_zscores(example.distances, basis, monitor);
+  const auto learning = start_zscores(example.distances, basis);
   size_t frames = 0;
   size_t learned = 0;
   const auto count = [&] {
@@ -90,8 +90,7 @@ void time_filtered(const MatchingCase& example, const Effort& effort, const Moni
   MatchSettings settings = example.settings;
   settings.method = &find_sequence_method("filter");
   settings.window_length = 1;
-  time_stage(zscores(example.distances, score_basis(example), monitor), settings, effort, monitor,
-             row);
+  time_stage(zscores(example.distances, score_basis(example)), settings, effort, monitor, row);
 }
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -166,7 +165,7 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   const FrameDistances some = first_rows(example, kCheckedRows);
   CellScan scan(choose_cells(some, length, kCheckedScores, 1));
   const ScoreBasis basis = score_basis(example);
-  match(zscores(some, basis, monitor), example.settings, {{std::ref(scan)}}, monitor);
+  match(zscores(some, basis), example.settings, {{std::ref(scan)}}, monitor);
   if (!wrong_scores(scan.result(), some.train, some.query, length, basis, monitor).empty())
     throw Error(ErrorKind::expectation,
                 "zscore: a score differs from the reference implementation; nothing was timed");

@@ -70,10 +70,9 @@ Searched make_searched(const DescribedFrames& frames, uint32_t radius, const Mon
   settings.samples = 1000;
   TrainStatistics statistics = compute_statistics({&frames, 1}, settings, monitor);
   statistics.components = compute_components({&frames, 1}, statistics.typical_distance, monitor);
-  ZScoreSettings zscore;
-  zscore.start_weight = FilterSettings{}.start_weight;  // for short sequences
+  const double start_weight = FilterSettings{}.start_weight;  // for short sequences
   return {frames, frame_distances({&frames, 1}, {frames.rows.first(0), {}}),
-          make_score_basis(zscore, false, statistics), make_exclusion_zones({radius}, {})};
+          make_score_basis(statistics, start_weight), make_exclusion_zones({radius}, {})};
 }
 
 bool is_recognized(const DescribedFrames& query, const Searched& train, const Monitor& monitor,
@@ -95,8 +94,8 @@ bool is_recognized(const DescribedFrames& query, const Searched& train, const Mo
         unreadable.push_back(frame - part.first);
     const DescribedFrames frames{query.rows.subspan(part.first, part.count), unreadable};
     MarginScan scan(train.zone, part.count - length + 1);
-    match(zscores(train.distances.of_query(frames), train.basis, monitor),
-          {length, kDefaultMemoryLimit}, {{}, {std::ref(scan)}}, monitor);
+    match(zscores(train.distances.of_query(frames), train.basis), {length, kDefaultMemoryLimit},
+          {{}, {std::ref(scan)}}, monitor);
     for (const auto& margin : scan.result()) {
       windows += margin ? 1 : 0;
       recognized += margin && score.frame_value(*margin, length) >= least ? 1 : 0;

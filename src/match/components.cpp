@@ -31,7 +31,7 @@ std::vector<size_t> choose_landmarks(std::span<const DescribedFrames> train,
                                      double typical_distance) {
   std::vector<size_t> frames;
   for (const FrameStretch& run : readable_runs(train)) {
-    KeyframeQueue views = make_keyframe_queue({}, typical_distance);
+    KeyframeQueue views = make_keyframe_queue(typical_distance);
     for (size_t i = 0; i < run.count; ++i) {
       const size_t frame = run.first_in_sequence + i;
       if (!is_new_keyframe(views, train[run.sequence].rows, frame)) continue;
@@ -209,10 +209,10 @@ Projector make_projector(const TrainComponents& components) {
   return distance_of(components.shape.element).projector(components.rows(), components.weights);
 }
 
-ComponentWeights component_weights(const TrainComponents& components, size_t count,
+ComponentWeights component_weights(const TrainComponents& components,
                                    const ComponentValues& of_frame) {
   ComponentWeights weights = {};
-  for (size_t k = 0; k < std::min(count, kMaxComponents); ++k)
+  for (size_t k = 0; k < kMaxComponents; ++k)
     weights[k] = static_cast<int16_t>(std::clamp<double>(
         rounded(of_frame[k] * components.factor[k]), -kMostComponentWeight, kMostComponentWeight));
   return weights;

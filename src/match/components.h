@@ -30,10 +30,10 @@ TrainComponents no_components(size_t train_frames);
 /// The projector for descriptors of the landmarks' shape.
 Projector make_projector(const TrainComponents& components);
 
-/// The first `count` components of a frame as used by the kernels: weights are rounded to nearest,
-/// ties up, and clamped at 512 bits of LDB (other distances: the same share of the largest one).
+/// The components of a frame as used by the kernels: weights are rounded to nearest, ties up, and
+/// clamped at 512 bits of LDB (other distances: the same share of the largest one).
 using ComponentWeights = std::array<int16_t, kMaxComponents>;
-ComponentWeights component_weights(const TrainComponents& components, size_t count,
+ComponentWeights component_weights(const TrainComponents& components,
                                    const ComponentValues& of_frame);
 
 /// The amount that is subtracted from a frame's distance to a training frame, in component_unit().

@@ -105,9 +105,7 @@ struct FrameDistances {
 /// frames of the part before that a stage needs again, and new ones.
 struct StartedStage {
   /// The scores of a part, whose first frames are the frames `kept` of the part before.
-  std::function<FrameDistances(FrameDistances input, std::span<const size_t> kept,
-                               const Monitor& monitor)>
-      scores;
+  std::function<FrameDistances(FrameDistances input, std::span<const size_t> kept)> scores;
   /// The frames of the last part that later scores need, increasing. Not set: none.
   std::function<std::vector<size_t>()> needed = {};
 };

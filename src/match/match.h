@@ -88,8 +88,8 @@ VPR_FIELDS(LshSettings, tables, key_bits, probe_level)
 
 /// Settings of the method `filter`.
 struct FilterSettings {
-  /// Weight of the training statistics in z-scores, in keyframes, in place of
-  /// ZScoreSettings::start_weight: paths soon have more to learn from.
+  /// Weight of the training statistics in z-scores, in keyframes, in place of kStartWeight: paths
+  /// soon have more to learn from.
   double start_weight = 2;
   /// A frame that differs from the last keyframe by at least this share of the typical distance is
   /// a keyframe, in the query and in training sequences; the filter steps from keyframe to

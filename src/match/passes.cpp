@@ -94,9 +94,7 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
   const size_t frames = count_frames(train);
   if (frames == 0 || frames > kMostPairs / frames) return {};
   const FilterSettings settings;
-  ZScoreSettings zscore;
-  zscore.start_weight = settings.start_weight;
-  const ScoreBasis basis = make_score_basis(zscore, false, statistics);
+  const ScoreBasis basis = make_score_basis(statistics, settings.start_weight);
   const FrameDistances raw = frame_distances(train, {train[0].rows.first(0), {}});
   const double typical = statistics.typical_distance;
   PassSearch search;
@@ -118,7 +116,7 @@ std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
     if (sequence != run.sequence) {
       sequence = run.sequence;
       first_of_sequence = run.first;
-      own = zscores(raw.of_query(train[run.sequence]), basis, monitor);
+      own = zscores(raw.of_query(train[run.sequence]), basis);
     }
     restart_filter(search.state);
     search.track.recent.clear();

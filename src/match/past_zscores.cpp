@@ -3,7 +3,6 @@
 #include <limits>
 #include <memory>
 
-#include "base/error.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
 #include "match/zscores.h"
@@ -20,7 +19,6 @@ struct EqualWeights {
 
 struct PastState {
   FrameDistances distances;
-  ZScoreSettings settings;
   ScoreKernels kernels;
   size_t least_lag = 0;
   std::vector<uint8_t> readable;
@@ -38,7 +36,6 @@ struct PastState {
   uint64_t pairs = 0;
   double squares = 0;  ///< of x, over all pairs
   float least_variance = 0;
-  float most_variance = 0;
   double unknown_variance = 0;
 };
 
@@ -73,26 +70,22 @@ void add_row(PastState& state, size_t frame) {
   state.pairs += count;
   state.squares += static_cast<double>(squares) - static_cast<double>(sum) * row_mean;
   const double mean_so_far = state.sum_of_means / static_cast<double>(state.rows);
-  state.offsets[frame] = static_cast<float>(state.settings.center ? row_mean : mean_so_far);
-  state.mean[frame] = static_cast<float>(state.settings.start_bias * (row_mean - mean_so_far));
-  state.keyframes.least_change = state.settings.keyframe_change * mean_so_far;
+  state.offsets[frame] = static_cast<float>(row_mean);
+  state.mean[frame] = static_cast<float>(kStartBias * (row_mean - mean_so_far));
+  state.keyframes.least_change = kKeyframeChange * mean_so_far;
 }
 
 double variance_so_far(const PastState& state) {
-  const double start = state.settings.start_weight;
-  const double weight = start + static_cast<double>(state.pairs);
-  return weight == 0 ? state.unknown_variance
-                     : (start * state.unknown_variance + state.squares) / weight;
+  return (kStartWeight * state.unknown_variance + state.squares) /
+         (kStartWeight + static_cast<double>(state.pairs));
 }
 
 // The columns in the keyframe's past have learned one more keyframe; merges entries with equal
 // weights.
 void raise_weights(PastState& state, size_t past) {
   std::vector<EqualWeights>& weights = state.weights;
-  if (weights.empty() || weights.back().end < past)
-    weights.push_back({past, state.settings.start_weight});
-  for (EqualWeights& columns : weights)
-    columns.weight = state.settings.forgetting * columns.weight + 1;
+  if (weights.empty() || weights.back().end < past) weights.push_back({past, kStartWeight});
+  for (EqualWeights& columns : weights) columns.weight = kForgetting * columns.weight + 1;
   size_t kept = 0;
   for (size_t w = 1; w < weights.size(); ++w) {
     if (weights[kept].weight != weights[w].weight) ++kept;
@@ -119,7 +112,7 @@ void begin_row(PastState& state, size_t frame) {
   state.frame = frame;
   const size_t past = state.distances.past[frame];
   const size_t compared = frame < state.least_lag ? 0 : frame + 1 - state.least_lag;
-  if (state.settings.learn && state.readable[frame] != 0 && state.rows > 0 &&
+  if (state.readable[frame] != 0 && state.rows > 0 &&
       is_new_keyframe(state.keyframes, state.distances.query.rows, frame))
     if (const auto old = push_keyframe(state.keyframes, frame)) learn_keyframe(state, *old);
   compare(state, frame, compared);
@@ -131,15 +124,13 @@ void begin_row(PastState& state, size_t frame) {
   for_each_chunk(compared, [&](size_t first, size_t last) {
     state.kernels.to_zscores(state.row.data() + first, state.offsets[frame], {},
                              state.mean.data() + first, state.variance.data() + first,
-                             state.least_variance, state.most_variance, state.scores.data() + first,
-                             last - first);
+                             state.least_variance, state.scores.data() + first, last - first);
   });
 }
 
-std::shared_ptr<PastState> start_past(FrameDistances distances, const ZScoreSettings& settings) {
+std::shared_ptr<PastState> start_past(FrameDistances distances) {
   auto state = std::make_shared<PastState>();
   const size_t frames = distances.query_frames;
-  state->settings = settings;
   state->kernels = select_score_kernels();
   state->least_lag = *least_lag(distances);
   state->readable = readable_flags(distances.query_runs, frames);
@@ -148,29 +139,20 @@ std::shared_ptr<PastState> start_past(FrameDistances distances, const ZScoreSett
   state->offsets.resize(frames, 0);
   state->row.resize(frames + kBlockFrames);
   state->scores.resize(frames + kBlockFrames);
-  state->keyframes = make_keyframe_queue(settings, 0);
-  const double floor = deviation_floor(settings, distances.largest);
+  state->keyframes = make_keyframe_queue(0);
+  const double floor = deviation_floor(distances.largest);
   const double unknown = unknown_deviation(distances.largest);
   state->unknown_variance = unknown * unknown;
-  state->least_variance = static_cast<float>(settings.divide ? floor * floor : unknown * unknown);
-  state->most_variance =
-      settings.divide ? std::numeric_limits<float>::max() : static_cast<float>(unknown * unknown);
+  state->least_variance = static_cast<float>(floor * floor);
   state->distances = std::move(distances);
   return state;
 }
 
 }  // namespace
 
-void check_past_settings(const ZScoreSettings& settings) {
-  if (settings.components != 0 && settings.components != ZScoreSettings{}.components)
-    throw Error(ErrorKind::usage,
-                "zscore.components are components of a whole training sequence, which a sequence "
-                "against itself (vpr-query loops) does not have yet; remove them");
-}
-
-FrameDistances past_zscores(FrameDistances distances, const ZScoreSettings& settings) {
+FrameDistances past_zscores(FrameDistances distances) {
   assert(distances.past.size() == distances.query_frames && !distances.is_in_order());
-  const auto state = start_past(std::move(distances), settings);
+  const auto state = start_past(std::move(distances));
   FrameDistances scores = state->distances;
   scores.largest = std::numeric_limits<uint16_t>::max();
   scores.row_total = nullptr;

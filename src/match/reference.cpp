@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "match/distance_statistics.h"
 #include "match/frame_distances.h"
 #include "match/score_kernels.h"
 
@@ -77,28 +76,24 @@ ComponentWeights reference_common(const DescriptorRows& query, size_t frame,
         reference_unrounded(query.shape.element, components.rows()[l], query[frame]);
     for (size_t k = 0; k < kMaxComponents; ++k) values[k] += components.weights[l][k] * distance;
   }
-  return component_weights(components, basis.settings.components, values);
+  return component_weights(components, values);
 }
 
 std::vector<std::optional<size_t>> reference_schedule(const DescribedFrames& query,
                                                       const ScoreBasis& basis) {
   std::vector<std::optional<size_t>> learned(query.rows.size());
   std::vector<size_t> views;  // all keyframes, increasing
-  const double least_change = basis.settings.keyframe_change * basis.typical_distance;
-  const size_t lag = basis.settings.lag_keyframes;
+  const double least_change = kKeyframeChange * basis.typical_distance;
   for (size_t j = 0; j < query.rows.size(); ++j) {
-    if (contains(query.unreadable, j) || !basis.settings.learn) continue;
-    const size_t recent = std::min(views.size(), lag);
+    if (contains(query.unreadable, j)) continue;
+    const size_t recent = std::min(views.size(), kKeyframeLag);
     const bool is_new =
         std::all_of(views.end() - static_cast<ptrdiff_t>(recent), views.end(), [&](size_t view) {
           return reference_distance(query.rows, view, query.rows, j) >= least_change;
         });
     if (!is_new) continue;
     views.push_back(j);
-    if (basis.offline)
-      learned[j] = j;
-    else if (views.size() > lag)
-      learned[j] = views[views.size() - 1 - lag];
+    if (views.size() > kKeyframeLag) learned[j] = views[views.size() - 1 - kKeyframeLag];
   }
   return learned;
 }
@@ -111,20 +106,19 @@ struct Sums {
   double mean = 0;
   double variance = 0;
 
-  void add(double x, double forgetting) {
-    weight = forgetting * weight + 1;
-    first = forgetting * first + x;
-    second = forgetting * second + x * x;
+  void add(double x) {
+    weight = kForgetting * weight + 1;
+    first = kForgetting * first + x;
+    second = kForgetting * second + x * x;
     mean = first / weight;
     variance = second / weight - mean * mean;
   }
 };
 
-double z_of(double x, const Sums& sums, const ZScoreSettings& settings, uint16_t largest) {
+double z_of(double x, const Sums& sums, uint16_t largest) {
   constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
-  const double deviation = settings.divide ? std::max(std::sqrt(std::max(sums.variance, 0.0)),
-                                                      deviation_floor(settings, largest))
-                                           : unknown_deviation(largest);
+  const double deviation =
+      std::max(std::sqrt(std::max(sums.variance, 0.0)), deviation_floor(largest));
   return std::clamp((x - sums.mean) / deviation, -kLimit, kLimit - 1.0 / kScoreUnit);
 }
 
@@ -186,10 +180,9 @@ ReferenceUpdates reference_updates(std::span<const DescribedFrames> centered_ove
                                    const DescribedFrames& query, const ScoreBasis& basis,
                                    const Monitor& monitor) {
   ReferenceUpdates updates;
-  updates.row_means.assign(query.rows.size(), basis.typical_distance);
-  if (basis.settings.center)
-    parallel_for(query.rows.size(), monitor,
-                 [&](size_t j) { updates.row_means[j] = mean_over(centered_over, query.rows, j); });
+  updates.row_means.resize(query.rows.size());
+  parallel_for(query.rows.size(), monitor,
+               [&](size_t j) { updates.row_means[j] = mean_over(centered_over, query.rows, j); });
   updates.common.resize(query.rows.size());
   parallel_for(query.rows.size(), monitor,
                [&](size_t j) { updates.common[j] = reference_common(query.rows, j, basis); });
@@ -201,9 +194,7 @@ std::vector<double> reference_frame_scores(DescriptorRow train, size_t frame,
                                            const DescriptorRows& query,
                                            const ReferenceUpdates& updates,
                                            const ScoreBasis& basis) {
-  const ZScoreSettings& settings = basis.settings;
-  const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
-  const double forgetting = basis.offline ? 1 : settings.forgetting;
+  const double weight = basis.start_weight;
   const double start = basis.mean[frame];
   Sums sums{weight, weight * start, weight * (basis.variance + start * start), start,
             basis.variance};
@@ -213,13 +204,10 @@ std::vector<double> reference_frame_scores(DescriptorRow train, size_t frame,
     return reference_distance(query.shape.element, train, query[j]) - updates.row_means[j] -
            unit * component_sum(basis.components, updates.common[j], frame);
   };
-  if (basis.offline)
-    for (const auto& view : updates.learned)
-      if (view) sums.add(centered(*view), forgetting);
   std::vector<double> scores;
   for (size_t j = 0; j < query.size(); ++j) {
-    if (!basis.offline && updates.learned[j]) sums.add(centered(*updates.learned[j]), forgetting);
-    scores.push_back(z_of(centered(j), sums, settings, largest));
+    if (updates.learned[j]) sums.add(centered(*updates.learned[j]));
+    scores.push_back(z_of(centered(j), sums, largest));
   }
   return scores;
 }
@@ -258,8 +246,7 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
   std::vector<double> correct(cells.size(), 0);  // in standard deviations
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const Cell& cell = cells[c];
-    // Only offline scores depend on frames after the window.
-    const size_t known = basis.offline ? query.rows.size() : cell.query_window + window_length;
+    const size_t known = cell.query_window + window_length;  // no score depends on later frames
     for (size_t k = 0; k < window_length; ++k) {
       const size_t i = cell.train_window + k;
       const size_t frame = first_frame[cell.sequence] + i;

@@ -130,18 +130,16 @@ void Learn(const uint16_t* distances, float offset, const ComponentTerm& common,
 
 template <bool kCommon>
 HWY_INLINE void ZScoreRow(const Row<kCommon> row, const float* mean, const float* variance,
-                          float least_variance, float most_variance, uint16_t* HWY_RESTRICT out,
-                          size_t count) {
+                          float least_variance, uint16_t* HWY_RESTRICT out, size_t count) {
   const FloatTag d;
   const auto least = hn::Set(d, least_variance);
-  const auto most = hn::Set(d, most_variance);
   const auto unit = hn::Set(d, static_cast<float>(kScoreUnit));
   const auto bias = hn::Set(d, kBiasAndHalf);
   const auto zero = hn::Zero(d);
   const auto largest = hn::Set(d, kLargest);
   size_t i = row.ForLanes(count, [&](size_t at, hn::Vec<FloatTag> x) HWY_ATTR {
     const auto away = hn::Sub(x, hn::LoadU(d, mean + at));
-    const auto spread = hn::Min(hn::Max(hn::LoadU(d, variance + at), least), most);
+    const auto spread = hn::Max(hn::LoadU(d, variance + at), least);
     const auto z = hn::Div(away, hn::Sqrt(spread));
     const auto biased = hn::Add(hn::Mul(z, unit), bias);
     const auto cut = hn::Min(hn::Max(biased, zero), largest);
@@ -149,7 +147,7 @@ HWY_INLINE void ZScoreRow(const Row<kCommon> row, const float* mean, const float
   });
   for (; i < count; ++i) {
     const float away = row.One(i) - mean[i];
-    const float spread = std::min(std::max(variance[i], least_variance), most_variance);
+    const float spread = std::max(variance[i], least_variance);
     const float z = away / std::sqrt(spread);
     const float biased = z * static_cast<float>(kScoreUnit) + kBiasAndHalf;
     out[i] = static_cast<uint16_t>(std::min(std::max(biased, 0.0F), kLargest));
@@ -157,14 +155,12 @@ HWY_INLINE void ZScoreRow(const Row<kCommon> row, const float* mean, const float
 }
 
 void ToZScores(const uint16_t* distances, float offset, const ComponentTerm& common,
-               const float* mean, const float* variance, float least_variance, float most_variance,
-               uint16_t* out, size_t count) {
+               const float* mean, const float* variance, float least_variance, uint16_t* out,
+               size_t count) {
   if (common.loadings[0] == nullptr)
-    ZScoreRow(Row<false>{distances, offset, {}}, mean, variance, least_variance, most_variance, out,
-              count);
+    ZScoreRow(Row<false>{distances, offset, {}}, mean, variance, least_variance, out, count);
   else
-    ZScoreRow(Row<true>{distances, offset, common}, mean, variance, least_variance, most_variance,
-              out, count);
+    ZScoreRow(Row<true>{distances, offset, common}, mean, variance, least_variance, out, count);
 }
 
 }  // namespace

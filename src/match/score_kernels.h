@@ -38,11 +38,11 @@ struct ScoreKernels {
   /// (variance + gain * d^2), for each of `count` training frames.
   void (*learn)(const uint16_t* distances, float offset, const ComponentTerm& common, float gain,
                 float* mean, float* variance, size_t count);
-  /// out = (((distance - offset) - common part) - mean) / sqrt(variance), with the variance within
-  /// [least, most], as an integer (see above). least > 0.
+  /// out = (((distance - offset) - common part) - mean) / sqrt(variance), with a variance of at
+  /// least least_variance, which is above 0, as an integer (see above).
   void (*to_zscores)(const uint16_t* distances, float offset, const ComponentTerm& common,
-                     const float* mean, const float* variance, float least_variance,
-                     float most_variance, uint16_t* out, size_t count);
+                     const float* mean, const float* variance, float least_variance, uint16_t* out,
+                     size_t count);
 };
 
 /// The kernels for the current SIMD target (base/simd.h).

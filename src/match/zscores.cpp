@@ -1,12 +1,9 @@
 #include "match/zscores.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
-#include <limits>
 #include <numeric>
-
-#include "base/error.h"
-#include "match/distance_statistics.h"
 
 namespace vpr {
 namespace {
@@ -16,7 +13,6 @@ constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the sec
 // The mean over the training frames that is subtracted from the row of a frame. Keeps the row if it
 // had to be computed.
 double center_of(ZScoreState& state, size_t frame) {
-  if (!state.basis.settings.center) return state.basis.typical_distance;
   if (state.distances.row_total || state.distances.readable_frames == 0)
     return row_mean(state.distances, frame);
   compute_row(state.distances, frame, state.row);
@@ -28,8 +24,7 @@ void find_terms(ZScoreState& state, size_t frame) {
   state.terms[frame].offset = static_cast<float>(center_of(state, frame));
   if (state.project)
     state.terms[frame].common =
-        component_weights(state.basis.components, state.basis.settings.components,
-                          state.project(state.distances.query.rows[frame]));
+        component_weights(state.basis.components, state.project(state.distances.query.rows[frame]));
 }
 
 // The common part of a query frame and the training frames from `first` on.
@@ -45,8 +40,7 @@ ComponentTerm component_term(const ZScoreState& state, size_t frame, size_t firs
 
 // Determines the weight with which a keyframe will enter the statistics.
 void plan_update(ZScoreState& state, size_t keyframe) {
-  const double forgetting = state.basis.offline ? 1 : state.basis.settings.forgetting;
-  state.weight = forgetting * state.weight + 1;
+  state.weight = kForgetting * state.weight + 1;
   state.update = {keyframe, static_cast<float>(1 / state.weight)};
 }
 
@@ -56,31 +50,6 @@ void learn_chunk(ZScoreState& state, const uint16_t* distances, size_t first, si
                       state.mean.data() + first, state.variance.data() + first, count);
 }
 
-void learn_query(ZScoreState& state, const Monitor& monitor) {
-  const DescriptorRows& rows = state.distances.query.rows;
-  const size_t frames = state.distances.train_frames;
-  StepCounter counter(monitor, "learn", rows.size());
-  for (const FrameStretch& run : state.distances.query_runs) {
-    for (size_t f = run.first; f < run.first + run.count; ++f) {
-      counter.add();
-      if (!is_new_keyframe(state.keyframes, rows, f)) continue;
-      push_keyframe(state.keyframes, f);
-      if (state.distances.start_row) state.distances.start_row(f);
-      find_terms(state, f);
-      plan_update(state, f);
-      const auto query = static_cast<uint32_t>(f);
-      parallel_for(divide_up(frames, kChunkFrames), {}, [&](size_t chunk) {
-        std::array<uint16_t, kChunkFrames> distances;
-        const size_t first = chunk * kChunkFrames;
-        const size_t count = std::min(kChunkFrames, frames - first);
-        state.distances.tile({&query, 1}, first, first + count, distances.data(), 0);
-        learn_chunk(state, distances.data(), first, count);
-      });
-    }
-  }
-  state.update.reset();
-}
-
 // Determines what is learned before the frame is scored.
 void begin_frame(ZScoreState& state, size_t frame) {
   state.frame = frame;
@@ -88,8 +57,7 @@ void begin_frame(ZScoreState& state, size_t frame) {
   state.row.clear();
   find_terms(state, frame);
   state.update.reset();
-  state.is_keyframe = !state.basis.offline && state.basis.settings.learn &&
-                      state.readable[frame] != 0 &&
+  state.is_keyframe = state.readable[frame] != 0 &&
                       is_new_keyframe(state.keyframes, state.distances.query.rows, frame);
   if (!state.is_keyframe) return;
   if (const auto old = push_keyframe(state.keyframes, frame)) plan_update(state, *old);
@@ -116,39 +84,24 @@ void score_frames(ZScoreState& state, size_t first, size_t last, uint16_t* out) 
     state.kernels.to_zscores(row, state.terms[state.frame].offset,
                              component_term(state, state.frame, chunk), state.mean.data() + chunk,
                              state.variance.data() + chunk, state.least_variance,
-                             state.most_variance, out + (chunk - first), count);
+                             out + (chunk - first), count);
   }
 }
 
 }  // namespace
 
-void check_zscore_settings(const ZScoreSettings& settings) {
-  if (!(settings.forgetting > 0 && settings.forgetting <= 1))
-    throw Error(ErrorKind::usage, "zscore.forgetting must be above 0, at most 1, found {}",
-                settings.forgetting);
-  require_range("zscore.start_weight", settings.start_weight, 0, 1e6);
-  require_range("zscore.offline_start_weight", settings.offline_start_weight, 0, 1e6);
-  require_range("zscore.start_bias", settings.start_bias, 0, 1);
-  require_range("zscore.deviation_floor", settings.deviation_floor, 1, kLdbBits);
-  require_range("zscore.keyframe_change", settings.keyframe_change, 0, 10);
-  require_range("zscore.components", static_cast<double>(settings.components), 0, kMaxComponents);
-  require_range("zscore.lag_keyframes", static_cast<double>(settings.lag_keyframes), 1, 10'000);
-}
-
-ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
-                            const TrainStatistics& statistics) {
-  ScoreBasis basis{settings, offline, statistics.typical_distance, {}, 0, {}};
+ScoreBasis make_score_basis(const TrainStatistics& statistics, double start_weight) {
+  ScoreBasis basis{start_weight, statistics.typical_distance, {}, 0, {}};
   basis.components = statistics.components.value_or(no_components(statistics.bias.size()));
   ComponentValues of_bias = {};
   for (size_t l = 0; l < basis.components.landmarks.size(); ++l)
     for (size_t k = 0; k < kMaxComponents; ++k)
-      of_bias[k] += settings.start_bias * statistics.bias[basis.components.landmarks[l]] *
+      of_bias[k] += kStartBias * statistics.bias[basis.components.landmarks[l]] *
                     basis.components.weights[l][k];
-  const ComponentWeights weights =
-      component_weights(basis.components, settings.components, of_bias);
+  const ComponentWeights weights = component_weights(basis.components, of_bias);
   const double unit = component_unit(basis.components.shape);
   for (size_t i = 0; i < statistics.bias.size(); ++i)
-    basis.mean.push_back(static_cast<float>(settings.start_bias * statistics.bias[i] -
+    basis.mean.push_back(static_cast<float>(kStartBias * statistics.bias[i] -
                                             unit * component_sum(basis.components, weights, i)));
   const double sum =
       std::accumulate(statistics.variance.begin(), statistics.variance.end(), double{0});
@@ -157,12 +110,8 @@ ScoreBasis make_score_basis(const ZScoreSettings& settings, bool offline,
   return basis;
 }
 
-double deviation_floor(const ZScoreSettings& settings, uint16_t largest) {
-  return settings.deviation_floor * reference_bit(largest);
-}
-
-KeyframeQueue make_keyframe_queue(const ZScoreSettings& settings, double typical_distance) {
-  return {settings.keyframe_change * typical_distance, settings.lag_keyframes, {}};
+KeyframeQueue make_keyframe_queue(double typical_distance) {
+  return {kKeyframeChange * typical_distance};
 }
 
 bool is_new_keyframe(const KeyframeQueue& queue, const DescriptorRows& rows, size_t frame) {
@@ -173,14 +122,14 @@ bool is_new_keyframe(const KeyframeQueue& queue, const DescriptorRows& rows, siz
 
 std::optional<size_t> push_keyframe(KeyframeQueue& queue, size_t keyframe) {
   queue.pending.push_back(keyframe);
-  if (queue.pending.size() <= queue.lag) return std::nullopt;
+  if (queue.pending.size() <= kKeyframeLag) return std::nullopt;
   const size_t oldest = queue.pending.front();
   queue.pending.erase(queue.pending.begin());
   return oldest;
 }
 
 std::vector<uint32_t> keyframe_starts(const DescribedFrames& sequence, double typical_distance) {
-  KeyframeQueue queue = make_keyframe_queue({}, typical_distance);
+  KeyframeQueue queue = make_keyframe_queue(typical_distance);
   std::vector<uint32_t> starts;
   for (size_t frame = 0; frame < sequence.rows.size(); ++frame) {
     const auto& gaps = sequence.unreadable;
@@ -192,27 +141,21 @@ std::vector<uint32_t> keyframe_starts(const DescribedFrames& sequence, double ty
   return starts;
 }
 
-std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const ScoreBasis& basis,
-                                           const Monitor& monitor) {
+std::shared_ptr<ZScoreState> start_zscores(FrameDistances distances, const ScoreBasis& basis) {
   assert(basis.mean.size() == distances.train_frames);
-  const ZScoreSettings& settings = basis.settings;
   auto state = std::make_shared<ZScoreState>();
   state->basis = basis;
   state->mean = basis.mean;
   state->variance.assign(basis.mean.size(), basis.variance);
-  state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
-  if (settings.components > 0 && !basis.components.landmarks.empty())
-    state->project = make_projector(basis.components);
+  state->weight = basis.start_weight;
+  if (!basis.components.landmarks.empty()) state->project = make_projector(basis.components);
   state->terms.resize(distances.query_frames);
-  state->keyframes = make_keyframe_queue(settings, basis.typical_distance);
+  state->keyframes = make_keyframe_queue(basis.typical_distance);
   state->readable = readable_flags(distances.query_runs, distances.query_frames);
   state->kernels = select_score_kernels();
-  const auto floor = static_cast<float>(deviation_floor(settings, distances.largest));
-  const auto unknown = static_cast<float>(unknown_deviation(distances.largest));
-  state->least_variance = settings.divide ? floor * floor : unknown * unknown;
-  state->most_variance = settings.divide ? std::numeric_limits<float>::max() : unknown * unknown;
+  const auto floor = static_cast<float>(deviation_floor(distances.largest));
+  state->least_variance = floor * floor;
   state->distances = std::move(distances);
-  if (basis.offline && settings.learn) learn_query(*state, monitor);
   return state;
 }
 
@@ -231,8 +174,8 @@ FrameDistances zscores(const std::shared_ptr<ZScoreState>& state) {
   return scores;
 }
 
-FrameDistances zscores(FrameDistances distances, const ScoreBasis& basis, const Monitor& monitor) {
-  return zscores(start_zscores(std::move(distances), basis, monitor));
+FrameDistances zscores(FrameDistances distances, const ScoreBasis& basis) {
+  return zscores(start_zscores(std::move(distances), basis));
 }
 
 void continue_zscores(ZScoreState& state, FrameDistances part, std::span<const size_t> kept) {

@@ -65,10 +65,10 @@ std::optional<Result> LiveQuery::finish() {
 }
 
 LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages) {
-  assert(raw.query_frames == 0 && raw.of_query && !stages.basis->offline);
+  assert(raw.query_frames == 0 && raw.of_query);
   LiveScores live{raw, stages.start(), {}, {}, {}, raw, 0};
   for (const StartedStage& stage : live.stages)
-    live.scores = stage.scores(std::move(live.scores), {}, {});
+    live.scores = stage.scores(std::move(live.scores), {});
   return live;
 }
 
@@ -94,7 +94,7 @@ void add_frame(LiveScores& live, ArrivedFrame frame) {
   live.scores = live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable, live.words});
   live.scores.train_runs = live.raw.train_runs;
   for (const StartedStage& stage : live.stages)
-    live.scores = stage.scores(std::move(live.scores), kept, {});
+    live.scores = stage.scores(std::move(live.scores), kept);
   ++live.frames;
 }
 

@@ -30,7 +30,7 @@ struct LiveScores {
   size_t last_row() const { return scores.query_frames - 1; }
 };
 
-/// `raw`: of a query without frames, with of_query. `stages`: without offline scores.
+/// `raw`: of a query without frames, with of_query.
 LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages);
 
 /// Adds the next frame, which is copied. Rows of `scores` are valid until the next call.

@@ -187,7 +187,7 @@ QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monito
     end_step("maximum");
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
-  distances = scored(std::move(distances), plan.scores, last_pass);
+  distances = scored(std::move(distances), plan.scores);
   CellScan cells(
       choose_cells(distances, plan.match.window_length, plan.verify_cells, plan.match.seed));
   {

@@ -105,8 +105,7 @@ constexpr std::array kChoices = {
            .needs = kRaw,
            .excludes = kZScores,
            .instead = "Omit it.",
-           .is_implied = [](const Settings& s,
-                            const Features&) { return !score_kind(s.score).needs_statistics; }},
+           .is_implied = is<&Settings::score, Score::raw>},
     Choice{.feature = Feature::fuse,
            .needs = kFabmap | kZScores | kSequences,
            .excludes = kRaw | kDefinition,
@@ -116,17 +115,7 @@ constexpr std::array kChoices = {
            .needs = kZScores,
            .excludes = kRaw,
            .instead = "Use --method fastable, or --score raw.",
-           .is_implied =
-               [](const Settings& s, const Features&) {
-                 const ScoreKind& kind = score_kind(s.score);
-                 return kind.needs_statistics && !kind.is_offline;
-               }},
-    Choice{.flag = "--score zscore-offline",
-           .needs = kZScores | kLaterFrames,
-           .excludes = kRaw,
-           .instead = "Use --score zscore.",
-           .is_implied = [](const Settings& s,
-                            const Features&) { return score_kind(s.score).is_offline; }},
+           .is_implied = is<&Settings::score, Score::zscore>},
     Choice{.feature = Feature::window_length,
            .needs = kWindows,
            .instead = "Omit it, or use --method fastable."},
@@ -222,8 +211,6 @@ void check_zscore_window(const Settings& settings) {
   require(settings.window_length <= kMaxScoredWindow,
           fmt::format("c_l must be at most {} with z-scores, found {}", kMaxScoredWindow,
                       settings.window_length));
-  check_zscore_settings(settings.zscore);
-  if (settings.loop) check_past_settings(settings.zscore);
   require_range("fusion_weight", settings.fusion_weight.value_or(0), 0, kMostFusionWeight);
 }
 

@@ -14,7 +14,6 @@
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "match/match.h"
-#include "match/zscores.h"
 #include "settings/scores.h"
 #include "words/model.h"
 
@@ -60,7 +59,6 @@ struct SequenceQuerySettings {
   ClusterSettings clustering;
   LshSettings lsh;  ///< for the method lsh
   Score score = Score::raw;
-  ZScoreSettings zscore;
   Decision decision = Decision::threshold;
   std::optional<double> margin;              ///< X, in score per frame; nullopt: default_margin
   std::optional<uint64_t> exclusion_frames;  ///< exclusion radius w; nullopt: one per sequence
@@ -87,7 +85,6 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("clustering", settings.clustering);
   visit("lsh", settings.lsh);
   visit("score", settings.score);
-  visit("zscore", settings.zscore);
   visit("decide", settings.decision);
   visit("margin", settings.margin);
   visit("exclusion_frames", settings.exclusion_frames);

@@ -61,23 +61,20 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .most_margin = 65535,
                             .default_margin = default_distance_margin};
 
-constexpr ScoreKind zscore_row(bool is_offline) {
-  return {.order = ScoreOrder::distance,
-          .measure = "z-score",
-          .window_symbol = "c_l",
-          .threshold_symbol = "t_r",
-          .number_scale = ThresholdScale::mean_z,
-          .frame_scale = ThresholdScale::mean_z,
-          .longest_window = kMaxScoredWindow,
-          .missing = std::numeric_limits<int32_t>::min(),
-          .needs_statistics = true,
-          .is_offline = is_offline,
-          .offset = score_offset,
-          .frame_value = deviations_per_frame,
-          .margin_unit = "deviations",
-          .most_margin = 64,
-          .default_margin = default_score_margin};
-}
+constexpr ScoreKind kZScore = {.order = ScoreOrder::distance,
+                               .measure = "z-score",
+                               .window_symbol = "c_l",
+                               .threshold_symbol = "t_r",
+                               .number_scale = ThresholdScale::mean_z,
+                               .frame_scale = ThresholdScale::mean_z,
+                               .longest_window = kMaxScoredWindow,
+                               .missing = std::numeric_limits<int32_t>::min(),
+                               .needs_statistics = true,
+                               .offset = score_offset,
+                               .frame_value = deviations_per_frame,
+                               .margin_unit = "deviations",
+                               .most_margin = 64,
+                               .default_margin = default_score_margin};
 
 constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
                                     .measure = "probability",
@@ -86,8 +83,8 @@ constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
                                     .missing = -1,
                                     .offset = no_offset};
 
-constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kScoreKinds = {
-    kRaw, zscore_row(false), zscore_row(true), kProbability};
+constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kScoreKinds = {kRaw, kZScore,
+                                                                             kProbability};
 
 bool has_zscores(const SequenceQuerySettings& settings) {
   return score_kind(settings.score).needs_statistics;
@@ -99,9 +96,8 @@ void prepare_zscores(const SequenceQuerySettings& settings, const TrainStatistic
     throw Error(ErrorKind::usage,
                 "the database has no training statistics for z-scores. Train it again.");
   assert(statistics->components);
-  ZScoreSettings zscore = settings.zscore;
-  if (has_paths(settings)) zscore.start_weight = settings.filter.start_weight;
-  basis = make_score_basis(zscore, score_kind(settings.score).is_offline, *statistics);
+  basis = make_score_basis(*statistics,
+                           has_paths(settings) ? settings.filter.start_weight : kStartWeight);
 }
 
 void prepare_fusion(const SequenceQuerySettings& settings, const TrainStatistics* statistics,
@@ -113,9 +109,9 @@ void prepare_fusion(const SequenceQuerySettings& settings, const TrainStatistics
 
 StartedStage start_zscore_stage(const std::shared_ptr<const ScoreBasis>& basis) {
   const auto state = std::make_shared<std::shared_ptr<ZScoreState>>();
-  return {[=](FrameDistances input, std::span<const size_t> kept, const Monitor& monitor) {
+  return {[=](FrameDistances input, std::span<const size_t> kept) {
             if (*state == nullptr)
-              *state = start_zscores(std::move(input), *basis, monitor);
+              *state = start_zscores(std::move(input), *basis);
             else
               continue_zscores(**state, std::move(input), kept);
             return zscores(*state);
@@ -123,15 +119,14 @@ StartedStage start_zscore_stage(const std::shared_ptr<const ScoreBasis>& basis) 
           [=] { return *state == nullptr ? std::vector<size_t>{} : (*state)->keyframes.pending; }};
 }
 
-StartedStage start_past_stage(const std::shared_ptr<const ScoreBasis>& basis) {
-  return {[=](FrameDistances input, std::span<const size_t>, const Monitor&) {
-    return past_zscores(std::move(input), basis->settings);
-  }};
+StartedStage start_past_stage(const std::shared_ptr<const ScoreBasis>&) {
+  return {
+      [](FrameDistances input, std::span<const size_t>) { return past_zscores(std::move(input)); }};
 }
 
 StartedStage start_fusion_stage(const std::shared_ptr<const ScoreBasis>& basis) {
-  return {[basis, state = std::make_shared<FusionState>()](
-              FrameDistances input, std::span<const size_t>, const Monitor&) {
+  return {[basis, state = std::make_shared<FusionState>()](FrameDistances input,
+                                                           std::span<const size_t>) {
     return fused(std::move(input), {basis, &basis->fusion}, state);
   }};
 }
@@ -141,10 +136,7 @@ constexpr std::array<ScoreStage, 3> kScoreStages = {
       prepare_zscores, start_zscore_stage, wrong_scores},
      {"z-scores of the past",
       [](const SequenceQuerySettings& s) { return has_zscores(s) && s.loop; },
-      [](const SequenceQuerySettings& s, const TrainStatistics*, ScoreBasis& basis) {
-        basis.settings = s.zscore;
-      },
-      start_past_stage},
+      [](const SequenceQuerySettings&, const TrainStatistics*, ScoreBasis&) {}, start_past_stage},
      {"FAB-MAP", [](const SequenceQuerySettings& s) { return s.fusion_weight.has_value(); },
       prepare_fusion, start_fusion_stage}}};
 
@@ -201,10 +193,10 @@ ScoreStages stages_of(const SequenceQuerySettings& settings, const TrainStatisti
   return stages;
 }
 
-FrameDistances scored(FrameDistances distances, const ScoreStages& stages, const Monitor& monitor) {
+FrameDistances scored(FrameDistances distances, const ScoreStages& stages) {
   if (!stages.rows.empty() && distances.past.empty()) distances = read_ahead(std::move(distances));
   for (const StartedStage& stage : stages.start())
-    distances = stage.scores(std::move(distances), {}, monitor);
+    distances = stage.scores(std::move(distances), {});
   return distances;
 }
 

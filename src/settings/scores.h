@@ -20,12 +20,11 @@ namespace vpr {
 
 struct SequenceQuerySettings;
 
-/// The terms of a window's score: raw frame distances, causal z-scores with statistics of earlier
-/// frames, or z-scores with statistics of the whole query.
-enum class Score { raw, zscore, zscore_offline };
+/// The terms of a window's score: raw frame distances, or z-scores with statistics of earlier
+/// frames.
+enum class Score { raw, zscore };
 template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<Score> = {"raw", "zscore",
-                                                                      "zscore-offline"};
+inline constexpr std::array<std::string_view, 2> kEnumNames<Score> = {"raw", "zscore"};
 
 /// Whether smaller or larger scores are better.
 enum class ScoreOrder { distance, similarity };
@@ -80,7 +79,6 @@ struct ScoreKind {
   size_t longest_window = {};              ///< in frames: longer sums may exceed 32 bits
   int32_t missing = {};                    ///< the missing score in a saved matrix
   bool needs_statistics = {};              ///< a z-score, from statistics of the training frames
-  bool is_offline = {};                    ///< depends on later frames of the query
   int64_t (*offset)(size_t window_length) = nullptr;
   /// The score per frame of a window's score as in files.
   double (*frame_value)(double score, size_t window_length) = nullptr;
@@ -145,8 +143,8 @@ struct ScoreStages {
 /// The stages that the settings choose. Throws Error(usage) as ScoreStage::prepare does.
 ScoreStages stages_of(const SequenceQuerySettings& settings, const TrainStatistics* statistics);
 
-/// The scores of a whole query. Throws Error(interrupted) once the user wants to stop.
-FrameDistances scored(FrameDistances distances, const ScoreStages& stages, const Monitor& monitor);
+/// The scores of a whole query.
+FrameDistances scored(FrameDistances distances, const ScoreStages& stages);
 
 /// The cells whose sum of scores differs from the reference implementation's, with the correct sum.
 /// Throws Error(usage) for stages without one.

@@ -29,17 +29,10 @@ constexpr std::array kSequenceRows = {
                .instead = "Use --margin, or --method fastable with --decide threshold."},
     SettingRow{.key = "score",
                .group = kWindowGroup,
-               .commands = kQuery | kTuned,
-               .help = "score of windows: raw (distances), zscore (normalized online per training "
-                       "frame) or zscore-offline (normalized over the whole query) (default: {})",
-               .is_for_windows = true},
-    SettingRow{.key = "score",
-               .group = kWindowGroup,
-               .commands = kOnline,
+               .commands = kQuery | kOnline | kTuned,
                .help =
                    "score of windows: raw (distances) or zscore (normalized online per training "
                    "frame) (default: {})",
-               .value = "raw|zscore",
                .is_for_windows = true},
     SettingRow{.key = "exclusion_frames",
                .group = kWindowGroup,

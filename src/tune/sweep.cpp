@@ -79,9 +79,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth, const M
   std::vector<Pass> passes;
   for (const LengthSweep& length : lengths)
     passes.push_back({length.plans.front().match.window_length, {}});
-  const auto match_all = [&] {
-    match(scored(distances, first.scores, monitor), settings, passes, monitor);
-  };
+  const auto match_all = [&] { match(scored(distances, first.scores), settings, passes, monitor); };
   if (std::ranges::any_of(lengths.front().plans, needs_maxima)) {
     std::deque<MaximumScan> maxima;
     for (Pass& pass : passes)

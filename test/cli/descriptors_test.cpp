@@ -67,8 +67,7 @@ TEST_CASE("every decision and score supports imported descriptors, and cells are
   for (const std::string precision : {"8", "16"}) {
     for (const std::string words :
          {"--c-l 5 --t-r auto", "--c-l 5 --t-r 0.5", "--c-l 3 --score zscore --t-r -3",
-          "--c-l 5 --score zscore-offline --t-r -3", "--c-l 5 --method openable --t-r 0.5",
-          "--c-l 5 --method fastable-online --t-r 0.5"}) {
+          "--c-l 5 --method openable --t-r 0.5", "--c-l 5 --method fastable-online --t-r 0.5"}) {
       INFO(precision << " bits, " << words);
       const Json json = printed_json(query(words + " --verify 60", precision));
       CHECK(json["totals"]["recognitions"] > 0);

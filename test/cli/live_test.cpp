@@ -90,7 +90,7 @@ TEST_CASE(
     "what cannot be followed is not listed in the help, and an unreadable frame ends a live "
     "query") {
   const std::string help = run_ok("vpr-query live --help").out;
-  for (const std::string word : {"openable", "lsh", "zscore-offline", "relative", "--output"})
+  for (const std::string word : {"openable", "lsh", "relative", "--output"})
     CHECK_FALSE(has(help, word));
   const std::string list = list_of(world().walk("back"), "list.txt", "off_map.png\n");
   const auto unreadable = run(kLive + list + " --quiet");

@@ -47,14 +47,13 @@ def corridor():
         yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --method {method} --c-l 20 --t-r 0.65 "
                f"--save-matrix {method}.npy -o {method}.json")
         yield f"vpr-eval {method}.json {CORRIDOR_TRUTH} -o {method}.report.json"
-    for score in "zscore", "zscore-offline":
-        yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --score {score} --t-r=-2 --c-l 10 "
-               f"--save-matrix {score}.npy -o {score}.json")
-        yield (f"vpr-eval {score}.json {CORRIDOR_TRUTH} --html {score}.html --query {CORRIDOR}/query "
-               f"--train {CORRIDOR}/ref -o {score}.report.json")
-        yield f"vpr-eval matrix {score}.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
-        yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score {score} "
-               f"--save-config {score}.best.json -o {score}.sweep.json")
+    yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --score zscore --t-r=-2 --c-l 10 "
+           f"--save-matrix zscore.npy -o zscore.json")
+    yield (f"vpr-eval zscore.json {CORRIDOR_TRUTH} --html zscore.html --query {CORRIDOR}/query "
+           f"--train {CORRIDOR}/ref -o zscore.report.json")
+    yield f"vpr-eval matrix zscore.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o zscore.metrics.json"
+    yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score zscore "
+           f"--save-config zscore.best.json -o zscore.sweep.json")
     yield f"vpr-query color.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o color.json"
     yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --speed 1.5 -o filter.json"
     yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --score zscore --decide margin -o margin.json"

@@ -46,7 +46,6 @@ TEST_CASE("negative thresholds are accepted as flags, and the result describes t
   CHECK(json["settings"]["score"] == "zscore");
   CHECK(json["settings"]["t_r"] == -1.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
-  CHECK(json["settings"]["zscore"]["forgetting"] == 0.98);
   CHECK(json["statistics"]["neighbor_frames"] == 5);
   CHECK(json["sequences"][1]["limit"] == -3 * 1536);
   CHECK(json["totals"]["recognitions"] > 0);
@@ -55,14 +54,8 @@ TEST_CASE("negative thresholds are accepted as flags, and the result describes t
   ok(query("--score zscore --t-r -1.5 --t-r-scale mean-z --json"));
 }
 
-TEST_CASE("every setting of z-scores can be set in the configuration") {
+TEST_CASE("settings of training statistics can be set in the configuration") {
   start_with(make_walks);
-  write_text("c.json",
-             R"({"score": "zscore", "t_r": -1, "zscore": {"forgetting": 0.9,
-                       "start_weight": 3, "deviation_floor": 20, "keyframe_change": 0,
-                       "lag_keyframes": 1}})");
-  CHECK(printed_json(query(
-            "--config c.json --verify 100 --json"))["settings"]["zscore"]["lag_keyframes"] == 1);
   write_text("t.json", R"({"statistics": {"neighbor_frames": 2, "samples": 7, "seed": 3}})");
   run_ok("vpr-train fastable --train one --config t.json -o s.vprdb --force");
   const Json manifest = Json::parse(read_text("s.vprdb/manifest.json"));

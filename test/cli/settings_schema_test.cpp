@@ -40,8 +40,6 @@ VPR_FIELDS(EvalOptions, tolerance, format)
 template <class S>
 constexpr const char* kName = nullptr;
 template <>
-constexpr const char* kName<ZScoreSettings> = "zscore_settings";
-template <>
 constexpr const char* kName<FilterSettings> = "filter_settings";
 template <>
 constexpr const char* kName<LshSettings> = "lsh_settings";
@@ -126,7 +124,6 @@ const std::map<std::string, Generator> kGenerators = {
     {"describe_bench_settings", lines_of<DescribeBenchSettings>},
     {"fabmap_bench_settings", lines_of<FabmapBenchSettings>},
     {"realtime_bench_settings", lines_of<RealtimeBenchSettings>},
-    {"zscore_settings", lines_of<ZScoreSettings>},
     {"filter_settings", lines_of<FilterSettings>},
     {"lsh_settings", lines_of<LshSettings>},
     {"cluster_settings", lines_of<ClusterSettings>},

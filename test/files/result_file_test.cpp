@@ -149,14 +149,13 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   CHECK(result.sequences[0].distance_limit == scored.sequences[0].distance_limit);
 }
 
-TEST_CASE("settings of raw distances omit those of z-scores") {
+TEST_CASE("settings in files have the default scale of their score") {
   const Json raw = settings_in_force(SequenceQuerySettings{});
   CHECK(raw["t_r_scale"] == "relative");
   CHECK(raw["score"] == "raw");
-  CHECK_FALSE(raw.contains("zscore"));
   SequenceQuerySettings settings;
-  settings.score = Score::zscore_offline;
-  CHECK(settings_in_force(settings)["score"] == "zscore-offline");
+  settings.score = Score::zscore;
+  CHECK(settings_in_force(settings)["score"] == "zscore");
   CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
 }
 

@@ -72,8 +72,9 @@ TEST_CASE("the first component separates two places") {
   // The places are about 570 bits farther apart than their own frames, half of it on either side of
   // the mean. With w close to the sum of all eigenvalues, at most 60 / (60 + 15) of it is
   // subtracted, and slightly less because of the frames' own bits.
-  const ComponentWeights weights =
-      component_weights(components, 1, make_projector(components)(train.rows[0]));
+  ComponentValues strongest = {};
+  strongest[0] = make_projector(components)(train.rows[0])[0];
+  const ComponentWeights weights = component_weights(components, strongest);
   const double unit = component_unit(train.rows.shape);
   CHECK(unit * component_sum(components, weights, 1) == Approx(285 * 60.0 / 75).epsilon(0.05));
   CHECK(unit * component_sum(components, weights, 0) == Approx(-285 * 60.0 / 75).epsilon(0.05));

@@ -31,7 +31,7 @@ struct FilterRun {
 FilterRun run_filter(const test::Example& example) {
   const std::vector<DescribedFrames> spans = example.spans();
   const TrainStatistics statistics = compute_statistics(spans, {}, {});
-  const ScoreBasis basis = make_score_basis({}, false, statistics);
+  const ScoreBasis basis = make_score_basis(statistics);
   FilterRun found;
   MatchSettings settings{1, size_t{1} << 30};
   settings.method = &find_sequence_method("filter");
@@ -51,8 +51,8 @@ FilterRun run_filter(const test::Example& example) {
                            row.scores[x])
                   .second);
   };
-  match(zscores(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
-        settings, {{collect}}, {});
+  match(zscores(frame_distances(spans, {example.query, example.query_unreadable}), basis), settings,
+        {{collect}}, {});
   for (const auto& [key, value] : found.cells) {
     const auto& [query, sequence, train] = key;
     if (!found.best.contains(query) || value < found.best[query].score)

@@ -49,8 +49,8 @@ size_t frames_with_margin(const test::Example& example, const std::vector<Repeat
   settings.method = &find_sequence_method("filter");
   settings.passes = passes;
   size_t frames = 0;
-  const ScoreBasis basis = make_score_basis({}, false, statistics_of(spans));
-  match(zscores(frame_distances(spans, {example.query, {}}), basis, {}), settings,
+  const ScoreBasis basis = make_score_basis(statistics_of(spans));
+  match(zscores(frame_distances(spans, {example.query, {}}), basis), settings,
         {{}, {[&](std::span<const ScoreRow> row) {
            frames += row.front().path->margin >= kLeast ? 1 : 0;
          }}},

@@ -83,22 +83,21 @@ void check_methods(const Walk& walk, size_t length) {
   }
 }
 
-Cells scores_of(const Walk& walk, size_t length, const ZScoreSettings& settings,
-                const char* method = "fastable") {
-  return cells_of(past_zscores(distances_of(walk), settings),
+Cells scores_of(const Walk& walk, size_t length, const char* method = "fastable") {
+  return cells_of(past_zscores(distances_of(walk)),
                   by_method(find_sequence_method(method), length));
 }
 
 // The largest difference between fast and reference scores, in tolerances; requires all cells.
-double worst_score(const Walk& walk, size_t length, const ZScoreSettings& settings) {
-  const Cells fast = scores_of(walk, length, settings);
+double worst_score(const Walk& walk, size_t length) {
+  const Cells fast = scores_of(walk, length);
   const Cells raw = reference_cells(walk, length);
   REQUIRE(fast.size() == raw.size());
-  const ReferencePast shared = reference_past(walk.span(), walk.past, settings, {});
+  const ReferencePast shared = reference_past(walk.span(), walk.past, {});
   std::vector<std::vector<double>> columns;
   for (size_t i = 0; i < walk.codes.size(); ++i)
     columns.push_back(
-        reference_past_scores(walk.span(), walk.past, settings, shared, i, walk.codes.size() - 1));
+        reference_past_scores(walk.span(), walk.past, shared, i, walk.codes.size() - 1));
   double worst = 0;
   for (const auto& [key, sum] : fast) {
     if (!raw.contains(key)) FAIL("a cell that is none");
@@ -165,7 +164,7 @@ TEST_CASE("gaps in time are measured between the last frames of windows") {
       walk.past = past_frames({gap, 0}, times, 90);
       for (const size_t length : {1, 4, 20}) {
         check_methods(walk, length);
-        CHECK(worst_score(walk, length, {}) <= 1);
+        CHECK(worst_score(walk, length) <= 1);
       }
     }
   }
@@ -175,12 +174,12 @@ TEST_CASE(
     "sequences larger than a chunk, a strip and a tile have the same cells, for any threads") {
   const Walk walk = make_walk(2300, {{}, 140}, 5);
   const Cells expected = reference_cells(walk, 3);
-  const Cells scores = scores_of(walk, 3, {});
+  const Cells scores = scores_of(walk, 3);
   for (const size_t threads : {1, 7}) {
     const ThreadLimit limit(threads);
     for (const char* method : {"fastable", "fastable-online"}) {
       REQUIRE(cells_of(distances_of(walk), by_method(find_sequence_method(method), 3)) == expected);
-      REQUIRE(scores_of(walk, 3, {}, method) == scores);
+      REQUIRE(scores_of(walk, 3, method) == scores);
     }
   }
 }
@@ -189,47 +188,35 @@ TEST_CASE("sequences with one frame, or without permitted matches, have no cell"
   for (const auto& [frames, gap] : {std::pair<size_t, size_t>{1, 1}, {1, 0}, {5, 5}, {5, 900}}) {
     const Walk walk = make_walk(frames, {{}, gap}, 3);
     check_methods(walk, 1);
-    CHECK(scores_of(walk, 1, {}).empty());
+    CHECK(scores_of(walk, 1).empty());
   }
 }
 
-TEST_CASE("causal z-scores equal the reference implementation, for any settings") {
-  std::vector<ZScoreSettings> all(9);
-  all[1].center = false;
-  all[2].learn = false;
-  all[3].divide = false;
-  all[4].lag_keyframes = 1;
-  all[5].lag_keyframes = 20;
-  all[6].keyframe_change = 0;
-  all[7].start_weight = 0;
-  all[8].forgetting = 1;
-  all[8].start_bias = 1;
-  for (const ZScoreSettings& settings : all) {
-    Walk walk = make_walk(150, {{}, 12}, 8);
-    walk.unreadable = {0, 3, 40, 41, 99, 149};
-    for (const size_t length : {1, 7}) CHECK(worst_score(walk, length, settings) <= 1);
-  }
+TEST_CASE("causal z-scores equal the reference implementation") {
+  Walk walk = make_walk(150, {{}, 12}, 8);
+  walk.unreadable = {0, 3, 40, 41, 99, 149};
+  for (const size_t length : {1, 7}) CHECK(worst_score(walk, length) <= 1);
 }
 
 TEST_CASE("all targets yield the same causal z-scores") {
   const Walk walk = make_walk(200, {{}, 9}, 4);
-  const Cells expected = scores_of(walk, 5, {});
+  const Cells expected = scores_of(walk, 5);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    CHECK(scores_of(walk, 5, {}) == expected);
+    CHECK(scores_of(walk, 5) == expected);
   }
 }
 
 TEST_CASE("a shorter sequence has the same scores up to its end") {
   const Walk walk = make_walk(160, {{}, 15}, 6);
-  const Cells whole = scores_of(walk, 4, {});
+  const Cells whole = scores_of(walk, 4);
   for (const size_t frames : {20, 81, 159}) {
     Walk part = walk;
     part.codes.resize(frames);
     part.past.resize(frames);
     Cells expected = whole;
     std::erase_if(expected, [&](const auto& cell) { return std::get<0>(cell.first) + 4 > frames; });
-    CHECK(scores_of(part, 4, {}) == expected);
+    CHECK(scores_of(part, 4) == expected);
   }
 }
 
@@ -243,14 +230,5 @@ TEST_CASE("causal z-scores of three frames equal values computed by hand") {
   // 20000) / 23, so z is 1.6011 and -1.5022.
   const Cells expected = {
       {{1, 0, 0}, kScoreBias}, {{2, 0, 0}, kScoreBias + 1640}, {{2, 0, 1}, kScoreBias - 1538}};
-  CHECK(scores_of(walk, 1, {}) == expected);
-}
-
-TEST_CASE("components of a whole sequence are refused for its past") {
-  ZScoreSettings settings;
-  CHECK_NOTHROW(check_past_settings(settings));
-  settings.components = 0;
-  CHECK_NOTHROW(check_past_settings(settings));
-  settings.components = 3;
-  CHECK_THROWS_AS(check_past_settings(settings), Error);
+  CHECK(scores_of(walk, 1) == expected);
 }

@@ -2,7 +2,6 @@
 #include "match/zscores.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -20,17 +19,16 @@ using test::make_example;
 
 namespace {
 
-ScoreBasis make_basis(const Example& example, const ZScoreSettings& settings = {},
-                      bool offline = false) {
+ScoreBasis make_basis(const Example& example) {
   const std::vector<DescribedFrames> spans = example.spans();
   TrainStatistics statistics = compute_statistics(spans, {}, {});
   statistics.components = compute_components(spans, statistics.typical_distance, {});
-  return make_score_basis(settings, offline, statistics);
+  return make_score_basis(statistics);
 }
 
 FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
-  return zscores(frame_distances(example.spans(), {example.query, example.query_unreadable}), basis,
-                 {});
+  return zscores(frame_distances(example.spans(), {example.query, example.query_unreadable}),
+                 basis);
 }
 
 Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
@@ -83,7 +81,7 @@ TEST_CASE("a score equals the value computed by hand") {
   for (size_t byte = 0; byte < 2; ++byte) example.query[0][byte] = 0xff;
   // Distances 16 and 64, mean 40: x = -24 and 24. No component is subtracted.
   ScoreBasis basis = make_basis(example);
-  basis.settings.components = 0;
+  basis.components = {};
   basis.mean = {-4, 8};
   basis.variance = 256;
   const Cells cells = fast_cells(example, basis, 1);
@@ -100,42 +98,39 @@ TEST_CASE("the initial state is a share of each frame's bias, and the mean varia
   statistics.typical_distance = 300;
   statistics.bias = {-40, 12, 28};
   statistics.variance = {100, 400, 250};
-  const ScoreBasis basis = make_score_basis({}, true, statistics);
+  const ScoreBasis basis = make_score_basis(statistics);
   CHECK(basis.mean == std::vector<float>{-20, 6, 14});
   CHECK(basis.variance == 250);
   CHECK(basis.typical_distance == 300);
-  CHECK(basis.offline);
-  ZScoreSettings settings;
-  settings.start_bias = 0.25;
-  CHECK(make_score_basis(settings, false, statistics).mean == std::vector<float>{-10, 3, 7});
-  CHECK(make_score_basis({}, false, {}).variance == 0);
+  CHECK(basis.start_weight == 20);
+  CHECK(make_score_basis(statistics, 2).start_weight == 2);
+  CHECK(make_score_basis({}).variance == 0);
 }
 
 TEST_CASE("learned statistics equal values computed by hand") {
-  // Every frame is a keyframe, learned one frame later, with weight 1 against an initial weight of
-  // 1.
+  // Every frame is a keyframe, because the typical distance is 0. The first one is learned when the
+  // sixth arrives, with weight 1 against an initial weight of 1 that is forgotten to 0.98.
   Example example;
   example.train = {std::vector<LdbCode>(2, LdbCode{})};
   example.train_unreadable = {{}};
-  example.train[0][1][0] = 0xff;
-  example.query = {LdbCode{}, LdbCode{}};
-  ZScoreSettings settings;
-  settings.start_weight = 1;
-  settings.forgetting = 1;
-  settings.keyframe_change = 0;
-  settings.lag_keyframes = 1;
-  settings.deviation_floor = 1;
-  settings.components = 0;
-  ScoreBasis basis = make_basis(example, settings);
+  for (size_t byte = 0; byte < 8; ++byte) example.train[0][1][byte] = 0xff;
+  example.query.assign(6, LdbCode{});
+  ScoreBasis basis;
+  basis.start_weight = 1;
   basis.mean = {0, 0};
-  basis.variance = 16;
-  // Distances 0 and 8, mean 4: x = -4 and 4 in both frames. After the first: mean -2 and 2,
-  // variance (16 + 16) / 2 - 4 = 12.
+  basis.variance = 400;
+  // Distances 0 and 64, mean 32: x = -32 and 32 in every frame.
   const Cells cells = fast_cells(example, basis, 1);
-  CHECK(score(cells.at({0, 0, 0}), 1) == -1.0);
-  CHECK(score(cells.at({0, 0, 1}), 1) == 1.0);
-  CHECK(score(cells.at({1, 0, 0}), 1) == Approx(-2 / std::sqrt(12)).margin(0.5 / kScoreUnit));
-  CHECK(score(cells.at({1, 0, 1}), 1) == Approx(2 / std::sqrt(12)).margin(0.5 / kScoreUnit));
+  for (size_t frame = 0; frame < 5; ++frame) {
+    CHECK(score(cells.at({frame, 0, 0}), 1) == Approx(-1.6).margin(0.5 / kScoreUnit));
+    CHECK(score(cells.at({frame, 0, 1}), 1) == Approx(1.6).margin(0.5 / kScoreUnit));
+  }
+  // After the first: mean 32 / 1.98, variance (0.98 * 400 + 32^2) / 1.98 - mean^2 = 453.96.
+  const double mean = 32 / 1.98;
+  const double deviation = std::sqrt(1416 / 1.98 - mean * mean);
+  CHECK(deviation == Approx(21.306).margin(0.001));
+  CHECK(score(cells.at({5, 0, 0}), 1) == Approx((mean - 32) / deviation).margin(0.5 / kScoreUnit));
+  CHECK(score(cells.at({5, 0, 1}), 1) == Approx((32 - mean) / deviation).margin(0.5 / kScoreUnit));
 }
 
 TEST_CASE(
@@ -143,37 +138,31 @@ TEST_CASE(
   Example example = make_example({70, 9, 40}, 60, 1);
   example.train_unreadable[0] = {3, 4};
   example.query_unreadable = {20, 59};
-  for (const bool offline : {false, true}) {
-    for (const size_t length : {1, 2, 7, 20}) {
-      const ScoreBasis basis = make_basis(example, {}, offline);
-      const Cells expected = fast_cells(example, basis, length);
-      CHECK(expected.size() == window_pairs(example, length));
-      CHECK(check_against_reference(example, basis, length) < 1);
-      for (const std::string& target : simd_targets()) {
-        const test::ChosenTarget chosen(target);
-        INFO(target);
-        CHECK(fast_cells(example, basis, length) == expected);
-      }
+  const ScoreBasis basis = make_basis(example);
+  for (const size_t length : {1, 2, 7, 20}) {
+    const Cells expected = fast_cells(example, basis, length);
+    CHECK(expected.size() == window_pairs(example, length));
+    CHECK(check_against_reference(example, basis, length) < 1);
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target);
+      CHECK(fast_cells(example, basis, length) == expected);
     }
   }
 }
 
-TEST_CASE("every step can be disabled, and the scores still equal the reference implementation") {
+TEST_CASE("scores equal the reference implementation for any basis") {
   const Example example = make_example({50, 30}, 70, 3);
-  for (const int without : {0, 1, 2, 3, 4, 5, 6, 7, 8}) {
-    ZScoreSettings settings;
-    settings.center = without != 0;
-    settings.learn = without != 1;
-    settings.divide = without != 2;
-    if (without == 3) settings.start_weight = settings.offline_start_weight = 0;
-    if (without == 4) settings.keyframe_change = 0;
-    if (without == 5) settings.lag_keyframes = 1;
-    if (without == 6) settings.components = 0;
-    if (without == 7) settings.components = 3;
-    if (without == 8) settings.lag_keyframes = 9;
-    for (const bool offline : {false, true})
-      check_against_reference(example, make_basis(example, settings, offline), 5);
-  }
+  const ScoreBasis basis = make_basis(example);
+  ScoreBasis unweighted = basis;
+  unweighted.start_weight = 0;
+  check_against_reference(example, unweighted, 5);
+  ScoreBasis keyframes = basis;
+  keyframes.typical_distance = 0;  // every frame is a keyframe
+  check_against_reference(example, keyframes, 5);
+  ScoreBasis without = basis;
+  without.components = no_components(80);
+  check_against_reference(example, without, 5);
 }
 
 TEST_CASE("sets larger than a chunk yield the same scores for any threads") {
@@ -197,38 +186,27 @@ TEST_CASE("a database that is shared between threads yields the same scores") {
   Cells expected;
   for (const size_t threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
-    for (const bool offline : {false, true}) {
-      ScoreBasis own = basis;
-      own.offline = offline;
-      Cells sampled;
-      const size_t length = 6;
-      const auto sample = [&](const ScoreRow& row) {
-        for (size_t x = 0; x < row.scores.size(); x += 97)
-          sampled[{row.query_window + (offline ? 1000 : 0), row.sequence, row.train_window + x}] =
-              row.scores[x];
-      };
-      match(scores_of(example, own), {length, size_t{1} << 30}, {{sample}}, {});
-      if (threads == 1)
-        expected.merge(sampled);
-      else
-        for (const auto& [cell, value] : sampled) REQUIRE(expected.at(cell) == value);
-    }
+    Cells sampled;
+    const auto sample = [&](const ScoreRow& row) {
+      for (size_t x = 0; x < row.scores.size(); x += 97)
+        sampled[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
+    };
+    match(scores_of(example, basis), {6, size_t{1} << 30}, {{sample}}, {});
+    if (threads == 1)
+      expected = sampled;
+    else
+      CHECK(sampled == expected);
   }
 }
 
-TEST_CASE("scores do not change when later frames arrive; offline ones do") {
+TEST_CASE("scores do not change when later frames arrive") {
   const Example whole = make_example({60}, 80, 6);
-  for (const bool offline : {false, true}) {
-    const ScoreBasis basis = make_basis(whole, {}, offline);
-    const Cells all = fast_cells(whole, basis, 5);
-    bool same = true;
-    for (const size_t frames : {5, 6, 20, 41, 79}) {
-      Example part = whole;
-      part.query.resize(frames);
-      for (const auto& [cell, value] : fast_cells(part, basis, 5))
-        same = same && all.at(cell) == value;
-    }
-    CHECK(same != offline);
+  const ScoreBasis basis = make_basis(whole);
+  const Cells all = fast_cells(whole, basis, 5);
+  for (const size_t frames : {5, 6, 20, 41, 79}) {
+    Example part = whole;
+    part.query.resize(frames);
+    for (const auto& [cell, value] : fast_cells(part, basis, 5)) REQUIRE(all.at(cell) == value);
   }
 }
 
@@ -256,12 +234,9 @@ TEST_CASE("one training sequence of three frames, and a query of one frame") {
     const Example example = make_example({3}, query_frames, 7);
     const ScoreBasis basis = make_basis(example);
     CHECK(basis.typical_distance == 400);
-    for (const bool offline : {false, true}) {
-      const ScoreBasis own = make_basis(example, {}, offline);
-      for (const size_t length : {1, 3}) {
-        check_against_reference(example, own, length);
-        CHECK(fast_cells(example, own, length).size() == window_pairs(example, length));
-      }
+    for (const size_t length : {1, 3}) {
+      check_against_reference(example, basis, length);
+      CHECK(fast_cells(example, basis, length).size() == window_pairs(example, length));
     }
   }
 }
@@ -271,9 +246,8 @@ TEST_CASE("constant images all have the score 0") {
   example.train = {std::vector<LdbCode>(40, LdbCode{})};
   example.train_unreadable = {{}};
   example.query.assign(30, LdbCode{});
-  for (const bool offline : {false, true})
-    for (const auto& [cell, value] : fast_cells(example, make_basis(example, {}, offline), 4))
-      REQUIRE(value == 4 * kScoreBias);
+  for (const auto& [cell, value] : fast_cells(example, make_basis(example), 4))
+    REQUIRE(value == 4 * kScoreBias);
 }
 
 TEST_CASE("scores beyond 32 deviations are clamped, without overflow") {
@@ -304,25 +278,25 @@ TEST_CASE("a stationary query keeps the current place for any time") {
   std::vector<LdbCode> moving;
   for (size_t i = 0; i < 120; ++i) moving.push_back(seen_again(i));
   const LdbCode stop = moving[60];
-  const auto best_while_standing = [&](size_t standing, const ZScoreSettings& settings) {
+  const auto best_while_standing = [&](size_t standing, bool is_every_frame_learned) {
     example.query.assign(moving.begin(), moving.begin() + 61);
     example.query.insert(example.query.end(), standing, stop);
     example.query.insert(example.query.end(), moving.begin() + 61, moving.end());
     std::pair<uint32_t, size_t> best = {~0U, 0};
-    for (const auto& [cell, value] : fast_cells(example, make_basis(example, settings), 1))
+    ScoreBasis basis = make_basis(example);
+    if (is_every_frame_learned) basis.typical_distance = 0;
+    for (const auto& [cell, value] : fast_cells(example, basis, 1))
       if (std::get<0>(cell) == 60 + standing) best = std::min(best, {value, std::get<2>(cell)});
     return std::pair(score(best.first, 1), best.second);
   };
-  const auto [score_at_once, place_at_once] = best_while_standing(0, {});
-  const auto [score_later, place_later] = best_while_standing(600, {});
+  const auto [score_at_once, place_at_once] = best_while_standing(0, false);
+  const auto [score_later, place_later] = best_while_standing(600, false);
   CHECK(place_at_once == 60);
   CHECK(place_later == 60);
   CHECK(score_later == score_at_once);  // nothing is learned while nothing new is seen
   // If every frame is a keyframe, as much as 600 frames of the present place are learned, and it is
   // lost.
-  ZScoreSettings every_frame;
-  every_frame.keyframe_change = 0;
-  const auto [score_lost, place_lost] = best_while_standing(600, every_frame);
+  const auto [score_lost, place_lost] = best_while_standing(600, true);
   CHECK(score_lost > score_at_once / 2);
 }
 
@@ -336,45 +310,6 @@ TEST_CASE("a memory limit without room for the ring is an error") {
   CHECK_FALSE(test::error_kind([&] { try_memory(needed, length); }));
   CHECK(test::error_kind([&] { try_memory(needed - 1, length); }) == ErrorKind::usage);
   CHECK(test::has(test::error_text([&] { try_memory(0, length); }), "--max-memory"));
-}
-
-TEST_CASE("settings of z-scores out of range are refused") {
-  const auto refused = [](auto&& change) {
-    ZScoreSettings settings;
-    change(settings);
-    return test::error_kind([&] { check_zscore_settings(settings); }) == ErrorKind::usage;
-  };
-  CHECK_FALSE(refused([](ZScoreSettings&) {}));
-  CHECK(refused([](ZScoreSettings& s) { s.forgetting = 0; }));
-  CHECK(refused([](ZScoreSettings& s) { s.forgetting = 1.01; }));
-  CHECK(refused([](ZScoreSettings& s) { s.forgetting = std::nan(""); }));
-  CHECK(refused([](ZScoreSettings& s) { s.start_weight = -1; }));
-  CHECK(refused([](ZScoreSettings& s) { s.offline_start_weight = 1e7; }));
-  CHECK(refused([](ZScoreSettings& s) { s.start_bias = 1.5; }));
-  CHECK(refused([](ZScoreSettings& s) { s.components = 7; }));
-  CHECK(refused([](ZScoreSettings& s) { s.deviation_floor = 0; }));
-  CHECK(refused([](ZScoreSettings& s) { s.keyframe_change = -0.1; }));
-  CHECK(refused([](ZScoreSettings& s) { s.lag_keyframes = 0; }));
-}
-
-TEST_CASE("learning a whole query reports progress and can be stopped") {
-  const Example example = make_example({40, 30}, 50, 3);
-  const ScoreBasis basis = make_basis(example, {}, true);
-  const std::vector<DescribedFrames> spans = example.spans();
-  const FrameDistances distances = frame_distances(spans, {example.query, {}});
-  size_t learned = 0;
-  Monitor monitor;
-  monitor.progress = [&](const std::string& step, size_t done, size_t total) {
-    CHECK(step == "learn");
-    CHECK(total == 50);
-    learned = std::max(learned, done);
-  };
-  start_zscores(distances, basis, monitor);
-  CHECK(learned == 50);
-  const std::atomic<bool> stop{true};
-  monitor.stop = &stop;
-  CHECK(test::error_kind([&] { start_zscores(distances, basis, monitor); }) ==
-        ErrorKind::interrupted);
 }
 
 TEST_CASE("a stop is one keyframe, and so is a frame similar to one of the last five") {

@@ -48,9 +48,8 @@ ReferenceFusion::ReferenceFusion(std::span<const DescribedFrames> train,
   }
   for (const Cell& cell : cells)
     for (size_t k = 0; k < window_length; ++k) by_frame_[cell.query_window + k];
-  const std::vector<double> weights =
-      weights_of(zscores(frame_distances(train, query), basis, monitor), fusion,
-                 by_frame_.rbegin()->first + 1, monitor);
+  const std::vector<double> weights = weights_of(zscores(frame_distances(train, query), basis),
+                                                 fusion, by_frame_.rbegin()->first + 1, monitor);
   std::vector<std::pair<size_t, FusionRow*>> rows;
   for (auto& [frame, row] : by_frame_) rows.emplace_back(frame, &row);
   parallel_for(rows.size(), monitor, [&](size_t r) {

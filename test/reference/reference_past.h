@@ -24,13 +24,12 @@ struct ReferencePast {
 
 /// `past`: for each frame, the number of frames from the first on that it may match.
 ReferencePast reference_past(const DescribedFrames& walk, std::span<const uint32_t> past,
-                             const ZScoreSettings& settings, const Monitor& monitor);
+                             const Monitor& monitor);
 
 /// z of the frames up to `last` to frame `column`, within [-32, 32); 0 for frames that are not
 /// after it.
 std::vector<double> reference_past_scores(const DescribedFrames& walk,
                                           std::span<const uint32_t> past,
-                                          const ZScoreSettings& settings,
                                           const ReferencePast& shared, size_t column, size_t last);
 
 }  // namespace vpr

@@ -75,8 +75,7 @@ std::vector<Cell> wrong_sums(std::span<const Cell> cells, size_t window_length,
       right[c] = reference_sum(distance, window_length, cells[c]);
       return;
     }
-    // Only an offline score depends on frames after the window.
-    const size_t known = basis->offline ? query.rows.size() : cells[c].query_window + window_length;
+    const size_t known = cells[c].query_window + window_length;  // no score depends on later frames
     ReferenceScores scores(train, query.rows.first(known), updates, *basis, fusion);
     right[c] = reference_sum(std::ref(scores), window_length, cells[c]) * kScoreUnit +
                static_cast<double>(score_offset(window_length));
@@ -92,16 +91,14 @@ std::vector<Cell> wrong_sums(std::span<const Cell> cells, size_t window_length,
 }
 
 std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescribedFrames& walk,
-                                    std::span<const uint32_t> past, size_t window_length,
-                                    const ZScoreSettings& settings) {
-  const ReferencePast shared = reference_past(walk, past, settings, {});
+                                    std::span<const uint32_t> past, size_t window_length) {
+  const ReferencePast shared = reference_past(walk, past, {});
   std::vector<Cell> wrong;
   for (const Cell& cell : cells) {
     double right = 0;
     for (size_t k = 0; k < window_length; ++k) {
       const size_t frame = cell.query_window + k;
-      right +=
-          reference_past_scores(walk, past, settings, shared, cell.train_window + k, frame)[frame];
+      right += reference_past_scores(walk, past, shared, cell.train_window + k, frame)[frame];
     }
     const auto found = static_cast<double>(cell.score - score_offset(window_length));
     if (std::abs(found - right * kScoreUnit) > static_cast<double>(window_length))
@@ -114,7 +111,7 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
   const size_t length = plan.match.window_length;
   const bool has_scores = !plan.scores.rows.empty();
   if (has_scores && !plan.past.empty())
-    return wrong_past_scores(cells, plan.query, plan.past, length, plan.scores.basis->settings);
+    return wrong_past_scores(cells, plan.query, plan.past, length);
   const ScoreBasis* basis = has_scores ? plan.scores.basis.get() : nullptr;
   return wrong_sums(cells, length, plan.train, plan.query, basis, {});
 }

@@ -73,8 +73,8 @@ TEST_CASE("fused scores are scores plus evidence with the weight of earlier fram
   const ScoreBasis& basis = *stages.basis;
   const std::vector<DescribedFrames> train = descriptor_spans(walks.database);
   const FrameDistances distances = frame_distances(train, walks.query.span());
-  const FrameDistances scores = zscores(distances, basis, {});
-  const FrameDistances both = scored(distances, stages, {});
+  const FrameDistances scores = zscores(distances, basis);
+  const FrameDistances both = scored(distances, stages);
   std::vector<uint16_t> plain(192);
   std::vector<uint16_t> fast(192);
   FusionState agreement;
@@ -114,9 +114,6 @@ TEST_CASE("whole queries equal the definition, for every method, score and numbe
     CHECK(same.margins == result.margins);
   }
   SequenceQuerySettings other = settings;
-  other.score = Score::zscore_offline;
-  query_all(walks, other);
-  other = settings;
   other.only_sequences = {"b"};
   query_all(walks, other);
   other = settings;

@@ -22,24 +22,20 @@ TEST_CASE("each score has its entry") {
   CHECK(probability_kind().order == ScoreOrder::similarity);
   CHECK_FALSE(score_kind(Score::raw).needs_statistics);
   CHECK(score_kind(Score::zscore).needs_statistics);
-  CHECK_FALSE(score_kind(Score::zscore).is_offline);
-  CHECK(score_kind(Score::zscore_offline).is_offline);
 }
 
 TEST_CASE("a sum of frame scores is converted to a value per frame, without its bias") {
   CHECK(score_kind(Score::raw).offset(7) == 0);
   CHECK(score_kind(Score::raw).frame_value(350, 7) == 50);
-  for (const Score score : {Score::zscore, Score::zscore_offline}) {
-    const ScoreKind& kind = score_kind(score);
-    // Three frames, each 1.5 deviations closer than the mean.
-    const auto sum = static_cast<uint32_t>(3 * kScoreBias - 3 * 1536);
-    CHECK(sum - kind.offset(3) == -3 * 1536);
-    CHECK(kind.frame_value(-3 * 1536, 3) == -1.5);
-  }
+  const ScoreKind& kind = score_kind(Score::zscore);
+  // Three frames, each 1.5 deviations closer than the mean.
+  const auto sum = static_cast<uint32_t>(3 * kScoreBias - 3 * 1536);
+  CHECK(sum - kind.offset(3) == -3 * 1536);
+  CHECK(kind.frame_value(-3 * 1536, 3) == -1.5);
 }
 
 TEST_CASE("sums of the longest windows fit, and none is below the value of a missing one") {
-  for (const Score score : {Score::raw, Score::zscore, Score::zscore_offline}) {
+  for (const Score score : {Score::raw, Score::zscore}) {
     const ScoreKind& kind = score_kind(score);
     CHECK(-kind.offset(kind.longest_window) >= int64_t{kind.missing});
     // A sum of the largest frame scores fits 32 bits.
@@ -50,12 +46,8 @@ TEST_CASE("sums of the longest windows fit, and none is below the value of a mis
 
 TEST_CASE("files hold the settings of their own score, method and decision") {
   SequenceQuerySettings settings;
-  settings.score = Score::zscore_offline;
-  const Json offline = settings_in_force(settings);
   settings.score = Score::zscore;
   Json json = settings_in_force(settings);
-  CHECK(json.size() == offline.size());
-  CHECK(json.erase("zscore") == 1);
   settings.score = Score::raw;
   json["score"] = "raw";
   json["t_r_scale"] = "relative";
@@ -198,5 +190,5 @@ TEST_CASE("a margin must be a finite number, not negative, and below the largest
 TEST_CASE("the default margin is a share of 1 / sqrt(c_l)") {
   CHECK(score_kind(Score::raw).default_margin(600, 9) == Approx(150));
   CHECK(score_kind(Score::zscore).default_margin(600, 1) == Approx(5.1));
-  CHECK(score_kind(Score::zscore_offline).default_margin(100, 16) == Approx(1.275));
+  CHECK(score_kind(Score::zscore).default_margin(100, 16) == Approx(1.275));
 }
