@@ -15,6 +15,7 @@ bad=0
 while IFS=: read -r file line text; do
   from=${file#src/}; from=${from%%/*}
   to=$(sed -E 's/.*"([a-z]+)\/.*/\1/' <<<"$text")
+  [[ $from/$to == bench/reference ]] && continue  # vpr-bench checks answers before it times them
   if [[ -z ${rank[$from]+x} || -z ${rank[$to]+x} ]]; then
     echo "$file:$line: unknown stage in $text"; bad=1
   elif [[ $from != "$to" && ${rank[$to]} -ge ${rank[$from]} ]]; then

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "match/reference.h"
+#include "reference/reference.h"
 #include "support.h"
 
 namespace vpr::test {

@@ -10,21 +10,9 @@
 
 namespace vpr::test {
 
-inline QueryResources resources(size_t verify_cells = 0) {
-  QueryResources resources;
-  resources.verify_cells = verify_cells;
-  return resources;
-}
-
-inline QueryRun query_run(const SequenceDatabase& database, const DescriptorSet& query,
-                          const SequenceQuerySettings& settings, size_t verify_cells = 0,
-                          const Monitor& monitor = {}) {
-  return run_query(plan_query(database, query, "q", settings, resources(verify_cells), monitor), {},
-                   monitor);
-}
 inline Result query_result(const SequenceDatabase& database, const DescriptorSet& query,
                            const SequenceQuerySettings& settings) {
-  return query_run(database, query, settings).result;
+  return run_query(plan_query(database, query, "q", settings, {}, {}), {}, {}).result;
 }
 
 /// A result of one training sequence, "ref", without matches.

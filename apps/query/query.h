@@ -24,7 +24,6 @@ struct QueryOptions {
   std::string matrix;       ///< output
   std::string fuse;         ///< FAB-MAP database of the same training sequences
   size_t memory_limit = kDefaultMemoryLimit;
-  uint64_t verify_cells = 0;
   std::string posteriors;  ///< output
   std::optional<uint64_t> explained_frame;
   std::vector<std::string> train_images;  ///< [GROUP=]SEQUENCE

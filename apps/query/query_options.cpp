@@ -133,10 +133,6 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_sequence_flags(command, options, settings.sequence, Feature::query);
   add_fuse_flag(command, options.fuse);
   add_matrix_output(command, options);
-  add_setting(command, "--verify", options.verify_cells,
-              "number of random cells to recompute with the reference implementation (windows of "
-              "one rate, raw or zscore); exit code 5 if any differs",
-              kWindowGroup);
   add_fabmap_flags(command, options, settings.fabmap);
 }
 
@@ -216,7 +212,7 @@ NamedSequence find_query(const QueryOptions& options, bool is_endless, const Ses
 }
 
 QueryResources resources_of(const QueryOptions& options, const Session& session) {
-  return {options.memory_limit, options.verify_cells, session.options.process.seed};
+  return {options.memory_limit, session.options.process.seed};
 }
 
 void claim_outputs(const QueryOptions& options, const Session& session) {

@@ -73,7 +73,6 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
 std::string summary(const QueryRun& run, const QueryOptions& options, const Session& session) {
   const Result& result = run.result;
   std::string text = summary_text(result, options, session);
-  if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
     text += fmt::format("Compared with an exact search: the best match of {} of {}, and {} of {}\n",
                         result.recall->found_best, counted(result.recall->windows, "window"),
@@ -154,7 +153,6 @@ void query_sequences(Session& session, const QueryOptions& options,
   };
   const QueryRun run = run_query(data, settings, resources, observers, context, monitor);
   context.seconds["total"] = watch.elapsed_s();
-  if (options.verify_cells > 0) context.verification = {run.verified_cells, 0};
   finish_matrix(matrix, options.matrix, run.result, context, session);
   const Json json = save_result(session, run.result, context);
   save_loops(options, run.result, session);

@@ -194,7 +194,7 @@ void tune_fastable(Session& session, const TuneOptions& options,
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
   const auto validation = find_validation(options, DatabaseFamily::sequences, queries, session);
   SequenceDatabase database = open_database(options.database, settings, options.fuse, monitor);
-  const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
+  const QueryResources resources{options.memory_limit, session.options.process.seed};
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid) {

@@ -69,7 +69,7 @@ void try_all(Session& session, const Try& command) {
   const std::vector<Source> sources = find_queries(options, DatabaseFamily::sequences, session);
   const ResolvedSettings settings(default_filter(command.settings));
   const SequenceDatabase database = open_database(options.database, settings, "", monitor);
-  const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
+  const QueryResources resources{options.memory_limit, session.options.process.seed};
   const Stopwatch watch;
   std::vector<LabeledQuery> queries;
   for (const Source& source : sources)

@@ -16,8 +16,9 @@
 #include "match/fastable.h"
 #include "match/lsh.h"
 #include "match/match.h"
-#include "match/reference.h"
 #include "match/zscores.h"
+#include "reference/reference.h"
+#include "reference/sampled_cells.h"
 
 namespace vpr {
 namespace {

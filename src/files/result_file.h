@@ -19,14 +19,6 @@
 
 namespace vpr {
 
-/// Cells that were recomputed by the reference implementation.
-struct Verification {
-  size_t cells = 0;
-  size_t differences = 0;
-};
-
-VPR_FIELDS(Verification, cells, differences)
-
 /// The parts of the JSON that are not in Result. Files may have moved or changed since the run.
 struct ResultContext {
   RunInfo run;
@@ -34,9 +26,8 @@ struct ResultContext {
   std::string query_fingerprint;
   std::optional<std::string> fused_fingerprint;  ///< of FAB-MAP's database, with fusion
   std::map<std::string, double> seconds;         ///< written only
-  std::optional<Verification> verification;
-  std::optional<MatrixLayout> matrix;      ///< of a saved matrix
-  std::optional<Explanation> explanation;  ///< of one frame, by FAB-MAP
+  std::optional<MatrixLayout> matrix;            ///< of a saved matrix
+  std::optional<Explanation> explanation;        ///< of one frame, by FAB-MAP
   FileEntries files;  ///< a saved matrix or posteriors; write_result adds the arrays
   std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known
   /// Checksums of other files of the run in the folder of the result, by name.

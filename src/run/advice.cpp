@@ -35,8 +35,7 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
   SequenceQuerySettings filter = default_filter(settings);
   if (fused_views(database) != nullptr) filter.fusion_weight = settings.fusion_weight;
   const Monitor unwarned = {monitor.progress, {}, monitor.stop};
-  const QueryResources unverified = {resources.memory_limit, 0, resources.seed};
-  return run_query(plan_query(database, query, "", filter, unverified, unwarned), {}, unwarned)
+  return run_query(plan_query(database, query, "", filter, resources, unwarned), {}, unwarned)
       .result;
 }
 

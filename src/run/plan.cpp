@@ -180,7 +180,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
                 {},
                 &find_sequence_method(settings.method)};
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
-  plan.verify_cells = plan.match.method->is_approximate() ? 0 : resources.verify_cells;
   plan.scores = stages_of(settings, statistics);
   if (statistics != nullptr)
     plan.typical_distance = is_raw

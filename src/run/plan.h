@@ -18,8 +18,7 @@ namespace vpr {
 /// Resources of a query. Only the method lsh has other results for another seed.
 struct QueryResources {
   size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
-  size_t verify_cells = 0;                    ///< number of cells to recompute by definition
-  uint64_t seed = 1;                          ///< of lsh, these cells and intervals
+  uint64_t seed = 1;                          ///< of lsh and intervals
 };
 
 /// Recognizes all pairs of windows whose score is below the limit of their training sequence;
@@ -45,7 +44,6 @@ struct QueryPlan {
   std::vector<uint32_t> past;          ///< for a loop query (FrameDistances::past)
   ScoreStages scores;
   MatchSettings match;                            ///< the window stage, and its resources
-  size_t verify_cells = 0;                        ///< number of cells to recompute by definition
   std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
   QueryDecision decision;
   /// For keyframes: the mean distance of training frames, nullopt if unknown.

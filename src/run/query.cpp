@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "base/error.h"
 #include "base/stopwatch.h"
-#include "base/text.h"
 
 namespace vpr {
 namespace {
@@ -13,18 +11,6 @@ namespace {
 constexpr size_t kMostRecognitions = 4'000'000'000;  // clusters have 32-bit numbers
 // Memory per recognition while recognitions are collected, sorted, clustered and written.
 constexpr size_t kBytesPerRecognition = 64;
-
-void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan, const Monitor& monitor) {
-  const std::vector<Cell> wrong =
-      wrong_cells(cells, plan.train, plan.query, plan.match.window_length, plan.scores, monitor);
-  if (wrong.empty()) return;
-  const Cell& first = wrong.front();
-  throw Error(ErrorKind::expectation,
-              "{}, {}; the first is query window {}, {} window {}, which should be {}",
-              counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
-              first.query_window, plan.result.sequences[first.sequence].sequence.name,
-              first.train_window, first.score);
-}
 
 std::optional<ResultKeyframes> find_keyframes(const QueryPlan& plan) {
   if (!plan.typical_distance) return std::nullopt;
@@ -188,12 +174,9 @@ QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monito
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), plan.scores);
-  CellScan cells(
-      choose_cells(distances, plan.match.window_length, plan.verify_cells, plan.match.seed));
   {
     ResultRows rows(plan);
     Sinks sinks = rows.sinks();
-    if (plan.verify_cells > 0) sinks.pieces.push_back(std::ref(cells));
     sinks.pieces.insert(sinks.pieces.end(), observers.pieces.begin(), observers.pieces.end());
     sinks.rows.insert(sinks.rows.end(), observers.rows.begin(), observers.rows.end());
     match(distances, plan.match, sinks, last_pass);
@@ -201,11 +184,6 @@ QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monito
   }
   end_step("match");
 
-  if (plan.verify_cells > 0) {
-    check_cells(cells.result(), plan, monitor);
-    run.verified_cells = cells.result().size();
-    end_step("verify");
-  }
   if (plan.match.method->is_approximate()) {
     run.result.recall = recall_of(run.result, distances, plan, monitor);
     end_step("recall");

@@ -14,7 +14,6 @@ namespace vpr {
 struct QueryRun {
   Result result;
   std::map<std::string, double> seconds;  ///< by step
-  size_t verified_cells = 0;
 };
 
 /// The frame distances of the query to all training frames; windows lie in the sequences that are
@@ -68,7 +67,7 @@ class ResultRows {
 };
 
 /// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to
-/// `observers`. Throws Error(expectation) if a verified cell differs, and as match and scored do.
+/// `observers`. Throws as match does.
 ///
 /// An approximate query finds recognitions and best matches among the windows that share a hash
 /// bucket with a query window, with their exact distances. It has no rows and no margins, and it

@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "match/fusion.h"
-#include "match/reference.h"
 #include "match/score_kernels.h"
 #include "settings/query_settings.h"
 
@@ -133,7 +132,7 @@ StartedStage start_fusion_stage(const std::shared_ptr<const ScoreBasis>& basis) 
 
 constexpr std::array<ScoreStage, 3> kScoreStages = {
     {{"z-scores", [](const SequenceQuerySettings& s) { return has_zscores(s) && !s.loop; },
-      prepare_zscores, start_zscore_stage, wrong_scores},
+      prepare_zscores, start_zscore_stage},
      {"z-scores of the past",
       [](const SequenceQuerySettings& s) { return has_zscores(s) && s.loop; },
       [](const SequenceQuerySettings&, const TrainStatistics*, ScoreBasis&) {}, start_past_stage},
@@ -198,16 +197,6 @@ FrameDistances scored(FrameDistances distances, const ScoreStages& stages) {
   for (const StartedStage& stage : stages.start())
     distances = stage.scores(std::move(distances), {});
   return distances;
-}
-
-std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
-                              const DescribedFrames& query, size_t window_length,
-                              const ScoreStages& stages, const Monitor& monitor) {
-  if (stages.rows.empty()) return wrong_cells(cells, train, query.rows, window_length, monitor);
-  const ScoreStage& last = *stages.rows.back();
-  if (last.wrong_cells == nullptr)
-    throw Error(ErrorKind::usage, "{} have no reference implementation. Omit --verify.", last.name);
-  return last.wrong_cells(cells, train, query, window_length, *stages.basis, monitor);
 }
 
 }  // namespace vpr

@@ -120,11 +120,6 @@ struct ScoreStage {
                   ScoreBasis& basis);
   /// Starts a query, batch or live.
   StartedStage (*start)(const std::shared_ptr<const ScoreBasis>& basis);
-  /// The reference implementation of sums of these scores, for --verify; null: there is none.
-  std::vector<Cell> (*wrong_cells)(std::span<const Cell> cells,
-                                   std::span<const DescribedFrames> train,
-                                   const DescribedFrames& query, size_t window_length,
-                                   const ScoreBasis& basis, const Monitor& monitor) = nullptr;
 };
 
 /// The error of a fusion without FAB-MAP.
@@ -145,11 +140,5 @@ ScoreStages stages_of(const SequenceQuerySettings& settings, const TrainStatisti
 
 /// The scores of a whole query.
 FrameDistances scored(FrameDistances distances, const ScoreStages& stages);
-
-/// The cells whose sum of scores differs from the reference implementation's, with the correct sum.
-/// Throws Error(usage) for stages without one.
-std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescribedFrames> train,
-                              const DescribedFrames& query, size_t window_length,
-                              const ScoreStages& stages, const Monitor& monitor);
 
 }  // namespace vpr

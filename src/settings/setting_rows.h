@@ -26,7 +26,6 @@ enum class Feature {
   fabmap,
   fuse,
   save_matrix,
-  verify,
   window_length,
   raw_score,
   by_threshold,
@@ -34,7 +33,7 @@ enum class Feature {
   margins
 };
 template <>
-inline constexpr std::array<std::string_view, 16> kEnumNames<Feature> = {"vpr-query",
+inline constexpr std::array<std::string_view, 15> kEnumNames<Feature> = {"vpr-query",
                                                                          "vpr-query live",
                                                                          "vpr-query loops",
                                                                          "vpr-query explain",
@@ -44,7 +43,6 @@ inline constexpr std::array<std::string_view, 16> kEnumNames<Feature> = {"vpr-qu
                                                                          "a FAB-MAP database",
                                                                          "--fuse",
                                                                          "--save-matrix",
-                                                                         "--verify",
                                                                          "--c-l",
                                                                          "--score raw",
                                                                          "--decide threshold",
@@ -70,12 +68,11 @@ enum Facet : uint32_t {
   kSeconds = 1 << 12,
   kDescriptor = 1 << 13,
   kFabmap = 1 << 14,
-  kDefinition = 1 << 15,
-  kAutomaticThreshold = 1 << 16,
+  kAutomaticThreshold = 1 << 15,
 };
 
 /// By bit number.
-inline constexpr std::array<std::string_view, 17> kFacetNames = {
+inline constexpr std::array<std::string_view, 16> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
@@ -91,7 +88,6 @@ inline constexpr std::array<std::string_view, 17> kFacetNames = {
     "gap in seconds",
     "choice of descriptors",
     "FAB-MAP database",
-    "windows that it can recompute",
     "automatic t_r",
 };
 

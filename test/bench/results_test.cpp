@@ -6,7 +6,7 @@
 #include "base/json.h"
 #include "bench/bench_result.h"
 #include "bench/generated.h"
-#include "match/reference.h"
+#include "reference/reference.h"
 #include "support.h"
 
 using namespace vpr;

@@ -31,10 +31,8 @@ def trained(metric):
 
 
 def best_matches(c_l):
-    """The best matches of the database's distances, some of which are verified."""
-    result = printed_json("vpr-query", "db.vprdb", "--query-npy", "q.npy", "--c-l", c_l, "--t-r", 0.2, "--verify", 50, "-o",
-                          "r.json", "--force")
-    assert result["verification"]["differences"] == 0, result["verification"]
+    """The best matches of the database's distances."""
+    run("vpr-query", "db.vprdb", "--query-npy", "q.npy", "--c-l", c_l, "--t-r", 0.2, "-o", "r.json", "--force")
     return printed_json("vpr-eval", "r.json", "--ground-truth", "aligned", "--tolerance", 0)["best_match"]
 
 

@@ -15,8 +15,7 @@ const std::string kQuery = "vpr-query $db --dataset $dataset --c-l 10 ";
 }  // namespace
 
 TEST_CASE("train, query and evaluate yield correct counts") {
-  const auto query = run_ok(kQuery + "-o r.json --verify 500");
-  CHECK(has(query.out, "500 cells, 0 differences"));
+  const auto query = run_ok(kQuery + "-o r.json");
   // Similar corridors lower the automatic t_r.
   CHECK(query.err.starts_with("warning: one and two seem to show the same place"));
   const Json report = printed_json("vpr-eval r.json --dataset $dataset -o e.json --json");

@@ -10,11 +10,11 @@ cat >commands <<'END'
 vpr-synth SOURCE/configs/worlds/small.json -o building
 vpr-train fastable --dataset DATA -o w.vprdb
 vpr-train info w.vprdb --json >i.json
-vpr-query w.vprdb --dataset DATA --query query --c-l 40 --verify 10 --save-matrix d.npy -o r.json
+vpr-query w.vprdb --dataset DATA --query query --c-l 40 --save-matrix d.npy -o r.json
 vpr-query w.vprdb --query building/query --t-r 0.3 --only-sequence corridor -o r2.json
 vpr-query w.vprdb --query building/query --method lsh -o r3.json
 vpr-query w.vprdb --query building/query --score zscore --t-r -2 -o r4.json
-vpr-query w.vprdb --query building/query --score zscore --t-r -2 --c-l 10 --verify 10 -o r5.json
+vpr-query w.vprdb --query building/query --score zscore --t-r -2 --c-l 10 -o r5.json
 vpr-query w.vprdb --query building/corridor --only-sequence corridor --c-l 5 --t-r 0.3 --save-matrix s.npy -o rs.json
 vpr-query w.vprdb --dataset DATA --query query --speed varying -o rw.json
 vpr-train fastable --train building/corridor -o one.vprdb

@@ -42,14 +42,13 @@ RunOutcome fused(const std::string& words) {
 
 TEST_CASE("negative thresholds are accepted as flags, and the result describes the scores") {
   start_with(make_walks);
-  const Json json = printed_json(query("--score zscore --t-r -1.5 --verify 50 --json"));
+  const Json json = printed_json(query("--score zscore --t-r -1.5 --json"));
   CHECK(json["settings"]["score"] == "zscore");
   CHECK(json["settings"]["t_r"] == -1.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
   CHECK(json["statistics"]["neighbor_frames"] == 5);
   CHECK(json["sequences"][1]["limit"] == -3 * 1536);
   CHECK(json["totals"]["recognitions"] > 0);
-  CHECK(json["verification"]["differences"] == 0);
   for (const Json& place : json["clusters"]) CHECK(place["best_score"] < -3 * 1536);
   ok(query("--score zscore --t-r -1.5 --t-r-scale mean-z --json"));
 }
@@ -70,8 +69,7 @@ TEST_CASE("unreadable frames have no score, also in the matrix, and no metric co
   for (const auto& [score, missing] : std::vector<std::pair<std::string, int32_t>>{
            {"raw", -1}, {"zscore --t-r 0", std::numeric_limits<int32_t>::min()}}) {
     INFO(score);
-    ok(query("--skip-unreadable --save-matrix m.npy --verify 60 --force -o r.json --score " +
-             score));
+    ok(query("--skip-unreadable --save-matrix m.npy --force -o r.json --score " + score));
     const NpyArray best("r.best.npy");
     const auto rows = best.values<int32_t>(2);
     const auto scores = read_array<double>("r.best_scores.npy");

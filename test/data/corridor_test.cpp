@@ -7,8 +7,8 @@
 
 #include "describe/frame_descriptors.h"
 #include "examples.h"
-#include "match/reference.h"
 #include "printed.h"
+#include "reference/reference.h"
 #include "sequence/sequence_source.h"
 
 using namespace vpr;
@@ -25,8 +25,7 @@ std::vector<LdbCode> describe_folder(const fs::path& folder) {
 Json evaluate(const fs::path& corridor, const Words& query_words, const Words& eval_words) {
   if (!fs::exists("c.vprdb"))
     run_ok("vpr-train", {"fastable", "--train", corridor / "ref", "-o", "c.vprdb"});
-  run_ok("vpr-query", joined({"c.vprdb", "--query", corridor / "query", "--force", "-o", "r.json",
-                              "--verify", "1000"},
+  run_ok("vpr-query", joined({"c.vprdb", "--query", corridor / "query", "--force", "-o", "r.json"},
                              query_words));
   return printed_json("vpr-eval", joined({"r.json", "--json"}, eval_words));
 }

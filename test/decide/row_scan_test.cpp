@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "reference/sampled_cells.h"
 #include "support.h"
 
 using namespace vpr;

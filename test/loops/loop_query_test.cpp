@@ -9,7 +9,7 @@
 #include "examples.h"
 #include "loops/loops.h"
 #include "loops/sequence_query.h"
-#include "match/reference.h"
+#include "reference/reference.h"
 #include "reference/verified_query.h"
 #include "run/query.h"
 #include "support.h"

@@ -11,8 +11,8 @@
 #include "match/components.h"
 #include "match/distance_statistics.h"
 #include "match/match.h"
-#include "match/reference.h"
 #include "match/zscores.h"
+#include "reference/reference.h"
 #include "support.h"
 
 namespace vpr::test {

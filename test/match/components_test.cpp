@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "examples.h"
-#include "match/reference.h"
+#include "reference/reference.h"
 #include "support.h"
 
 using namespace vpr;

@@ -10,7 +10,7 @@
 #include "match/distance_statistics.h"
 #include "match/lsh.h"
 #include "match/match.h"
-#include "match/reference.h"
+#include "reference/reference.h"
 #include "support.h"
 
 using namespace vpr;

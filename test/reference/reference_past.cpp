@@ -5,8 +5,8 @@
 
 #include "base/parallel.h"
 #include "match/distance_statistics.h"
-#include "match/reference.h"
 #include "match/score_kernels.h"
+#include "reference/reference.h"
 
 namespace vpr {
 namespace {

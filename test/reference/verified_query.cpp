@@ -8,10 +8,11 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "match/reference.h"
 #include "match/score_kernels.h"
+#include "reference/reference.h"
 #include "reference/reference_fusion.h"
 #include "reference/reference_past.h"
+#include "reference/sampled_cells.h"
 #include "run/query.h"
 
 namespace vpr::test {
@@ -121,7 +122,7 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
 QueryRun run_verified(const QueryPlan& plan, size_t cells, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   std::vector<Cell> chosen = choose_cells(searched_distances(plan), length, cells, plan.match.seed);
-  if (plan.past.empty()) CHECK(chosen.size() == cells);
+  if (plan.past.empty()) CHECK_FALSE(chosen.empty());
   std::erase_if(chosen, [&](const Cell& cell) {
     return !plan.past.empty() &&
            cell.train_window + length > plan.past[cell.query_window + length - 1];

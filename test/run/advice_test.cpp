@@ -10,7 +10,6 @@
 
 using namespace vpr;
 using test::has;
-using test::resources;
 
 namespace {
 
@@ -36,7 +35,7 @@ std::string finding(const test::Example& walk, size_t first, size_t step) {
   for (size_t f = first; f < walk.train[0].size(); f += step) frames.push_back(walk.train[0][f]);
   SequenceDatabase database = test::make_database({walk.train[0]});
   ensure_statistics(database, {});
-  return filter_advice(database, test::make_query(frames), {}, resources(), {});
+  return filter_advice(database, test::make_query(frames), {}, {}, {});
 }
 
 }  // namespace
@@ -84,7 +83,7 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
   const DescriptorSet elsewhere = test::make_query(other.query);
-  CHECK(filter_advice(database, elsewhere, {}, resources(), {}) ==
+  CHECK(filter_advice(database, elsewhere, {}, {}, {}) ==
         "The filter recognizes 0 of 100 frames at 0.5 to 2 times the trained speed, and fewer than "
         "a quarter in the opposite direction, or with every second or third frame of either side: "
         "the query may show another place, or its 28 keyframes are too few for a decision, which "
@@ -93,9 +92,9 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   SequenceQuerySettings strict;
   strict.method = "filter";
   strict.margin = 64;
-  CHECK(has(filter_advice(database, test::make_query(walk.train[0]), *ResolvedSettings(strict),
-                          resources(), {}),
-            "With default settings (--method filter, margin 14), 1"));
+  CHECK(has(
+      filter_advice(database, test::make_query(walk.train[0]), *ResolvedSettings(strict), {}, {}),
+      "With default settings (--method filter, margin 14), 1"));
 }
 
 TEST_CASE("without a match of any window, none is compared with a limit") {

@@ -60,7 +60,7 @@ void check_row(const std::vector<uint16_t>& fused, const std::vector<uint16_t>& 
 }
 
 Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size_t verify = 200) {
-  const QueryResources resources = test::resources();
+  const QueryResources resources;
   const QueryPlan plan = plan_query(walks.database, walks.query, "q", settings, resources, {});
   return test::run_verified(plan, verify).result;
 }
@@ -182,7 +182,7 @@ TEST_CASE("databases of other sequences are refused for fusion") {
   CHECK(query_all(walks, fused_settings(5)).best[14]->train == 7);
 
   const auto rejects = [&](const SequenceQuerySettings& settings) {
-    const QueryResources resources = test::resources();
+    const QueryResources resources;
     return test::error_kind(
         [&] { plan_query(walks.database, walks.query, "q", settings, resources, {}); });
   };

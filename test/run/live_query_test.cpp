@@ -13,7 +13,6 @@
 #include "support.h"
 
 using namespace vpr;
-using test::resources;
 
 namespace {
 
@@ -80,7 +79,7 @@ void check_path(const Result& live, const Result& whole, size_t frame) {
 // Returns the number of recognized windows.
 size_t check_live_query(const Walks& walks, const SequenceQuerySettings& settings) {
   const Result whole = test::query_result(walks.database, walks.query, settings);
-  LiveQuery query(walks.database, "q", settings, resources(), {});
+  LiveQuery query(walks.database, "q", settings, {}, {});
   const DescriptorRows rows = walks.query.rows();
   const size_t length = whole.window_length();
   std::vector<Match> decided;

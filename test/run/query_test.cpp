@@ -7,8 +7,10 @@
 
 #include "base/error.h"
 #include "examples.h"
-#include "match/reference.h"
 #include "queries.h"
+#include "reference/reference.h"
+#include "reference/sampled_cells.h"
+#include "reference/verified_query.h"
 #include "run/advice.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
@@ -16,7 +18,6 @@
 
 using namespace vpr;
 using test::make_query;
-using test::resources;
 
 namespace {
 
@@ -30,7 +31,9 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
-  return test::query_run(database, query, settings, 50, monitor);
+  const QueryPlan plan = plan_query(database, query, "q", settings, {}, monitor);
+  return plan.match.method->is_approximate() ? run_query(plan, {}, monitor)
+                                             : test::run_verified(plan, 50, monitor);
 }
 
 // Recognitions by definition, with a division per cell.
@@ -266,7 +269,7 @@ TEST_CASE("a query with other descriptors than the database is refused in one se
   query.descriptors.kind = &other;
   SequenceQuerySettings settings;
   settings.window_length = 4;
-  const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
+  const auto plan = [&] { plan_query(database, query, "q", settings, {}, {}); };
   CHECK(test::error_kind(plan) == ErrorKind::data);
   CHECK(test::error_text(plan) ==
         "the descriptors differ: the database has ldb, the query other. Describe both alike.");
@@ -285,7 +288,7 @@ TEST_CASE("windows with sums that exceed the file format are refused") {
   SequenceQuerySettings settings;
   settings.distance_threshold = 0.5;
   settings.window_length = 32769;
-  const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
+  const auto plan = [&] { plan_query(database, query, "q", settings, {}, {}); };
   CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for"));
   settings.window_length = 5;
   const Result result = query_all(database, query, settings).result;

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "match/reference.h"
+#include "reference/reference.h"
 #include "support.h"
 
 using namespace vpr;

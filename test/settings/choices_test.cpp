@@ -54,7 +54,6 @@ const std::vector<ChosenFlag> kChosenFlags = {
     {"--only-sequence", [](auto& s) { s.only_sequences = {"a"}; }},
     {"--skip-unreadable", [](auto& s) { s.skip_unreadable = true; }},
     {"--save-matrix", {}},
-    {"--verify", {}},
     {"a --gap in seconds",
      [](auto& s) {
        s.loop_gap = 0;
@@ -115,7 +114,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--score zscore", "--t-r", "--method lsh"}, "zscore", "--method lsh"},
       {{"--t-r", "--method lsh"}, "a relative --t-r", "--method lsh"},
       {{"--save-matrix", "--method lsh"}, "--save-matrix", "--method lsh"},
-      {{"--verify", "--method lsh"}, "--verify", "--method lsh"},
       {{"--t-r", "--method filter"}, "--t-r", "--method filter"},
       {{"--t-r-scale mean-z", "--method filter"}, "--t-r-scale mean-z", "--method filter"},
       {{"--safety-factor", "--method filter"}, "--safety-factor", "--method filter"},
@@ -123,10 +121,8 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--c-l", "--method filter"}, "--c-l", "--method filter"},
       {{"--score raw", "--method filter"}, "--score raw", "--method filter"},
       {{"--decide threshold", "--method filter"}, "--decide threshold", "--method filter"},
-      {{"--verify", "--method filter"}, "--verify", "--method filter"},
       {{"--fuse", "--t-r", "--score raw"}, "--score raw", "--fuse"},
       {{"--fuse", "--t-r", "--method openable"}, "--fuse", "--method openable"},
-      {{"--fuse", "--t-r", "--verify"}, "--verify", "--fuse"},
       // A loop query.
       {{"vpr-query loops", "DB"}, "DB", "vpr-query loops"},
       {{"vpr-query loops", "vpr-query live"}, "vpr-query live", "vpr-query loops"},
@@ -179,7 +175,7 @@ TEST_CASE("choices that can be combined are accepted") {
       {"vpr-query live", "--decide margin", "--fuse"},
       {"--score zscore", "--t-r", "--t-r-scale mean-z", "--fuse"},
       {"--score zscore", "--decide margin", "--margin", "--exclusion-frames"},
-      {"--score zscore", "--decide margin", "--verify", "--save-matrix"},
+      {"--score zscore", "--decide margin", "--save-matrix"},
       {"vpr-query loops", "--descriptor", "--save-matrix"},
       {"vpr-query loops", "a --gap in seconds", "--score zscore", "--t-r"},
       {"vpr-query loops", "--decide margin", "--margin", "--method openable"},

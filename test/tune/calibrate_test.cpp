@@ -11,7 +11,6 @@
 #include "tune/calibration.h"
 
 using namespace vpr;
-using test::resources;
 
 namespace {
 
@@ -39,7 +38,7 @@ struct Walks {
   CalibratedSequence calibrate(const SequenceQuerySettings& settings, double precision = 1,
                                std::vector<uint64_t> lengths = {5, 10}) const {
     return calibrate_sequence(database, query, "q", settings, lengths, precision,
-                              [&](const GroundTruthScope&) { return truth(); }, resources(), {});
+                              [&](const GroundTruthScope&) { return truth(); }, {}, {});
   }
   Result query_with(const SequenceQuerySettings& settings) const {
     return test::query_result(database, query, settings);

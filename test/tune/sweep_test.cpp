@@ -52,8 +52,7 @@ namespace {
 // Every cell has the counts of a single query with its settings.
 Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
                   const ResolvedSettings& base, const Grid& grid) {
-  const Sweep sweep =
-      sweep_sequences(database, query, "q", base, grid, make_truth, test::resources(), {});
+  const Sweep sweep = sweep_sequences(database, query, "q", base, grid, make_truth, {}, {});
   REQUIRE(sweep.cells.size() == grid.windows.size() * grid.thresholds.size());
   size_t recognitions = 0;
   for (size_t c = 0; c < sweep.cells.size(); ++c) {
@@ -99,7 +98,7 @@ TEST_CASE("a sweep gives each warning of its settings once") {
   SequenceDatabase database = make_database();
   DescriptorSet query = test::make_query(test::walk_codes(90, 10, 40));
   query.sequence.unreadable = {30};
-  const QueryResources resources = test::resources();
+  const QueryResources resources;
   test::Warnings warnings;
   // The second training sequence has runs of at most 49 frames.
   sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
@@ -117,7 +116,7 @@ TEST_CASE("a sweep gives each warning of its settings once") {
 TEST_CASE("the recognitions of all window lengths share the memory limit") {
   const SequenceDatabase database = make_database();
   DescriptorSet query = test::make_query(test::walk_codes(90, 10, 40));
-  QueryResources resources = test::resources();
+  QueryResources resources;
   SequenceQuerySettings bits;
   bits.threshold_scale = ThresholdScale::bits;
   const auto run = [&](std::vector<uint64_t> lengths, size_t memory) {

@@ -1,5 +1,5 @@
 // Reference implementations: distances, windows and z-scores as stated in the papers, one scalar
-// operation after the other. --verify compares results with them.
+// operation after the other.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "match/reference.h"
+#include "reference/reference.h"
 
 #include <algorithm>
 #include <bit>
