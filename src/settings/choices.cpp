@@ -77,7 +77,7 @@ constexpr std::array kChoices = {
     Choice{.feature = Feature::database, .needs = kSequences, .instead = "Omit the database."},
     Choice{.feature = Feature::live,
            .needs = kSingleFrames | kSequences,
-           .excludes = kMatrix | kLaterFrames,
+           .excludes = kLaterFrames,
            .instead = "Use --method filter, or vpr-query without live."},
     Choice{.feature = Feature::sweep,
            .needs = kWindows | kSequences | kEveryScore,
@@ -94,7 +94,7 @@ constexpr std::array kChoices = {
            .is_implied = [](const Settings& s, const Features&) { return s.method == "filter"; }},
     Choice{.flag = "--method lsh",
            .needs = kTrainingDistances,
-           .excludes = kMargin | kZScores | kEveryScore | kMatrix | kSingleFrames,
+           .excludes = kMargin | kZScores | kEveryScore | kSingleFrames,
            .instead = "Use --method fastable.",
            .is_implied = [](const Settings& s, const Features&) { return s.method == kLshMethod; }},
     Choice{.flag = "--method openable",
@@ -164,7 +164,7 @@ constexpr std::array kChoices = {
                  return s.decision == Decision::margin && !s.exclusion_frames;
                }},
 
-    Choice{.feature = Feature::save_matrix, .needs = kMatrix, .instead = "Omit it."},
+    Choice{.feature = Feature::save_matrix, .needs = kEveryScore, .instead = "Omit it."},
     Choice{.flag = "a --gap in seconds",
            .needs = kSeconds,
            .instead = "Use a gap in frames, as in --gap 30.",

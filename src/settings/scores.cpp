@@ -131,13 +131,12 @@ StartedStage start_fusion_stage(const std::shared_ptr<const ScoreBasis>& basis) 
 }
 
 constexpr std::array<ScoreStage, 3> kScoreStages = {
-    {{"z-scores", [](const SequenceQuerySettings& s) { return has_zscores(s) && !s.loop; },
-      prepare_zscores, start_zscore_stage},
-     {"z-scores of the past",
-      [](const SequenceQuerySettings& s) { return has_zscores(s) && s.loop; },
+    {{[](const SequenceQuerySettings& s) { return has_zscores(s) && !s.loop; }, prepare_zscores,
+      start_zscore_stage},
+     {[](const SequenceQuerySettings& s) { return has_zscores(s) && s.loop; },
       [](const SequenceQuerySettings&, const TrainStatistics*, ScoreBasis&) {}, start_past_stage},
-     {"FAB-MAP", [](const SequenceQuerySettings& s) { return s.fusion_weight.has_value(); },
-      prepare_fusion, start_fusion_stage}}};
+     {[](const SequenceQuerySettings& s) { return s.fusion_weight.has_value(); }, prepare_fusion,
+      start_fusion_stage}}};
 
 }  // namespace
 

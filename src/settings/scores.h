@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "base/monitor.h"
 #include "match/match.h"
 #include "match/zscores.h"
 
@@ -112,7 +111,6 @@ double mean_z(uint32_t biased_sum, size_t window_length);
 
 /// An entry of the table of score stages.
 struct ScoreStage {
-  std::string_view name;
   bool (*is_chosen)(const SequenceQuerySettings& settings);
   /// Adds what the stage starts from. `statistics`: of the database, or null. Throws Error(usage)
   /// if the stage needs what the database lacks.

@@ -143,7 +143,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"vpr-query live", "--method openable"}, "vpr-query live", "--method openable"},
       {{"vpr-query live", "--method lsh"}, "vpr-query live", "--method lsh"},
       {{"vpr-query live", "--t-r"}, "a relative --t-r", "vpr-query live"},
-      {{"vpr-query live", "--save-matrix"}, "--save-matrix", "vpr-query live"},
       // FAB-MAP.
       {{"a FAB-MAP database", "a --gap in seconds"}, "--gap in seconds", "FAB-MAP"},
       {{"a FAB-MAP database", "vpr-query loops", "--descriptor"}, "--descriptor", "FAB-MAP"},
