@@ -45,11 +45,11 @@ size_t parse_bytes(const std::string& text) {
 }  // namespace
 
 void add_rate_flags(const Command& command, SelectionSettings& flags, const std::string& sequences,
-                    const std::string& note, const std::string& group) {
+                    const std::string& group) {
   command.add_option("--fps", flags.fps,
                      fmt::format("select frames of {} at this rate, in frames per second; a ground "
-                                 "truth still refers to all frames{}",
-                                 sequences, note),
+                                 "truth still refers to all frames",
+                                 sequences),
                      group);
   command.add_option("--recorded-fps", flags.recorded_fps,
                      "frame rate of the recording, unless times, a video or a data set state it",

@@ -14,10 +14,9 @@
 
 namespace vpr {
 
-/// --fps and --recorded-fps. `sequences`: a noun for the help; `note`: the end of the help of
-/// --fps.
+/// --fps and --recorded-fps. `sequences`: a noun for the help.
 void add_rate_flags(const Command& command, SelectionSettings& flags, const std::string& sequences,
-                    const std::string& note = "", const std::string& group = kEssentialGroup);
+                    const std::string& group = kEssentialGroup);
 
 /// --speed, and a section of the help with its values.
 Flag add_speed_flag(const Command& command, std::string& speed,

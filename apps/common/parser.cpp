@@ -339,7 +339,7 @@ Json read_config(const std::string& path) {
                 "{}: is a sweep over many settings. Save the recommended settings with vpr-tune "
                 "--save-config FILE and use that file.",
                 path);
-  if (schema == schema_name("tuning") || schema == schema_name("calibration")) {
+  if (schema == schema_name("tuning")) {
     if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
     throw Error(ErrorKind::usage, "{}: chooses no setting.", path);
   }

@@ -62,7 +62,7 @@ void add_arrays_flag(const Command& command, QueryOptions& options) {
 }
 
 void add_selection_flags(const Command& command, QueryOptions& options) {
-  add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
+  add_rate_flags(command, options.selection, "the query", kQueryGroup);
   command.add_option("--query-times", options.query_times,
                      "times of the query frames, for --fps: a list, a folder of images with times "
                      "as names, or a video",
@@ -145,7 +145,7 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
                      kQueryGroup);
   add_method_flag(command, settings, true,
                   "matching method (default: filter); flags of windows select fastable");
-  add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
+  add_rate_flags(command, options.selection, "the query", kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::live);
   add_fuse_flag(command, options.fuse);
   command.remove_flag("--output");

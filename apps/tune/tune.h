@@ -42,10 +42,8 @@ struct Source {
   GroundTruthArgument ground_truth;
 };
 
-/// DB, --query, --ground-truth and the flags that describe them. `fps_note`: the end of the help of
-/// --fps. Returns the flag of DB.
-Flag add_query_flags(const Command& command, TuneOptions& options,
-                     const std::string& fps_note = "");
+/// DB, --query, --ground-truth and the flags that describe them. Returns the flag of DB.
+Flag add_query_flags(const Command& command, TuneOptions& options);
 
 /// The queries that settings are chosen on, by paths or by their names in data sets. Throws
 /// Error(usage) without a query or ground truth.
@@ -65,11 +63,6 @@ EvaluationSettings evaluation_of(const Source& source, const SequenceDatabase* d
 std::string query_command(const TuneOptions& options, const CommonOptions& common,
                           const QuerySettings& settings, size_t index = 0);
 
-/// The given window lengths, or those of `standard` with a window in the query and in a training
-/// sequence; the shortest if there are none. Throws as parse_counts does.
-std::vector<uint64_t> window_lengths(const std::string& given, const char* standard,
-                                     const SequenceDatabase& database, const DescriptorSet& query);
-
 /// Parses "2,5,10", "10:50:10", "1:5" (in steps of 1), or a mixture, without duplicates, as
 /// integers from 1 to 1e9. Throws Error(usage), which names the flag.
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag);
@@ -77,7 +70,6 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
 /// The commands of the program.
 void add_fastable(Program& program);
 void add_fabmap(Program& program);
-void add_calibrate(Program& program);
 void add_threshold(Program& program);
 
 }  // namespace vpr

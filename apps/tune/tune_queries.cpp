@@ -72,7 +72,7 @@ std::vector<std::string> setting_flags(const QuerySettings& chosen) {
 
 }  // namespace
 
-Flag add_query_flags(const Command& command, TuneOptions& options, const std::string& fps_note) {
+Flag add_query_flags(const Command& command, TuneOptions& options) {
   const Flag database = command.add_option("DB", options.database, "database of vpr-train");
   command.add_option("--query", options.query,
                      "query sequence; with --dataset, the name of one of its queries");
@@ -81,7 +81,7 @@ Flag add_query_flags(const Command& command, TuneOptions& options, const std::st
   command.add_list("--dataset", options.datasets,
                    "data set description with query and ground truth; repeatable", kQueryGroup);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_rate_flags(command, options.selection, "queries", fps_note, kQueryGroup);
+  add_rate_flags(command, options.selection, "queries", kQueryGroup);
   add_ground_truth_flags(command, options.ground_truth_flags);
   return database;
 }

@@ -79,13 +79,23 @@ std::vector<std::optional<double>> parse_values(const std::string& text, const s
   return values;
 }
 
+// The given window lengths, or the default ones with a window in the query and in a training
+// sequence; the shortest if there are none.
+std::vector<uint64_t> window_lengths(const std::string& given, const SequenceDatabase& database,
+                                     const DescriptorSet& query) {
+  std::vector<uint64_t> lengths = parse_counts(value_or(given, kWindowLengths), "--c-l");
+  if (!given.empty()) return lengths;
+  const std::vector<uint64_t> fitting = fitting_lengths(lengths, database, {&query});
+  return fitting.empty() ? std::vector{lengths.front()} : fitting;
+}
+
 // The grid of the flags. Default c_l are those that fit the query and a training sequence; default
 // t_r or margins cover the scale of the settings. Throws Error(usage) for an invalid list.
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
                    const SequenceDatabase& database, const DescriptorSet& query) {
   const bool is_raw = settings.score == Score::raw;
   const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
-  return {window_lengths(flags.windows, kWindowLengths, database, query),
+  return {window_lengths(flags.windows, database, query),
           settings.decision == Decision::margin
               ? parse_values(value_or(flags.margins, is_raw ? kDistanceMargins : kScoreMargins),
                              "--margin", true)
@@ -269,14 +279,6 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
     counts.push_back(static_cast<uint64_t>(*value));
   }
   return counts;
-}
-
-std::vector<uint64_t> window_lengths(const std::string& given, const char* standard,
-                                     const SequenceDatabase& database, const DescriptorSet& query) {
-  std::vector<uint64_t> lengths = parse_counts(value_or(given, standard), "--c-l");
-  if (!given.empty()) return lengths;
-  const std::vector<uint64_t> fitting = fitting_lengths(lengths, database, {&query});
-  return fitting.empty() ? std::vector{lengths.front()} : fitting;
 }
 
 void add_fastable(Program& program) {

@@ -131,7 +131,6 @@ int main(int argc, char** argv) {
   add_trials(program);
   add_fastable(program);
   add_fabmap(program);
-  add_calibrate(program);
   add_threshold(program);
   return program.main(argc, argv);
 }

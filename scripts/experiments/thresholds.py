@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
 """Thresholds of one walk, or half of one, applied to another: thresholds.py DATA [BIN] [--jobs N].
 DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
-configs/worlds/speeds.json. Prints the tables of docs/experiments/calibration.md: thresholds of
-vpr-tune fastable and of vpr-tune calibrate."""
+configs/worlds/speeds.json. Prints rows of the table of docs/experiments/calibration.md: margins that
+vpr-tune fastable recommends, and the default of the filter."""
 import argparse
 import array
 import collections
 import concurrent.futures
 import json
 import pathlib
-import random
 import subprocess
 import tempfile
 
@@ -24,16 +23,9 @@ options = parser.parse_args()
 work = tempfile.TemporaryDirectory()
 out = pathlib.Path(work.name)
 
-DECISIONS = {
-    "margin, raw": ["--score", "raw", "--decide", "margin"],
-    "margin, z-scores": ["--score", "zscore", "--decide", "margin"],
-    "filter": ["--method", "filter"],
-}
-RULES = {"margin, raw": ["calibrate"], "margin, z-scores": ["recommended", "calibrate"],
-         "filter": ["default", "calibrate"]}  # the sources of a threshold
+RULES = {"margin, z-scores": "recommended", "filter": "default"}  # the source of the margin of a decision
 VARIETIES = [None, {"finishes": 0.8, "wear": 0.6, "window_light": 1, "far_view": 0.6, "changes": 0.25,
                     "hands": 0.5, "bareness": 0.3}, {"hands": 0.25, "changes": 0.3, "finishes": 0.4}]
-FPS = 4  # of speeds.json
 Walk = collections.namedtuple("Walk", "path truth frames first last")
 
 
@@ -100,35 +92,32 @@ def right_windows(key, truth):
                 if (str(query + last), str(train + last)) in same})
 
 
-def recommend(rule, database, walk, truth, decision, lengths, config):
-    query = ["--query", f"{walk.path}@{walk.first}:{walk.last}", "--ground-truth", truth]
-    if rule == "calibrate":  # always a margin, without --decide
-        return run("vpr-tune", "calibrate", database, *query, *DECISIONS[decision][:2], "--c-l", lengths,
-                   "-o", config, "--force", fails=True) is not None
-    if rule == "default":
+def recommend(database, walk, truth, decision, lengths, config):
+    if decision == "filter":
         config.write_text('{"method": "filter"}')
         return True
-    return run("vpr-tune", "fastable", database, *query, *DECISIONS[decision], "--c-l", lengths,
+    return run("vpr-tune", "fastable", database, "--query", f"{walk.path}@{walk.first}:{walk.last}",
+               "--ground-truth", truth, "--score", "zscore", "--decide", "margin", "--c-l", lengths,
                "--save-config", config, "--force", fails=True) is not None
 
 
 def trial(job):
-    group, name, database, train_frames, tolerance, first, second, decision, rule = job
-    key = "-".join([name, str(first.first), pathlib.Path(second.path).name, str(second.first), decision, rule]
+    group, name, database, train_frames, tolerance, first, second, decision = job
+    key = "-".join([name, str(first.first), pathlib.Path(second.path).name, str(second.first), decision]
                    ).replace(" ", "").replace(",", "")
     key += "-" + pathlib.Path(first.path).name
     config = out / f"{key}.config.json"
     if decision == "filter":  # its places are keyframes
         tolerance = {3: 10, 2: 20}.get(tolerance, tolerance)
     truths = [cut_truth(w, f"{key}-{i}", train_frames, tolerance) for i, w in enumerate((first, second))]
-    if not recommend(rule, database, first, truths[0], decision, lengths_of(first, second), config):
-        return group, decision, rule, "none", 0
+    if not recommend(database, first, truths[0], decision, lengths_of(first, second), config):
+        return group, decision, "none", 0
     report = count(database, second, truths[1], config, key)
     wrong = report["counts"]["pairs"]["incorrect"]
     right = right_windows(key, truths[1])
     known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
     share = right / known if known else None
-    return group, decision, rule, "wrong" if wrong else "holds" if right or not known else "no recognition", share
+    return group, decision, "wrong" if wrong else "holds" if right or not known else "no recognition", share
 
 
 def worlds():
@@ -136,16 +125,6 @@ def worlds():
     route = [[1.5, 1.25], [28.75, 1.25], [28.75, 15], [2, 15]]
     detour = [[1.5, 1.25], [11.25, 1.25], [11.25, 8], [15.25, 8], [15.25, 1.25], [28.75, 1.25], [28.75, 15]]
     for index in range(options.worlds):
-        chance = random.Random(index)
-        hour, meters = [], 0
-        while meters < 4320:  # an hour at 1.2 m/s
-            there, back = (chance.choice([route, detour + [[2, 15]]]) for _ in range(2))
-            for path in (there, back[::-1]):
-                for corner in path:
-                    if hour and hour[-1] == corner:
-                        continue
-                    meters += sum(abs(a - b) for a, b in zip(hour[-1], corner)) if hour else 0
-                    hour.append(corner)
         light = [{"daylight": 0.7, "warmth": 0.2, "noise": 4}, {"daylight": 0.3, "warmth": -0.1, "noise": 5}]
         query = {"use": "query", "floor": "ground"}
         world = dict(base, name=f"world {index}", seed=options.seed + index, walks=[
@@ -154,8 +133,7 @@ def worlds():
             dict(query, name="detour", path=detour, conditions=light[0], day=1, passers_by=1),
             dict(query, name="later", path=route, conditions=light[1], day=2, passers_by=2),
             dict(query, name="later-detour", path=detour, conditions=light[1], day=2, passers_by=2),
-            dict(query, name="back", path=route[::-1], conditions=light[1], day=2),
-            dict(query, name="hour", path=hour, conditions=light[1], day=2, passers_by=4)])
+            dict(query, name="back", path=route[::-1], conditions=light[1], day=2)])
         if VARIETIES[index % 3]:
             world["variety"] = VARIETIES[index % 3]
         path = out / f"world{index}.json"
@@ -192,60 +170,19 @@ def jobs():
     for name, folder in worlds():
         database = train(folder / "trained", name)
         walks = {w: walk_of(folder / w, folder / f"{w}.ground_truth.csv")
-                 for w in ("plain", "detour", "later", "later-detour", "back", "hour")}
-        hours.append((name, database, walks))
+                 for w in ("plain", "detour", "later", "later-detour", "back")}
         for first in ("plain", "detour", "later"):
             for second in ("plain", "detour", "later", "later-detour", "back"):
                 if first != second:
                     yield "rendered", name, database, 0, 0, walks[first], walks[second]
 
 
-def false_runs(outcomes, margin):
-    runs = before = 0
-    for letter, text in zip(outcomes["best"], outcomes["margins"].split()):
-        wrong = letter in "wnb" and text not in ("-", "nan") and float(text) >= margin
-        runs, before = runs + (wrong and not before), wrong
-    return runs
-
-
-def hour_table(pool):
-    def one(job):
-        name, database, walks, seconds = job
-        hour = walks["hour"]
-        first = part(hour, 0, seconds * FPS) if seconds else walks["detour"]
-        second = part(hour, seconds * FPS, hour.frames)
-        config, key = out / f"{name}-{seconds}.json", f"{name}-{seconds}-hour"
-        query = ["--query", f"{first.path}@{first.first}:{first.last}"]
-        truths = [cut_truth(w, f"{key}{i}", 0, 0) for i, w in enumerate((first, second))]
-        run("vpr-tune", "calibrate", database, *query, "--ground-truth", truths[0], "--c-l", "20",
-            "--fps", FPS, "-o", config, "--quiet")
-        calibration = json.loads(config.read_text())
-        report = count(database, second, truths[1], config, key)
-        runs = false_runs(report["outcomes"], calibration["settings"]["margin"])
-        hours_walked = len(report["outcomes"]["best"]) / FPS / 3600
-        return name, seconds, calibration["in_an_hour"], runs / hours_walked, report
-    todo = [(*h, seconds) for seconds in (0, 300, 1200) for h in hours]
-    names = [name for name, *_ in hours]
-    print("\n| calibrated on | " + " | ".join(names) + " |\n|---|" + "---:|" * len(names))
-    row = []
-    for _, seconds, rate, found, report in pool.map(one, todo):
-        low, high = rate["interval"]
-        known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
-        right = 100 * report["counts"]["pairs"]["correct"] / known
-        row.append(f"{rate['expected']:.0f} ({low:.0f}-{high:.0f}): {found:.0f}, {right:.0f} %")
-        if len(row) == len(names):
-            source = f"its first {seconds // 60} minutes" if seconds else "another sequence"
-            print(f"| {source} | " + " | ".join(row) + " |")
-            row = []
-
-
 def walk_table(pool, pairs):
-    trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS for rule in RULES[decision]]
     verdicts, shares = collections.defaultdict(collections.Counter), collections.defaultdict(list)
-    for group, decision, rule, verdict, share in pool.map(trial, trials):
-        verdicts[group, decision, rule][verdict] += 1
+    for group, decision, verdict, share in pool.map(trial, [(*pair, decision) for pair in pairs for decision in RULES]):
+        verdicts[group, decision][verdict] += 1
         if share is not None:
-            shares[group, decision, rule].append(share)
+            shares[group, decision].append(share)
 
     def cell(*key):
         share = sum(shares[key]) / len(shares[key]) if shares[key] else 0
@@ -253,12 +190,9 @@ def walk_table(pool, pairs):
         return "/".join(counts) + f", {100 * share:.0f} %"
 
     print("| decision | margin from | real | rendered |\n|---|---|---:|---:|")
-    for decision in DECISIONS:
-        for rule in RULES[decision]:
-            print(f"| {decision} | {rule} | {cell('real', decision, rule)} | {cell('rendered', decision, rule)} |")
+    for decision, rule in RULES.items():
+        print(f"| {decision} | {rule} | {cell('real', decision)} | {cell('rendered', decision)} |")
 
 
-hours = []
 with concurrent.futures.ThreadPoolExecutor(options.jobs) as workers:
     walk_table(workers, list(jobs()))
-    hour_table(workers)

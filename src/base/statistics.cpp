@@ -7,32 +7,6 @@
 #include <utility>
 
 namespace vpr {
-namespace {
-
-// The probability of `most` or fewer.
-double poisson_at_most(uint64_t most, double mean) {
-  double log_term = -mean;  // log of the term k: the probability itself may underflow
-  double sum = std::exp(log_term);
-  for (uint64_t k = 1; k <= most; ++k) {
-    log_term += std::log(mean / static_cast<double>(k));
-    sum += std::exp(log_term);
-  }
-  return sum;
-}
-
-// The mean at which `most` or fewer have this probability.
-double poisson_mean(uint64_t most, double probability) {
-  const auto count = static_cast<double>(most);
-  double low = 0;
-  double high = count + 10 * std::sqrt(count + 1) + 10;
-  for (int halving = 0; halving < 60; ++halving) {
-    const double middle = (low + high) / 2;
-    (poisson_at_most(most, middle) > probability ? low : high) = middle;
-  }
-  return low;
-}
-
-}  // namespace
 
 double quantile(std::vector<double> values, double p) {
   assert(!values.empty() && p >= 0 && p <= 1);
@@ -65,11 +39,6 @@ Interval bootstrap_sum(const std::vector<double>& values, size_t block, uint64_t
     sums.push_back(std::inner_product(values.begin(), values.end(), weights.begin(), 0.0));
   }
   return {quantile(sums, 0.025), quantile(sums, 0.975)};
-}
-
-Interval poisson_interval(uint64_t count) {
-  if (count == 0) return {0, poisson_mean(0, 0.05)};
-  return {poisson_mean(count - 1, 0.975), poisson_mean(count, 0.025)};
 }
 
 }  // namespace vpr

@@ -40,10 +40,4 @@ std::vector<uint32_t> block_weights(size_t count, size_t block, RandomEngine& en
 /// must not be empty; block is at least 1.
 Interval bootstrap_sum(const std::vector<double>& values, size_t block, uint64_t seed);
 
-/// The exact 95% interval of the mean of a Poisson distribution from which `count` was drawn
-/// (Garwood 1936). At its low end, `count` or more have a probability of 2.5%; at its high end,
-/// `count` or fewer. For a count of 0, all 5% are above the high end, which is 3.0 (the rule of
-/// three).
-Interval poisson_interval(uint64_t count);
-
 }  // namespace vpr

@@ -10,7 +10,6 @@ namespace {
 
 constexpr uint32_t kQuery = in(Feature::query);
 constexpr uint32_t kOnline = in(Feature::live, Feature::loops);
-constexpr uint32_t kTuned = in(Feature::sweep, Feature::calibrate);
 constexpr uint32_t kPlaces = in(Feature::query, Feature::loops, Feature::explain);
 
 constexpr std::array kSequenceRows = {
@@ -29,14 +28,14 @@ constexpr std::array kSequenceRows = {
                .instead = "Use --margin, or --method fastable with --decide threshold."},
     SettingRow{.key = "score",
                .group = kWindowGroup,
-               .commands = kQuery | kOnline | kTuned,
+               .commands = kQuery | kOnline | in(Feature::sweep),
                .help =
                    "score of windows: raw (distances) or zscore (normalized online per training "
                    "frame) (default: {})",
                .is_for_windows = true},
     SettingRow{.key = "exclusion_frames",
                .group = kWindowGroup,
-               .commands = kQuery | kOnline | kTuned,
+               .commands = kQuery | kOnline | in(Feature::sweep),
                .help = "exclusion zone: frames before and after the best match (default: the "
                        "frames after which training sequences show another place)",
                .is_for_windows = true,
@@ -73,7 +72,7 @@ constexpr std::array kSequenceRows = {
         .instead = "Use --decide margin."},
     SettingRow{.key = "same_place",
                .group = kWindowGroup,
-               .commands = kQuery | kTuned,
+               .commands = kQuery | in(Feature::sweep),
                .help = "A=B: training sequences of the same place, which are in each other's "
                        "exclusion zone; repeatable; none: all differ (default: detected)",
                .needs = kSequences,
@@ -99,7 +98,7 @@ constexpr std::array kSequenceRows = {
     SettingRow{
         .key = "skip_unreadable",
         .group = kQueryGroup,
-        .commands = in(Feature::query, Feature::live, Feature::loops, Feature::explain) | kTuned,
+        .commands = in(Feature::query, Feature::live, Feature::loops, Feature::explain) | in(Feature::sweep),
         .help = "ignore frames that cannot be decoded; they keep their index and never "
                 "match"},
     SettingRow{.key = "descriptor",

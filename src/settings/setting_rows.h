@@ -21,7 +21,6 @@ enum class Feature {
   loops,
   explain,
   sweep,
-  calibrate,
   database,
   fabmap,
   fuse,
@@ -33,12 +32,11 @@ enum class Feature {
   margins
 };
 template <>
-inline constexpr std::array<std::string_view, 15> kEnumNames<Feature> = {"vpr-query",
+inline constexpr std::array<std::string_view, 14> kEnumNames<Feature> = {"vpr-query",
                                                                          "vpr-query live",
                                                                          "vpr-query loops",
                                                                          "vpr-query explain",
                                                                          "vpr-tune fastable",
-                                                                         "vpr-tune calibrate",
                                                                          "DB",
                                                                          "a FAB-MAP database",
                                                                          "--fuse",
@@ -66,12 +64,11 @@ enum Facet : uint32_t {
   kPast = 1 << 10,
   kSeconds = 1 << 11,
   kDescriptor = 1 << 12,
-  kFabmap = 1 << 13,
-  kAutomaticThreshold = 1 << 14,
+  kAutomaticThreshold = 1 << 13,
 };
 
 /// By bit number.
-inline constexpr std::array<std::string_view, 15> kFacetNames = {
+inline constexpr std::array<std::string_view, 14> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
@@ -85,7 +82,6 @@ inline constexpr std::array<std::string_view, 15> kFacetNames = {
     "past frames",
     "gap in seconds",
     "choice of descriptors",
-    "FAB-MAP database",
     "automatic t_r",
 };
 

@@ -215,6 +215,25 @@ FabmapQuerySettings settings_at(const Grid& grid, size_t cell, FabmapQuerySettin
   return base;
 }
 
+void UnknownPlaceScan::operator()(std::span<const ScoreRow> row) {
+  const size_t anchor = window_length_ - 1;
+  std::vector<ScoreRow> unknown_place;
+  for (const ScoreRow& piece : row) {
+    const size_t width = zones_.widths[piece.sequence];
+    const size_t first = piece.train_window + anchor;  // frames of the piece: [first, end)
+    const size_t end = first + piece.scores.size();
+    size_t next = first;
+    for (const LabelStretch& run :
+         label_runs(truth_, piece.query_window + anchor, piece.sequence, end + width)) {
+      const size_t begin = run.first - std::min(run.first, width);
+      if (begin > next) unknown_place.push_back(part_of_row(piece, next - first, begin - next));
+      next = std::max(next, run.last + width + 1);
+    }
+    if (next < end) unknown_place.push_back(part_of_row(piece, next - first, end - next));
+  }
+  if (!unknown_place.empty()) untrained_(unknown_place);
+}
+
 std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order) {
   if (!cell.threshold) return std::nullopt;
   return order == ScoreOrder::distance ? *cell.threshold : -*cell.threshold;
@@ -270,6 +289,11 @@ Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {
     choice.first_error = error->second;
   if (!choice.cell) choice.advice = choice.first_error ? Advice::next_errs : Advice::grid_ends;
   return choice;
+}
+
+TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor) {
+  return
+      [by, &monitor](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); };
 }
 
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,

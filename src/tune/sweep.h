@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,12 +14,13 @@
 #include "base/enum_names.h"
 #include "base/monitor.h"
 #include "base/statistics.h"
+#include "decide/exclusion_zones.h"
+#include "evaluate/evaluation.h"
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
 #include "fabmap/place_query.h"
 #include "run/query.h"
 #include "truth/ground_truth.h"
-#include "tune/calibration.h"
 
 namespace vpr {
 
@@ -32,6 +34,30 @@ struct Grid {
 /// with its c_w and t_p. Cells are by window, then threshold.
 SequenceQuerySettings settings_at(const Grid& grid, size_t cell, SequenceQuerySettings base);
 FabmapQuerySettings settings_at(const Grid& grid, size_t cell, FabmapQuerySettings base);
+
+/// The margins of query windows if neither their place nor its surroundings were trained. The
+/// matches that they belong to are all incorrect. Takes rows as MarginScan does. Windows are judged
+/// at their anchors; the surroundings are the frames within the exclusion radius of a frame labeled
+/// same or ignore.
+class UnknownPlaceScan {
+ public:
+  /// `truth` and `zones` must outlive the scan.
+  UnknownPlaceScan(const GroundTruth& truth, const ExclusionZones& zones, size_t window_length,
+                   size_t query_windows)
+      : truth_(truth),
+        zones_(zones),
+        window_length_(window_length),
+        untrained_(zones, query_windows) {}
+  void operator()(std::span<const ScoreRow> row);
+  /// One per query window; unset without a runner-up.
+  std::vector<std::optional<uint32_t>> result() const { return untrained_.result(); }
+
+ private:
+  const GroundTruth& truth_;
+  const ExclusionZones& zones_;
+  size_t window_length_;
+  MarginScan untrained_;
+};
 
 /// One setting of a grid and its counts.
 struct CellCounts {
@@ -127,6 +153,11 @@ struct Sweep {
 /// windows. Blocks have c_l windows, because neighbors share most of their frames; for FAB-MAP they
 /// have c_w frames, at least 8.
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed);
+
+/// Reads the ground truth for the indices of a result.
+using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
+/// Reads it as whole_truth_of does. The monitor must outlive the reader.
+TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor);
 
 /// The counts of vpr-query and vpr-eval for every cell, by window, then threshold, and the
 /// recommended cell. Frame distances are computed once (twice for thresholds relative to the

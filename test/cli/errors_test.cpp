@@ -43,7 +43,6 @@ void make_inputs() {
            {"named.csv", "query,reference\na.png,b.png\n"},
            {"unnamed.csv", "query,sequence,reference\nnone.png,one,1\n"},
            {"blank.csv", "query,sequence,reference\n0,,3\n1,b,1\n2,a,0\n"},
-           {"ignored.csv", "query,sequence,reference,label\n0,one,0,ignore\n"},
            {"flat.csv", "frame,x,y\n0,0,0\n"},
            {"z.csv", "frame,x,y,z\n0,0,0,1\n"},
            {"odd.csv", "frame,x,y,weight\n0,1,1,2\n"},
@@ -59,9 +58,7 @@ void make_inputs() {
            {"unknown.json", R"({"t_l": 5})"},
            {"empty.json", R"({"method": ""})"},
            {"place.json", R"({"c_l": 5, "t_p": 0.3})"},
-           {"radius.json", R"({"clustering": {"eps": -1}})"},
-           {"raw.json", R"({"c_l": 5, "t_r": -1.5})"},
-           {"fused.json", R"({"score": "zscore", "fusion_weight": 0.2})"}})
+           {"radius.json", R"({"clustering": {"eps": -1}})"}})
     write_text(name, text);
   const auto write_floats = [](const std::string& name, size_t rows, size_t length, int missing) {
     std::vector<float> values(rows * length);

@@ -17,7 +17,7 @@ const std::map<std::string, Words> kPrograms = {
     {"vpr-train", {"", " fastable", " fabmap", " info", " add", " export", " descriptors"}},
     {"vpr-query", {"", " live", " loops", " matrix", " explain"}},
     {"vpr-eval", {"", " matrix", " loops", " report", " compare", " convert", " check"}},
-    {"vpr-tune", {"", " fastable", " fabmap", " calibrate", " threshold"}},
+    {"vpr-tune", {"", " fastable", " fabmap", " threshold"}},
     {"vpr-bench", {"", " matching", " describe", " fabmap", " realtime", " compare"}},
     {"vpr-synth", {""}}};
 

@@ -50,9 +50,8 @@ vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 5,10 --t-r 0.3,auto
 vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 5,10 --score zscore --t-r=-2,-3 -o s2.json
 vpr-tune fastable w.vprdb --dataset DATA --query query --save-config best.json -o s3.json
 vpr-tune fastable one.vprdb --query building/upstairs --ground-truth aligned --c-l 10 --t-r 0.5 -o s6.json
-vpr-tune calibrate w.vprdb --dataset DATA --query query --c-l 10,20 --fps 8 -o ca.json
-vpr-tune calibrate w.vprdb --dataset DATA --query query --c-l 10,20 --speed stops --score raw -o ct.json
-vpr-query w.vprdb --dataset DATA --query query --config ct.json -o rc.json
+vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 10,20 --decide margin --save-config margin.json -o s4.json
+vpr-query w.vprdb --dataset DATA --query query --config margin.json -o rc.json
 vpr-tune fabmap f.vprdb --query building/hall@0:20 --ground-truth aligned --c-w 1,2 --t-p 0.5 --validate building/hall@0:20 --validate-ground-truth aligned -o sf.json
 ls building/query/[0-9]* >query.txt; vpr-query live w.vprdb --query query.txt >live
 head -n 1 live >l1.json; tail -n 1 live >l2.json; vpr-query live w.vprdb --query query.txt --c-l 5 | tail -n 1 >l3.json
@@ -61,7 +60,6 @@ vpr-train info thin.vprdb --json >ti.json
 vpr-query thin.vprdb --dataset DATA --query query --fps 4 --c-l 5 -o tr.json
 vpr-eval tr.json --dataset DATA -o te.json
 vpr-tune fastable thin.vprdb --dataset DATA --query query --fps 4 --c-l 5 --t-r 0.3 -o ts.json
-vpr-tune calibrate thin.vprdb --dataset DATA --query query --fps 4 --c-l 5 -o tc.json
 vpr-bench matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o b.json
 vpr-bench describe --features orb --frames 1 --seconds 0.001 -o b2.json
 vpr-bench fabmap --places 10 --words 100 --count 0 --variants fabmap2 --seconds 0.001 -o b3.json

@@ -14,7 +14,6 @@ namespace {
 
 const std::string kFastable = "vpr-tune fastable $db --query $back --ground-truth $truth ";
 const std::string kGrid = kFastable + "--c-l 2,10:20:10 --t-r 0.3:0.5:0.1,auto ";
-const std::string kCalibrate = "vpr-tune calibrate $db --query $back --c-l 5,10 --ground-truth ";
 const std::string kTrial = "vpr-tune $db --query $back --ground-truth $truth ";
 
 // Frames that are not where the query was.
@@ -171,6 +170,17 @@ TEST_CASE("a batch of data sets is written completely or not at all, next to oth
   CHECK(sweep["cells"].size() == 2 * 2 * 2);
 }
 
+TEST_CASE("vpr-query with a recommended margin has its recognitions") {
+  for (const std::string score : {"raw", "zscore"}) {
+    const Json sweep = printed_json(kFastable + "--decide margin --score " + score +
+                                    " --save-config c.json --force --json");
+    const Json cell = sweep["cells"][sweep["queries"][0]["recommended"].get<size_t>()];
+    CHECK(cell["counts"]["pairs"]["incorrect"] == 0);
+    CHECK(cell["unknown_place"] == 0);
+    CHECK(query_with("c.json")["counts"] == cell["counts"]);
+  }
+}
+
 TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts its choice") {
   const auto plain = run_ok(kFastable);
   CHECK_FALSE(has(plain.out, "accepted pairs by t_r and c_l"));
@@ -225,30 +235,4 @@ TEST_CASE("the validation may be another query of the data set, selected by name
   CHECK_FALSE(has(outcome.out, "{"));
   CHECK(run(tune + "--validate none").exit_code == 2);
   CHECK(run(tune + "--validate-ground-truth $again.ground_truth.csv").exit_code == 2);
-}
-
-TEST_CASE("vpr-query with a calibration as configuration has its recognitions") {
-  for (const std::string more : {"", "--score raw", "--method filter"}) {
-    const Json calibration =
-        printed_json(kCalibrate + "$truth -o c.json --force --fps 4 --json " + more);
-    CHECK(file_json("c.json") == calibration);
-    const size_t chosen = calibration["chosen"];
-    const Json& recognized = calibration["lengths"][chosen]["recognized"];
-    CHECK(recognized["incorrect"] == 0);
-    const Json recognitions = query_with("c.json")["counts"]["pairs"];
-    CHECK(recognitions["incorrect"] == 0);
-    CHECK(recognitions["correct"] == recognized["correct"]);
-    const double windows = calibration["lengths"][chosen]["windows"];
-    const Json& interval = calibration["lengths"][chosen]["false_recognitions"]["interval"];
-    CHECK(calibration["in_an_hour"]["interval"][1].get<double>() ==
-          Approx(interval[1].get<double>() * 4 * 3600 / windows));
-  }
-}
-
-TEST_CASE("a calibration without a margin that is precise enough writes nothing") {
-  write_wrong_truth();
-  const auto wrong = run(kCalibrate + "wrong.csv -o c.json");
-  CHECK(wrong.exit_code == 5);
-  CHECK(has(wrong.err, "no margin"));  // and a warning that few frames are labeled
-  CHECK(!fs::exists("c.json"));
 }

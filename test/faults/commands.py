@@ -138,10 +138,6 @@ WRITERS = [
            "t.json", {"length": ("3", "2")}),
     Writer("tune threshold --write", "vpr-tune threshold out/d.vprdb --c-l 2 --write -o out/t.json",
            "t.json", {}, INFO, (("d.vprdb", "in/s.vprdb"),)),
-    Writer("tune calibrate", "vpr-tune calibrate in/s.vprdb --dataset in/walks/dataset.json --c-l "
-           "{lengths} -o out/c.json", "c.json", {"lengths": ("3", "2")},
-           (Reader(("c.json",), "vpr-query in/s.vprdb --query in/walks/back --config "
-                   "out/c.json"),)),
     Writer("tune fastable, two buildings", "vpr-tune fastable in/s.vprdb --dataset "
            "in/walks/dataset.json --dataset in/walks/dataset.json --c-l {lengths} "
            "--t-r 0.3:0.6:0.1 -o out/s.json", "s.json", {"lengths": ("3", "2")}),

@@ -32,7 +32,6 @@ const std::vector<ChosenFlag> kChosenFlags = {
     {"vpr-query live", {}},
     {"vpr-query loops", by_loop},
     {"vpr-tune fastable", {}},
-    {"vpr-tune calibrate", {}},
     {"a FAB-MAP database", {}},
     {"--method filter", [](auto& s) { s.method = "filter"; }},
     {"--method lsh", [](auto& s) { s.method = "lsh"; }},
@@ -137,7 +136,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"vpr-query loops", "--only-sequence"}, "--only-sequence", "vpr-query loops"},
       {{"vpr-query loops", "--same-place"}, "--same-place", "vpr-query loops"},
       {{"vpr-query loops", "vpr-tune fastable"}, "vpr-tune fastable", "vpr-query loops"},
-      {{"vpr-query loops", "vpr-tune calibrate"}, "vpr-tune calibrate", "vpr-query loops"},
       {{"DB", "--descriptor"}, "--descriptor", "its own past"},
       // Frames as they arrive.
       {{"vpr-query live", "--method openable"}, "vpr-query live", "--method openable"},
@@ -148,10 +146,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"a FAB-MAP database", "vpr-query loops", "--descriptor"}, "--descriptor", "FAB-MAP"},
       // vpr-tune.
       {{"vpr-tune fastable", "--method filter"}, "vpr-tune fastable", "--method filter"},
-      {{"vpr-tune fastable", "--method lsh"}, "vpr-tune fastable", "--method lsh"},
-      {{"vpr-tune calibrate", "--method lsh"}, "vpr-tune calibrate", "--method lsh"},
-      {{"vpr-tune calibrate"}, "vpr-tune calibrate", "--decide threshold"},
-      {{"vpr-tune calibrate", "--decide margin", "--fuse"}, "--fuse", "vpr-tune calibrate"}};
+      {{"vpr-tune fastable", "--method lsh"}, "vpr-tune fastable", "--method lsh"}};
   for (const Refused& one : all) {
     std::string flags;
     for (const std::string_view flag : one.flags) flags += std::string(flag) + " ";
@@ -181,7 +176,6 @@ TEST_CASE("choices that can be combined are accepted") {
       {"--score zscore", "--t-r", "--only-sequence", "--same-place"},
       {"vpr-tune fastable", "--score zscore", "--fuse", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
-      {"vpr-tune calibrate", "--decide margin", "--score zscore", "--method filter"},
       {"a FAB-MAP database", "vpr-query loops"}};
   for (const auto& flags : all) {
     std::string words;
