@@ -208,21 +208,21 @@ void tune_fastable(Session& session, const TuneOptions& options,
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid) {
-    std::vector<LabeledQuery> labeled;
-    labeled.push_back({source.sequence.name,
-                       describe_query(source.sequence.sequence, database, settings, monitor),
-                       evaluation_of(source, &database)});
-    const DescriptorSet& query = labeled.front().frames;
+    const std::vector<LabeledQuery> labeled = {
+        {source.sequence.name,
+         describe_query(source.sequence.sequence, database, settings, monitor),
+         evaluation_of(source, &database)}};
+    const LabeledQuery& query = labeled.front();
     Sweep found = sweep_sequences(
-        database, query, source.sequence.name, settings,
-        grid != nullptr ? *grid : sequence_grid(options.grid, *settings, database, query),
-        reader_of(labeled.front().by, monitor), resources, monitor);
+        database, query, settings,
+        grid != nullptr ? *grid : sequence_grid(options.grid, *settings, database, query.frames),
+        resources, monitor);
     ensure_statistics(database, monitor);
     const Monitor silent = {monitor.progress, {}, monitor.stop};
     const SequenceQuerySettings filter = default_filter(*settings);
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
     if (session.prints_text() && found.filter->recognized == 0 && !found.recommendation.cell)
-      found.advice = filter_advice(database, query, filter, resources, silent);
+      found.advice = filter_advice(database, query.frames, filter, resources, silent);
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(queries, validation, sweep);
@@ -238,11 +238,12 @@ void tune_fabmap(Session& session, const TuneOptions& options,
   const FabmapDatabase database = read_fabmap_database(options.database);
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid) {
-    const SequenceWords query = describe_words(open_sequence(source.sequence.sequence), database,
-                                               settings.skip_unreadable, monitor);
-    return sweep_fabmap(database, query, source.sequence.name, settings,
+    const LabeledWords query = {source.sequence.name,
+                                describe_words(open_sequence(source.sequence.sequence), database,
+                                               settings.skip_unreadable, monitor),
+                                evaluation_of(source, nullptr)};
+    return sweep_fabmap(database, query, settings,
                         grid != nullptr ? *grid : fabmap_grid(options.grid),
-                        reader_of(evaluation_of(source, nullptr), monitor),
                         session.options.process.seed, monitor);
   };
   const std::vector<Sweep> sweeps = sweep_all(queries, validation, sweep);

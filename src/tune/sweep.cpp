@@ -41,10 +41,9 @@ struct LengthSweep {
   std::vector<std::optional<uint32_t>> unknown_place;  // margins if the place were not trained
 };
 
-std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
-                                    const std::string& query_name, const ResolvedSettings& base,
-                                    const Grid& grid, const QueryResources& resources,
-                                    const Monitor& monitor) {
+std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const LabeledQuery& query,
+                                    const ResolvedSettings& base, const Grid& grid,
+                                    const QueryResources& resources, const Monitor& monitor) {
   assert(!grid.windows.empty() && !grid.thresholds.empty());
   // Most warnings are the same for every setting.
   const Monitor once = with_each_warning_once(monitor);
@@ -53,7 +52,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
     std::vector<QueryPlan>& plans = sweeps[cell / grid.thresholds.size()].plans;
     const ResolvedSettings settings(settings_at(grid, cell, *base));
     plans.push_back(plans.empty()
-                        ? plan_query(database, query, query_name, settings, resources, once)
+                        ? plan_query(database, query.frames, query.name, settings, resources, once)
                         : with_limit(plans.front(), database, settings, once));
   }
   return sweeps;
@@ -291,19 +290,12 @@ Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {
   return choice;
 }
 
-TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor) {
-  return
-      [by, &monitor](const GroundTruthScope& scope) { return whole_truth_of(by, scope, monitor); };
-}
-
-Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
-                      const std::string& query_name, const ResolvedSettings& base, const Grid& grid,
-                      const TruthReader& read_truth, const QueryResources& resources,
-                      const Monitor& monitor) {
-  std::vector<LengthSweep> lengths =
-      plan_sweep(database, query, query_name, base, grid, resources, monitor);
+Sweep sweep_sequences(const SequenceDatabase& database, const LabeledQuery& query,
+                      const ResolvedSettings& base, const Grid& grid,
+                      const QueryResources& resources, const Monitor& monitor) {
+  std::vector<LengthSweep> lengths = plan_sweep(database, query, base, grid, resources, monitor);
   const Result shape = lengths.front().plans.front().result;
-  const GroundTruth truth = read_truth(scope_of(shape));
+  const GroundTruth truth = whole_truth_of(query.by, scope_of(shape), monitor);
   search(lengths, truth, monitor);
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
@@ -315,9 +307,9 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
   return count_cells(shape, grid, result_of, untrained_of, truth, resources.seed, monitor);
 }
 
-Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                   const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
-                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor) {
+Sweep sweep_fabmap(const FabmapDatabase& database, const LabeledWords& query,
+                   const FabmapQuerySettings& base, const Grid& grid, uint64_t seed,
+                   const Monitor& monitor) {
   check_grid(grid, base);
   const std::vector<uint32_t> place_of = database.places();
   const size_t thresholds = grid.thresholds.size();
@@ -326,7 +318,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
     // A frame without words recognizes nothing.
     const std::span<const double> shown =
-        query.words[frame].empty() ? std::span<const double>{} : posterior;
+        query.frames.words[frame].empty() ? std::span<const double>{} : posterior;
     for (size_t t = 0; t < thresholds; ++t) {
       windows[t].add(shown, *grid.thresholds[t], place_of.size());
       for (size_t w = 0; w < grid.windows.size(); ++w)
@@ -334,7 +326,8 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                             grid.windows[w], place_of);
     }
   };
-  const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  const Result all =
+      query_fabmap(database, query.frames, query.name, base, seed, observe, monitor).result;
   const auto result_of = [&](size_t cell) {
     Result result = all;
     result.settings = settings_at(grid, cell, base);
@@ -342,7 +335,8 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     return result;
   };
   const auto untrained_of = [](size_t) { return std::nullopt; };
-  return count_cells(all, grid, result_of, untrained_of, read_truth(scope_of(all)), seed, monitor);
+  const GroundTruth truth = whole_truth_of(query.by, scope_of(all), monitor);
+  return count_cells(all, grid, result_of, untrained_of, truth, seed, monitor);
 }
 
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +22,16 @@
 #include "truth/ground_truth.h"
 
 namespace vpr {
+
+/// A query with ground truth, described for a database of sequences or of FAB-MAP.
+template <class Frames>
+struct Labeled {
+  std::string name;
+  Frames frames;
+  EvaluationSettings by;
+};
+using LabeledQuery = Labeled<DescriptorSet>;
+using LabeledWords = Labeled<SequenceWords>;
 
 /// Windows by thresholds, at least one each: c_l and t_r or margins, or c_w and t_p.
 struct Grid {
@@ -154,26 +163,20 @@ struct Sweep {
 /// have c_w frames, at least 8.
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed);
 
-/// Reads the ground truth for the indices of a result.
-using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
-/// Reads it as whole_truth_of does. The monitor must outlive the reader.
-TruthReader reader_of(const EvaluationSettings& by, const Monitor& monitor);
-
 /// The counts of vpr-query and vpr-eval for every cell, by window, then threshold, and the
 /// recommended cell. Frame distances are computed once (twice for thresholds relative to the
 /// largest distance): windows of all lengths come from the same pass, and the thresholds of one
 /// length from its recognitions at the largest one. `base`: the other settings, resolved with the
-/// feature sweep. Each warning is reported once. Throws as plan_query does, and Error(usage)
-/// if the recognitions of all lengths together exceed the memory limit.
-Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
-                      const std::string& query_name, const ResolvedSettings& base, const Grid& grid,
-                      const TruthReader& read_truth, const QueryResources& resources,
-                      const Monitor& monitor);
+/// feature sweep. Each warning is reported once. Throws as plan_query and whole_truth_of do, and
+/// Error(usage) if the recognitions of all lengths together exceed the memory limit.
+Sweep sweep_sequences(const SequenceDatabase& database, const LabeledQuery& query,
+                      const ResolvedSettings& base, const Grid& grid,
+                      const QueryResources& resources, const Monitor& monitor);
 
 /// The counts for FAB-MAP, from one pass of posteriors. Throws Error(usage) for settings out of
-/// range and loop queries.
-Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                   const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
-                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor);
+/// range and loop queries; also throws what whole_truth_of throws.
+Sweep sweep_fabmap(const FabmapDatabase& database, const LabeledWords& query,
+                   const FabmapQuerySettings& base, const Grid& grid, uint64_t seed,
+                   const Monitor& monitor);
 
 }  // namespace vpr

@@ -88,8 +88,7 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
                                    const Monitor& monitor) {
   const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
   const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledQuery& query) {
-    return sweep_sequences(database, query.frames, query.name, base, grid,
-                           reader_of(query.by, monitor), resources, monitor);
+    return sweep_sequences(database, query, base, grid, resources, monitor);
   });
   return settings_at(grid, cell, settings);
 }
@@ -181,8 +180,7 @@ Trial try_fabmap(const FabmapDatabase& database, const std::vector<LabeledWords>
                  const FabmapQuerySettings& base, uint64_t max_incorrect, uint64_t seed,
                  const Monitor& monitor) {
   const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledWords& query) {
-    return sweep_fabmap(database, query.frames, query.name, base, kFabmapGrid,
-                        reader_of(query.by, monitor), seed, monitor);
+    return sweep_fabmap(database, query, base, kFabmapGrid, seed, monitor);
   });
   const FabmapQuerySettings settings = settings_at(kFabmapGrid, cell, base);
   Trial trial{fmt::format("FAB-MAP, c_w {}, t_p {:g}", settings.window, settings.place_threshold),

@@ -15,16 +15,6 @@
 
 namespace vpr {
 
-/// A query with ground truth, described for a database of sequences or of FAB-MAP.
-template <class Frames>
-struct Labeled {
-  std::string name;
-  Frames frames;
-  EvaluationSettings by;
-};
-using LabeledQuery = Labeled<DescriptorSet>;
-using LabeledWords = Labeled<SequenceWords>;
-
 /// One setting on all queries.
 struct Trial {
   std::string name;  ///< for tables: "windows of 40"

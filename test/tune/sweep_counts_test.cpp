@@ -1,5 +1,6 @@
 // Counts of sweeps, compared with single queries and with random chance.
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/random.h"
 #include "evaluate/outcomes.h"
@@ -43,12 +44,15 @@ SequenceWords make_query(const FabmapDatabase& database, RandomEngine& engine) {
   return query;
 }
 
-GroundTruth same_frames(const GroundTruthScope& scope) {
-  GroundTruth truth;
-  truth.pairs.resize(scope.query.frames);
-  for (uint32_t f = 0; f < scope.query.frames; ++f)
-    if (f != 5) truth.pairs[f].push_back({0, f, f == 9 ? PlaceLabel::ignore : PlaceLabel::same});
-  return truth;
+/// Each query frame shows its own view, but frame 5 shows none, and the pair of frame 9 is ignored.
+LabeledWords labeled(const SequenceWords& query, const test::TemporaryFolder& folder) {
+  std::string pairs = "query,reference,label\n";
+  for (size_t f = 0; f < query.words.size(); ++f)
+    if (f != 5) pairs += fmt::format("{},{},{}\n", f, f, f == 9 ? "ignore" : "same");
+  test::write_text(folder / "pairs.csv", pairs);
+  EvaluationSettings by;
+  by.ground_truth = {"pairs", folder / "pairs.csv"};
+  return {"q", query, by};
 }
 
 /// Ten windows of c_l frames, with correct and incorrect recognitions in the given windows.
@@ -67,15 +71,17 @@ SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
 TEST_CASE("a sweep of FAB-MAP equals single queries, cell by cell") {
   RandomEngine engine(4);
   const FabmapDatabase database = make_database(engine);
-  const SequenceWords query = make_query(database, engine);
+  const test::TemporaryFolder folder;
+  const LabeledWords query = labeled(make_query(database, engine), folder);
   const Grid grid{{1, 2, 4}, {0.99, 0.9, 0.5, 0.01}};
-  const auto cells = sweep_fabmap(database, query, "q", {}, grid, same_frames, 1, {}).cells;
+  const auto cells = sweep_fabmap(database, query, {}, grid, 1, {}).cells;
   REQUIRE(cells.size() == 12);
   std::set<uint64_t> different;
   for (size_t c = 0; c < cells.size(); ++c) {
     const FabmapQuerySettings settings = settings_at(grid, c, FabmapQuerySettings{});
-    const Result result = query_fabmap(database, query, "q", settings, 1, {}, {}).result;
-    const GroundTruth truth = same_frames(scope_of(result));
+    const Result result =
+        query_fabmap(database, query.frames, query.name, settings, 1, {}, {}).result;
+    const GroundTruth truth = whole_truth_of(query.by, scope_of(result), {});
     const Counts alone = count_recognitions(result, truth);
     INFO("c_w " << settings.window << ", t_p " << settings.place_threshold);
     CHECK(cells[c].window == settings.window);

@@ -2,6 +2,7 @@
 #include "tune/sweep.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -36,30 +37,30 @@ DescriptorSet make_query(size_t changed_bits) {
   return query;
 }
 
-GroundTruth make_truth(const GroundTruthScope& scope) {
-  GroundTruth truth;
-  truth.tolerance_frames = 2;
-  truth.pairs.resize(scope.query.frames);
-  for (uint32_t f = 0; f < scope.query.frames; ++f)
-    truth.pairs[f].push_back({0, f + 10, f % 9 == 0 ? PlaceLabel::ignore : PlaceLabel::same});
-  return truth;
+// Query frame f shows frame f + 10 of the first sequence; every ninth pair is ignored.
+LabeledQuery labeled(const DescriptorSet& query) {
+  static const test::TemporaryFolder folder;
+  std::string pairs = "query,sequence,reference,label\n";
+  for (int f = 0; f < 80; ++f)
+    pairs += fmt::format("{},a,{},{}\n", f, f + 10, f % 9 == 0 ? "ignore" : "same");
+  test::write_text(folder / "pairs.csv", pairs);
+  EvaluationSettings by;
+  by.ground_truth = {"pairs", folder / "pairs.csv", 2};
+  return {"q", query, by};
 }
-
-}  // namespace
-
-namespace {
 
 // Every cell has the counts of a single query with its settings.
 Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
                   const ResolvedSettings& base, const Grid& grid) {
-  const Sweep sweep = sweep_sequences(database, query, "q", base, grid, make_truth, {}, {});
+  const LabeledQuery walk = labeled(query);
+  const Sweep sweep = sweep_sequences(database, walk, base, grid, {}, {});
   REQUIRE(sweep.cells.size() == grid.windows.size() * grid.thresholds.size());
   size_t recognitions = 0;
   for (size_t c = 0; c < sweep.cells.size(); ++c) {
     const CellCounts& cell = sweep.cells[c];
     const SequenceQuerySettings settings = settings_at(grid, c, *base);
     const Result result = test::query_result(database, query, settings);
-    const GroundTruth truth = make_truth(scope_of(result));
+    const GroundTruth truth = whole_truth_of(walk.by, scope_of(result), {});
     const Counts alone = count_recognitions(result, truth);
     INFO("c_l " << settings.window_length << ", cell " << c);
     CHECK(cell.window == settings.window_length);
@@ -101,8 +102,8 @@ TEST_CASE("a sweep gives each warning of its settings once") {
   const QueryResources resources;
   test::Warnings warnings;
   // The second training sequence has runs of at most 49 frames.
-  sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
-                  resources, warnings.monitor);
+  sweep_sequences(database, labeled(query), {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, resources,
+                  warnings.monitor);
   const auto times = [&](const std::string& words) {
     return std::ranges::count_if(warnings.said, [&](const std::string& sentence) {
       return sentence.find(words) != std::string::npos;
@@ -122,8 +123,8 @@ TEST_CASE("the recognitions of all window lengths share the memory limit") {
   const auto run = [&](std::vector<uint64_t> lengths, size_t memory) {
     resources.memory_limit = memory;
     return test::error_kind([&] {
-      sweep_sequences(database, query, "q", bits, {std::move(lengths), {1500.0}}, make_truth,
-                      resources, {});
+      sweep_sequences(database, labeled(query), bits, {std::move(lengths), {1500.0}}, resources,
+                      {});
     });
   };
   const size_t enough = 64 * size_t{90} * 270;
@@ -164,7 +165,7 @@ TEST_CASE("intervals of constant counts are the counts") {
 TEST_CASE("a FAB-MAP threshold is a probability") {
   FabmapDatabase database;
   CHECK(test::error_kind([&] {
-          sweep_fabmap(database, {}, "q", {}, {{1}, {1.5}}, make_truth, 1, {});
+          sweep_fabmap(database, {"q", {}, {}}, {}, {{1}, {1.5}}, 1, {});
         }) == ErrorKind::usage);
 }
 
