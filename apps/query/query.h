@@ -22,7 +22,6 @@ struct QueryOptions {
   QueryInputs inputs;       ///< without frames and database
   std::string loop_list;    ///< output
   std::string matrix;       ///< output
-  std::string fuse;         ///< FAB-MAP database of the same training sequences
   size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;
   std::string posteriors;  ///< output

@@ -131,7 +131,6 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::query);
-  add_fuse_flag(command, options.fuse);
   add_matrix_output(command, options);
   add_setting(command, "--verify", options.verify_cells,
               "number of random cells to recompute with the reference implementation (windows of "
@@ -151,7 +150,6 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
                   "matching method (default: filter); flags of windows select fastable");
   add_rate_flags(command, options.selection, "the query", "", kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::live);
-  add_fuse_flag(command, options.fuse);
   command.remove_flag("--output");
 }
 
@@ -252,7 +250,6 @@ ResultContext make_context(const QueryOptions& options, const Session& session) 
   ResultContext context;
   context.run = session.run;
   if (!options.database.empty()) context.run.paths["database"] = options.database;
-  if (!options.fuse.empty()) context.run.paths["fuse"] = options.fuse;
   return context;
 }
 

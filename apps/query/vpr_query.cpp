@@ -106,7 +106,6 @@ Features choices_of(const Session& session, const QueryOptions& options,
     run.push_back(Feature::fabmap);
   else if (!options.database.empty())
     run.push_back(Feature::database);
-  if (!options.fuse.empty()) run.push_back(Feature::fuse);
   if (!options.matrix.empty()) run.push_back(Feature::save_matrix);
   if (options.verify_cells > 0) run.push_back(Feature::verify);
   add_given_features(run, settings, given_settings(session));

@@ -39,7 +39,7 @@ void calibrate(Session& session, const Calibrate& command) {
   const Source& source = sources.front();
   const Stopwatch watch;
   const ResolvedSettings settings(command.settings, {Feature::database, Feature::calibrate});
-  const SequenceDatabase database = open_database(options.database, settings, "", monitor);
+  const SequenceDatabase database = open_database(options.database, settings, monitor);
   const QueryResources resources{options.memory_limit, 0, session.options.process.seed};
   const DescriptorSet query = describe_query(source.sequence.sequence, database, settings, monitor);
   CalibratedSequence result = calibrate_sequence(

@@ -32,8 +32,7 @@ struct ResultContext {
   RunInfo run;
   std::string database_fingerprint;
   std::string query_fingerprint;
-  std::optional<std::string> fused_fingerprint;  ///< of FAB-MAP's database, with fusion
-  std::map<std::string, double> seconds;         ///< written only
+  std::map<std::string, double> seconds;  ///< written only
   std::optional<Verification> verification;
   std::optional<MatrixLayout> matrix;      ///< of a saved matrix
   std::optional<ScoreUnits> scores;        ///< of a precomputed matrix

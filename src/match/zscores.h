@@ -13,7 +13,6 @@
 #include "base/monitor.h"
 #include "match/components.h"
 #include "match/frame_distances.h"
-#include "match/fusion.h"
 #include "match/score_kernels.h"
 #include "store/train_statistics.h"
 
@@ -49,7 +48,7 @@ void check_zscore_settings(const ZScoreSettings& settings);
 /// Sums of 16-bit scores stay below 2^32.
 inline constexpr size_t kMaxScoredWindow = 65536;
 
-/// The initial state of a query's z-scores, and of the score stages after them.
+/// The initial state of a query's z-scores.
 struct ScoreBasis {
   ZScoreSettings settings;
   bool offline = false;
@@ -57,7 +56,6 @@ struct ScoreBasis {
   std::vector<float> mean;     ///< of centered distances; one per matched training frame
   float variance = 0;          ///< of centered distances, the same for all training frames
   TrainComponents components;  ///< loadings: one per matched training frame
-  FusionBasis fusion = {};     ///< of the scores with FAB-MAP
 };
 
 /// The initial state from training statistics: for every frame `start_bias` of its bias, minus the

@@ -21,17 +21,14 @@ namespace {
 struct SequenceQuery {
   QueryInputs inputs;
   SelectionSettings selection;
-  std::string fuse;  ///< a FAB-MAP database; empty: none
   QueryResources resources;
   ResolvedSettings settings;
 
   /// `command`: of vpr-query.
   SequenceQuery(Call& call, Feature command) {
-    const bool has_database = command == Feature::query || command == Feature::live;
     SequenceQuerySettings chosen;
     NestedObject own{[&](auto&& visit) {
       visit("max_memory", resources.memory_limit);
-      if (has_database) visit("fuse", fuse);
       if (command == Feature::query) visit_fields(selection, visit);
       if (command == Feature::loops) visit("frame_times", inputs.frame_times);
       if (command != Feature::matrix) return;
@@ -45,18 +42,16 @@ struct SequenceQuery {
     std::vector<std::string> keys;
     for (const auto& item : call.keywords.items()) keys.push_back(item.key());
     Features run = {command};
-    if (has_database) run.push_back(Feature::database);
+    if (command == Feature::query || command == Feature::live) run.push_back(Feature::database);
     if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
-    if (!fuse.empty()) run.push_back(Feature::fuse);
     add_given_features(run, chosen, keys);
     settings = ResolvedSettings(chosen, run);
   }
 
-  /// Adds what the settings need; fused views to a copy of the database.
+  /// Adds what the settings need.
   void prepare(const DatabasePointer& database, const Monitor& monitor) {
     inputs.database = {database, &database->sequences()};
-    if (!fuse.empty()) inputs.database = std::make_shared<SequenceDatabase>(*inputs.database);
-    prepare_database(*inputs.database, settings, fuse, monitor);
+    prepare_database(*inputs.database, settings, monitor);
   }
 
   QueryRun run(ResultContext& context, const Monitor& monitor) const {
@@ -119,7 +114,6 @@ ResultPointer query(Call& call, const DatabasePointer& database, const std::stri
     SequenceArgument& sequence = by.inputs.query.sequence;
     sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
     by.prepare(database, monitor);
-    if (!by.fuse.empty()) context.run.paths["fuse"] = by.fuse;
     context.train =
         std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
     return by.run(context, monitor);

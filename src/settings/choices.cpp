@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "match/fastable.h"
-#include "match/fusion.h"
 #include "match/lsh.h"
 #include "match/match.h"
 #include "match/zscores.h"
@@ -89,7 +88,6 @@ constexpr std::array kChoices = {
            .instead = "Use vpr-query, or --method fastable."},
     Choice{.feature = Feature::calibrate,
            .needs = kMargin | kSequences | kEveryScore,
-           .excludes = kFabmap,
            .instead = "Use --method fastable and a decision by margin."},
 
     Choice{.flag = "--method filter",
@@ -113,11 +111,6 @@ constexpr std::array kChoices = {
            .instead = "Omit it.",
            .is_implied = [](const Settings& s,
                             const Features&) { return !score_kind(s.score).needs_statistics; }},
-    Choice{.feature = Feature::fuse,
-           .needs = kFabmap | kZScores | kSequences | kFrames,
-           .excludes = kRaw | kDefinition,
-           .instead = "Omit --fuse and fusion_weight.",
-           .is_implied = is_set<&Settings::fusion_weight>},
     Choice{.flag = "--score zscore",
            .needs = kZScores,
            .excludes = kRaw,
@@ -230,7 +223,6 @@ void check_zscore_window(const Settings& settings) {
                       settings.window_length));
   check_zscore_settings(settings.zscore);
   if (settings.loop) check_past_settings(settings.zscore);
-  require_range("fusion_weight", settings.fusion_weight.value_or(0), 0, kMostFusionWeight);
 }
 
 void check_gap(const Settings& settings) {
@@ -257,14 +249,11 @@ void check_ranges(const Settings& settings) {
   require_range("clustering.eps", static_cast<double>(settings.clustering.eps), 0, kMaxEps);
 }
 
-void fill_implied(Settings& settings, const Features& run) {
-  if (has(run, Feature::fuse) && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
+void fill_implied(Settings& settings) {
   if (settings.loop && !settings.exclusion_frames && settings.loop_gap > 0)
     settings.exclusion_frames = settings.loop_gap;
-  const bool is_filter = has_paths(settings);
-  if ((is_filter || settings.fusion_weight) && settings.score == Score::raw)
-    settings.score = Score::zscore;
-  if (!is_filter) return;
+  if (!has_paths(settings)) return;
+  if (settings.score == Score::raw) settings.score = Score::zscore;
   settings.window_length = 1;
   settings.decision = Decision::margin;
   if (!settings.margin) settings.margin = kFilterMargin;
@@ -320,7 +309,7 @@ std::string_view default_method(Feature command, std::span<const std::string> gi
 ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, Features run)
     : settings_(std::move(settings)), run_(std::move(run)) {
   find_sequence_method(settings_.method);
-  fill_implied(settings_, run_);
+  fill_implied(settings_);
   check_choices(settings_, run_);
   check_ranges(settings_);
   if (settings_.decision == Decision::threshold) settings_.threshold_scale = scale_of(settings_);

@@ -38,7 +38,6 @@ Json in_force(SequenceQuerySettings settings) {
   for (const char* key : {"rates", "exclusion_frames"}) erase_unless(!is_filter, key);
   erase_unless(settings.method == kLshMethod, "lsh");
   erase_unless(score_kind(settings.score).needs_statistics, "zscore");
-  erase_unless(settings.fusion_weight.has_value(), "fusion_weight");
   erase_unless(settings.loop && settings.loop_gap != 0, "loop_gap");
   erase_unless(settings.loop && settings.loop_gap == 0, "loop_gap_s");
   erase_unless(settings.loop, "descriptor");

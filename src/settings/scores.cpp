@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "match/fusion.h"
 #include "match/reference.h"
 #include "match/score_kernels.h"
 #include "settings/query_settings.h"
@@ -104,13 +103,6 @@ void prepare_zscores(const SequenceQuerySettings& settings, const TrainStatistic
   basis = make_score_basis(zscore, score_kind(settings.score).is_offline, *statistics);
 }
 
-void prepare_fusion(const SequenceQuerySettings& settings, const TrainStatistics* statistics,
-                    ScoreBasis& basis) {
-  if (statistics->fused == nullptr) throw Error(ErrorKind::usage, kNoFabmap);
-  basis.fusion =
-      make_fusion_basis(statistics->fused, *settings.fusion_weight, statistics->settings);
-}
-
 StartedStage start_zscore_stage(const std::shared_ptr<const ScoreBasis>& basis) {
   const auto state = std::make_shared<std::shared_ptr<ZScoreState>>();
   return {[=](FrameDistances input, std::span<const size_t> kept, const Monitor& monitor) {
@@ -129,14 +121,7 @@ StartedStage start_past_stage(const std::shared_ptr<const ScoreBasis>& basis) {
   }};
 }
 
-StartedStage start_fusion_stage(const std::shared_ptr<const ScoreBasis>& basis) {
-  return {[basis, state = std::make_shared<FusionState>()](
-              FrameDistances input, std::span<const size_t>, const Monitor&) {
-    return fused(std::move(input), {basis, &basis->fusion}, state);
-  }};
-}
-
-constexpr std::array<ScoreStage, 3> kScoreStages = {
+constexpr std::array<ScoreStage, 2> kScoreStages = {
     {{"z-scores", [](const SequenceQuerySettings& s) { return has_zscores(s) && !s.loop; },
       prepare_zscores, start_zscore_stage, wrong_scores},
      {"z-scores of the past",
@@ -144,9 +129,7 @@ constexpr std::array<ScoreStage, 3> kScoreStages = {
       [](const SequenceQuerySettings& s, const TrainStatistics*, ScoreBasis& basis) {
         basis.settings = s.zscore;
       },
-      start_past_stage},
-     {"FAB-MAP", [](const SequenceQuerySettings& s) { return s.fusion_weight.has_value(); },
-      prepare_fusion, start_fusion_stage}}};
+      start_past_stage}}};
 
 }  // namespace
 

@@ -124,10 +124,6 @@ struct ScoreStage {
                                    const ScoreBasis& basis, const Monitor& monitor) = nullptr;
 };
 
-/// The error of a fusion without FAB-MAP.
-inline constexpr const char* kNoFabmap =
-    "fusion_weight needs FAB-MAP's database of the training sequences, as in --fuse FABMAP.vprdb";
-
 /// The score stages of a query, in the order of the table, and what they start from.
 struct ScoreStages {
   std::vector<const ScoreStage*> rows;  ///< empty: raw distances

@@ -109,11 +109,6 @@ constexpr std::array kSequenceRows = {
                .is_for_windows = true,
                .needs = kThreshold | kRaw | kTrainingDistances | kAutomaticThreshold,
                .instead = "Omit it."},
-    SettingRow{.key = "fusion_weight",
-               .group = kWindowGroup,
-               .commands = in(Feature::query, Feature::live, Feature::sweep),
-               .help = "fusion weight, in standard deviations per nat, adapted online (default: "
-                       "0.2)"},
     SettingRow{
         .key = "skip_unreadable",
         .group = kQueryGroup,

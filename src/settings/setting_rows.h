@@ -25,7 +25,6 @@ enum class Feature {
   calibrate,
   database,
   fabmap,
-  fuse,
   save_matrix,
   verify,
   window_length,
@@ -35,7 +34,7 @@ enum class Feature {
   margins
 };
 template <>
-inline constexpr std::array<std::string_view, 17> kEnumNames<Feature> = {"vpr-query",
+inline constexpr std::array<std::string_view, 16> kEnumNames<Feature> = {"vpr-query",
                                                                          "vpr-query live",
                                                                          "vpr-query loops",
                                                                          "vpr-query matrix",
@@ -44,7 +43,6 @@ inline constexpr std::array<std::string_view, 17> kEnumNames<Feature> = {"vpr-qu
                                                                          "vpr-tune calibrate",
                                                                          "DB",
                                                                          "a FAB-MAP database",
-                                                                         "--fuse",
                                                                          "--save-matrix",
                                                                          "--verify",
                                                                          "--c-l",
@@ -73,13 +71,12 @@ enum Facet : uint32_t {
   kPast = 1 << 13,
   kSeconds = 1 << 14,
   kDescriptor = 1 << 15,
-  kFabmap = 1 << 16,
-  kDefinition = 1 << 17,
-  kAutomaticThreshold = 1 << 18,
+  kDefinition = 1 << 16,
+  kAutomaticThreshold = 1 << 17,
 };
 
 /// By bit number.
-inline constexpr std::array<std::string_view, 19> kFacetNames = {
+inline constexpr std::array<std::string_view, 18> kFacetNames = {
     "threshold",
     "margin",
     "raw distances",
@@ -96,7 +93,6 @@ inline constexpr std::array<std::string_view, 19> kFacetNames = {
     "past frames",
     "gap in seconds",
     "choice of descriptors",
-    "FAB-MAP database",
     "windows that it can recompute",
     "automatic t_r",
 };

@@ -60,8 +60,7 @@ void make_inputs() {
            {"empty.json", R"({"method": ""})"},
            {"place.json", R"({"c_l": 5, "t_p": 0.3})"},
            {"radius.json", R"({"clustering": {"eps": -1}})"},
-           {"raw.json", R"({"c_l": 5, "t_r": -1.5})"},
-           {"fused.json", R"({"score": "zscore", "fusion_weight": 0.2})"}})
+           {"raw.json", R"({"c_l": 5, "t_r": -1.5})"}})
     write_text(name, text);
   const auto write_floats = [](const std::string& name, size_t rows, size_t length, int missing) {
     std::vector<float> values(rows * length);

@@ -189,7 +189,6 @@ TEST_CASE("everything about a run is read back") {
   context.run.paths = {{"query", "walk"}};
   context.run.frame_names = {{"query", "xxh3:1"}};
   context.database_fingerprint = "xxh3:2";
-  context.fused_fingerprint = "xxh3:3";
   context.verification = {12, 0};
   context.matrix = {4, 5, {{"a", 0}}};
   context.scores = {ScoreOrder::similarity, 0.5, 0.25, true};
@@ -212,7 +211,6 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.run.paths == context.run.paths);
   CHECK(read.run.frame_names == context.run.frame_names);
   CHECK(read.database_fingerprint == "xxh3:2");
-  CHECK(read.fused_fingerprint == "xxh3:3");
   CHECK(read.verification->cells == 12);
   CHECK(read.matrix->sequences.at(0).sequence == "a");
   CHECK(read.scores->kind == ScoreOrder::similarity);

@@ -12,7 +12,6 @@
 #include "match/fastable.h"
 #include "match/reference.h"
 #include "match/score_kernels.h"
-#include "reference/reference_fusion.h"
 #include "reference/reference_past.h"
 #include "run/query.h"
 
@@ -23,11 +22,6 @@ struct RatedWindows {
   size_t length = 1;
   std::vector<Rate> rates;  ///< at least one
 };
-
-// In units of scores.
-double tolerance_of(size_t window_length, const ScoreBasis& basis) {
-  return static_cast<double>(window_length) * (1 + fusion_tolerance(basis.fusion));
-}
 
 /// The terms of sums: a value of training frame i of a sequence and query frame j.
 using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
@@ -65,9 +59,8 @@ std::optional<double> reference_best(const PairValue& value, const RatedWindows&
 class ReferenceScores {
  public:
   ReferenceScores(std::span<const DescribedFrames> train, const DescriptorRows& query,
-                  const ReferenceUpdates& updates, const ScoreBasis& basis,
-                  const ReferenceFusion& fusion)
-      : train_(train), query_(query), updates_(updates), basis_(basis), fusion_(fusion) {}
+                  const ReferenceUpdates& updates, const ScoreBasis& basis)
+      : train_(train), query_(query), updates_(updates), basis_(basis) {}
   double operator()(size_t sequence, size_t i, size_t j) {
     auto& scores = known_[i];
     if (scores.empty()) {
@@ -75,7 +68,7 @@ class ReferenceScores {
       for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
       scores = reference_frame_scores(train_[sequence].rows[i], frame, query_, updates_, basis_);
     }
-    return fusion_(scores[j], sequence, i, j);
+    return scores[j];
   }
 
  private:
@@ -83,20 +76,17 @@ class ReferenceScores {
   DescriptorRows query_;
   const ReferenceUpdates& updates_;
   const ScoreBasis& basis_;
-  const ReferenceFusion& fusion_;
   std::map<size_t, std::vector<double>> known_;  // by training frame of the last sequence
 };
 
-// Windows of one or several rates, with or without fusion; with a basis, of scores. A cell without
-// a fitting window of any rate is not wrong.
+// Windows of one or several rates; with a basis, of scores. A cell without a fitting window of any
+// rate is not wrong.
 std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
                                     std::span<const DescribedFrames> train,
                                     const DescribedFrames& query, const ScoreBasis* basis,
                                     const Monitor& monitor) {
   const ReferenceUpdates updates =
       basis != nullptr ? reference_updates(train, query, *basis, monitor) : ReferenceUpdates{};
-  const ReferenceFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
-                               windows.length, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return reference_distance(train[sequence].rows, i, query.rows, j);
   };
@@ -109,12 +99,13 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
     // Only an offline score depends on frames after the window.
     const size_t known =
         basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
-    ReferenceScores scores(train, query.rows.first(known), updates, *basis, fusion);
+    ReferenceScores scores(train, query.rows.first(known), updates, *basis);
     right[c] = reference_best(std::ref(scores), windows, train, cells[c]);
     if (right[c])
       *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
   });
-  const double tolerance = basis == nullptr ? 0 : tolerance_of(windows.length, *basis);
+  // Of scores, each rounded by less than one unit.
+  const double tolerance = basis == nullptr ? 0 : static_cast<double>(windows.length);
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
     if (!right[c] || std::abs(cells[c].score - *right[c]) <= tolerance) continue;

@@ -38,7 +38,6 @@ const std::vector<ChosenFlag> kChosenFlags = {
     {"--method filter", [](auto& s) { s.method = "filter"; }},
     {"--method lsh", [](auto& s) { s.method = "lsh"; }},
     {"--method openable", [](auto& s) { s.method = "openable"; }},
-    {"--fuse", [](auto& s) { s.fusion_weight = 0.2; }},
     {"--score raw", {}},
     {"--score zscore", [](auto& s) { s.score = Score::zscore; }},
     {"--score zscore-offline", [](auto& s) { s.score = Score::zscore_offline; }},
@@ -132,9 +131,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--score raw", "--method filter"}, "--score raw", "--method filter"},
       {{"--decide threshold", "--method filter"}, "--decide threshold", "--method filter"},
       {{"--verify", "--method filter"}, "--verify", "--method filter"},
-      {{"--fuse", "--t-r", "--score raw"}, "--score raw", "--fuse"},
-      {{"--fuse", "--t-r", "--method openable"}, "--fuse", "--method openable"},
-      {{"--fuse", "--t-r", "--verify"}, "--verify", "--fuse"},
       {{"--rates", "--verify"}, "--verify", "--rates"},
       // A loop query.
       {{"vpr-query loops", "DB"}, "DB", "vpr-query loops"},
@@ -144,7 +140,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"vpr-query loops", "--method lsh"}, "--method lsh", "vpr-query loops"},
       {{"vpr-query loops", "--rates"}, "--rates", "vpr-query loops"},
       {{"vpr-query loops", "--score zscore-offline"}, "offline", "vpr-query loops"},
-      {{"vpr-query loops", "--fuse"}, "--fuse", "vpr-query loops"},
       {{"vpr-query loops", "--t-r-scale relative"}, "relative", "vpr-query loops"},
       {{"vpr-query loops", "--decide margin"}, "a default --margin", "vpr-query loops"},
       {{"vpr-query loops", "a --gap in seconds", "--decide margin", "--margin"},
@@ -158,7 +153,6 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       // A matrix of scores.
       {{"vpr-query matrix", "DB"}, "DB", "vpr-query matrix"},
       {{"vpr-query matrix", "vpr-query live"}, "vpr-query live", "vpr-query matrix"},
-      {{"vpr-query matrix", "--fuse"}, "--fuse", "vpr-query matrix"},
       {{"vpr-query matrix", "--skip-unreadable"}, "--skip-unreadable", "vpr-query matrix"},
       {{"vpr-query matrix", "--method filter"}, "--method filter", "vpr-query matrix"},
       {{"vpr-query matrix", "--method lsh"}, "--method lsh", "vpr-query matrix"},
@@ -184,8 +178,7 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"vpr-tune fastable", "--method filter"}, "vpr-tune fastable", "--method filter"},
       {{"vpr-tune fastable", "--method lsh"}, "vpr-tune fastable", "--method lsh"},
       {{"vpr-tune calibrate", "--method lsh"}, "vpr-tune calibrate", "--method lsh"},
-      {{"vpr-tune calibrate"}, "vpr-tune calibrate", "--decide threshold"},
-      {{"vpr-tune calibrate", "--decide margin", "--fuse"}, "--fuse", "vpr-tune calibrate"}};
+      {{"vpr-tune calibrate"}, "vpr-tune calibrate", "--decide threshold"}};
   for (const Refused& one : all) {
     std::string flags;
     for (const std::string_view flag : one.flags) flags += std::string(flag) + " ";
@@ -201,12 +194,12 @@ TEST_CASE("choices that can be combined are accepted") {
       {},
       {"--method openable", "--t-r", "--t-r-scale bits"},
       {"--method lsh", "--t-r", "--t-r-scale bits"},
-      {"--method filter", "--margin", "--same-place", "--only-sequence", "--fuse"},
+      {"--method filter", "--margin", "--same-place", "--only-sequence"},
       {"--method filter", "vpr-query live"},
       {"vpr-query live", "--t-r", "--t-r-scale bits", "--skip-unreadable"},
       {"vpr-query live", "--t-r-scale relative"},
-      {"vpr-query live", "--decide margin", "--fuse"},
-      {"--score zscore", "--t-r", "--t-r-scale mean-z", "--rates", "--fuse"},
+      {"vpr-query live", "--decide margin"},
+      {"--score zscore", "--t-r", "--t-r-scale mean-z", "--rates"},
       {"--score zscore-offline", "--decide margin", "--margin", "--exclusion-frames"},
       {"--score zscore", "--decide margin", "--verify", "--save-matrix"},
       {"vpr-query loops", "--descriptor", "--save-matrix"},
@@ -214,7 +207,7 @@ TEST_CASE("choices that can be combined are accepted") {
       {"vpr-query loops", "--decide margin", "--margin", "--method openable"},
       {"vpr-query matrix", "--score zscore", "--only-sequence", "--same-place", "--rates"},
       {"vpr-query matrix", "--decide margin", "--margin", "--exclusion-frames"},
-      {"vpr-tune fastable", "--score zscore", "--fuse", "--rates", "--t-r"},
+      {"vpr-tune fastable", "--score zscore", "--rates", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
       {"vpr-tune calibrate", "--decide margin", "--score zscore", "--method filter"},
       {"a FAB-MAP database", "vpr-query loops"}};
@@ -263,11 +256,6 @@ TEST_CASE("resolving fills in implied settings") {
   CHECK(filter->decision == Decision::margin);
   CHECK(filter->margin == kFilterMargin);
   CHECK_FALSE(filter->threshold_scale);
-  settings = {};
-  settings.distance_threshold = -1;
-  const ResolvedSettings fused(settings, {Feature::database, Feature::fuse});
-  CHECK(fused->fusion_weight == kFusionWeight);
-  CHECK(fused->score == Score::zscore);
   settings = {};
   by_loop(settings);
   const ResolvedSettings loop(settings, {});
