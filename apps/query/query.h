@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "common/flags.h"
 #include "files/result_file.h"
@@ -25,8 +24,6 @@ struct QueryOptions {
   size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;
   std::string posteriors;  ///< output
-  std::optional<uint64_t> explained_frame;
-  std::vector<std::string> train_images;  ///< [GROUP=]SEQUENCE
 };
 
 /// The settings of both families of methods; the family of the database uses its own.
@@ -48,7 +45,6 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings& settings);
-void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 
 /// The query of --query, --query-npy or --dataset, with its rate and selection. An endless source
 /// is not selected. Throws Error(usage) without a query; also throws as selected.

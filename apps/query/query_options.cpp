@@ -195,19 +195,6 @@ void add_matrix_flags(const Command& command, QueryOptions& options, AllSettings
   add_matrix_output(command, options);
 }
 
-void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
-  command.add_option("DB", options.database, "FAB-MAP database").required();
-  add_query_flags(command, options);
-  command.add_option("--frame", options.explained_frame, "query frame to explain").required();
-  command.add_list("--train", options.train_images,
-                   "[GROUP=]SEQUENCE: images of a training sequence for the plot "
-                   "RESULT.explain.png; repeatable");
-  add_selection_flags(command, options);
-  add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_settings(command, settings.sequence, sequence_setting_rows(), Feature::explain);
-  add_fabmap_flags(command, options, settings.fabmap);
-}
-
 NamedSequence find_query(const QueryOptions& options, bool is_endless, const Session& session) {
   NamedSequence named;
   std::optional<Dataset> dataset;
@@ -237,8 +224,6 @@ QueryResources resources_of(const QueryOptions& options, const Session& session)
 void claim_outputs(const QueryOptions& options, const Session& session) {
   const std::string& output = session.options.output;
   if (!output.empty()) claim_result(output, session.outputs);
-  if (options.explained_frame && !output.empty())
-    session.outputs.claim_file(companion_path(output, "explain.png"));
   if (!options.matrix.empty() && !options.matrix.ends_with(".npy") &&
       !options.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage, "--save-matrix writes .npy or .png, found {}", options.matrix);

@@ -22,7 +22,7 @@ struct QueryCommand {
   const char* example;
 };
 
-constexpr std::array<QueryCommand, 5> kCommands = {
+constexpr std::array<QueryCommand, 4> kCommands = {
     {{"", Feature::query, "Recognize the places of a query sequence in a database.",
       add_match_flags,
       "  vpr-query corridor.vprdb --query tuesday -o result.json\n"
@@ -44,11 +44,7 @@ constexpr std::array<QueryCommand, 5> kCommands = {
       "  vpr-query matrix scores.npy --distance --name tuesday --c-l 20 --score zscore --t-r=-1.5 "
       "-o windows.json\n"
       "  vpr-query matrix similarities.npy --similarity --c-l 20 --t-r 0.6 --save-matrix "
-      "windows.npy"},
-     {"explain", Feature::explain,
-      "List the words for and against the best places of one frame, by FAB-MAP.", add_explain_flags,
-      "  vpr-query explain fabmap.vprdb --query tuesday --frame 17 --train monday -o "
-      "explained.json"}}};
+      "windows.npy"}}};
 
 /// Flags of sequences and their counterparts for FAB-MAP.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kCounterparts = {
@@ -141,9 +137,7 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
     settings.method = family == DatabaseFamily::fabmap
                           ? enum_name(family)
                           : default_method(command, given_settings(session));
-  const bool needs_words = command == Feature::explain;
-  if (needs_words != (family == DatabaseFamily::fabmap) &&
-      (needs_words || command == Feature::live))
+  if (family == DatabaseFamily::fabmap && command == Feature::live)
     throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
                 enum_name(family), enum_name(command));
   if (family_of(settings.method) != family)

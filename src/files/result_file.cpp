@@ -156,7 +156,6 @@ void visit_fields(ResultContent& content, Visitor&& visit) {
   visit("verification", IfSet{context.verification});
   visit("matrix", IfSet{context.matrix});
   visit("scores", IfSet{context.scores});
-  visit("explanation", IfSet{context.explanation});
   visit_context(context, visit);
 }
 

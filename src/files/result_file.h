@@ -34,9 +34,8 @@ struct ResultContext {
   std::string query_fingerprint;
   std::map<std::string, double> seconds;  ///< written only
   std::optional<Verification> verification;
-  std::optional<MatrixLayout> matrix;      ///< of a saved matrix
-  std::optional<ScoreUnits> scores;        ///< of a precomputed matrix
-  std::optional<Explanation> explanation;  ///< of one frame, by FAB-MAP
+  std::optional<MatrixLayout> matrix;  ///< of a saved matrix
+  std::optional<ScoreUnits> scores;    ///< of a precomputed matrix
   FileEntries files;  ///< a saved matrix or posteriors; write_result adds the arrays
   std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known
   /// Checksums of other files of the run in the folder of the result, by name.

@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t kBatch = in(Feature::query, Feature::matrix);
 constexpr uint32_t kOnline = in(Feature::live, Feature::loops);
 constexpr uint32_t kTuned = in(Feature::sweep, Feature::calibrate);
-constexpr uint32_t kPlaces = in(Feature::query, Feature::loops, Feature::explain);
+constexpr uint32_t kPlaces = in(Feature::query, Feature::loops);
 
 constexpr std::array kSequenceRows = {
     SettingRow{.key = "c_l",
@@ -109,14 +109,13 @@ constexpr std::array kSequenceRows = {
                .is_for_windows = true,
                .needs = kThreshold | kRaw | kTrainingDistances | kAutomaticThreshold,
                .instead = "Omit it."},
-    SettingRow{
-        .key = "skip_unreadable",
-        .group = kQueryGroup,
-        .commands = in(Feature::query, Feature::live, Feature::loops, Feature::explain) | kTuned,
-        .help = "ignore frames that cannot be decoded; they keep their index and never "
-                "match",
-        .needs = kFrames,
-        .instead = "Omit it: frames without a score never match."},
+    SettingRow{.key = "skip_unreadable",
+               .group = kQueryGroup,
+               .commands = in(Feature::query, Feature::live, Feature::loops) | kTuned,
+               .help = "ignore frames that cannot be decoded; they keep their index and never "
+                       "match",
+               .needs = kFrames,
+               .instead = "Omit it: frames without a score never match."},
     SettingRow{.key = "descriptor",
                .group = kQueryGroup,
                .commands = in(Feature::loops),

@@ -20,7 +20,6 @@ enum class Feature {
   live,
   loops,
   matrix,
-  explain,
   sweep,
   calibrate,
   database,
@@ -34,11 +33,10 @@ enum class Feature {
   margins
 };
 template <>
-inline constexpr std::array<std::string_view, 16> kEnumNames<Feature> = {"vpr-query",
+inline constexpr std::array<std::string_view, 15> kEnumNames<Feature> = {"vpr-query",
                                                                          "vpr-query live",
                                                                          "vpr-query loops",
                                                                          "vpr-query matrix",
-                                                                         "vpr-query explain",
                                                                          "vpr-tune fastable",
                                                                          "vpr-tune calibrate",
                                                                          "DB",

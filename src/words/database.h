@@ -50,12 +50,6 @@ struct ViewGroup {
   bool is_place = false;
 };
 
-/// The source of a view.
-struct ViewOrigin {
-  size_t group = 0;
-  size_t frame = 0;  ///< within the group
-};
-
 /// The content of a database folder: all training data of FAB-MAP.
 struct FabmapDatabase {
   FabmapTrainSettings settings;
@@ -68,8 +62,6 @@ struct FabmapDatabase {
   std::vector<ViewGroup> groups;
   std::string fingerprint;  ///< of a stored database
 
-  /// `view` is below views.views().
-  ViewOrigin origin(size_t view) const;
   /// Views of frames that could not be decoded, increasing.
   std::vector<size_t> unreadable_views() const;
   /// The index of the place of each view: place groups with the same name share one place.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -369,20 +368,6 @@ std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   std::vector<double> result(query.known_views, best + to_all + kLogProbability);
   for (const uint32_t v : alive) result[v] = sums[v] + to_all;
   return result;
-}
-
-std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
-                                        std::span<const uint32_t> view) {
-  const std::vector<uint8_t> seen = word_flags(frame, model.words());
-  const std::vector<uint8_t> shown = word_flags(view, model.words());
-  std::vector<WordEvidence> evidence;
-  for (uint32_t q = 0; q < model.words(); ++q) {
-    const size_t row = 2 * size_t{seen[q]} + size_t{seen[model.parent[q]]};
-    evidence.push_back({q, seen[q] != 0, shown[q] != 0,
-                        model.log_p[q][2 * row + shown[q]] - model.log_p_new[q][row]});
-  }
-  std::ranges::stable_sort(evidence, std::greater(), &WordEvidence::log_odds);
-  return evidence;
 }
 
 std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, double new_place,

@@ -132,21 +132,6 @@ double new_place_mean_field(const FabmapModel& model, std::span<const uint32_t> 
 /// The log-likelihood of the new place: the logarithm of the mean likelihood over views.
 double log_mean_exp(std::span<const double> log_values);
 
-/// The evidence of one word for or against a view.
-struct WordEvidence {
-  uint32_t word = 0;
-  bool in_frame = false;
-  bool in_view = false;
-  /// log P(z_q | z_parent, view) - log P(z_q | z_parent, new place by mean field): positive values
-  /// favor the view. The sum over all words is the log-odds of the view against this new place.
-  double log_odds = 0;
-};
-
-/// All words of the model by decreasing log-odds; ties by lower word. `frame` and `view`: word ids,
-/// increasing, without duplicates.
-std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
-                                        std::span<const uint32_t> view);
-
 /// Settings of the conversion from likelihoods to probabilities.
 struct PosteriorSettings {
   double smoothing = 0.99;       ///< p becomes smoothing * p + (1 - smoothing) / (views + 1)

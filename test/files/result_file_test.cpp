@@ -10,10 +10,10 @@
 using namespace vpr;
 using namespace vpr::test;
 
-TEST_CASE("companions are named after the result") {
-  CHECK(companion_path("a/r.json", "recognitions.npy") == "a/r.recognitions.npy");
-  CHECK(companion_path("a/r", "recognitions.npy") == "a/r.recognitions.npy");
-  CHECK(companion_path("a/r.v2.json", "best.npy") == "a/r.v2.best.npy");
+TEST_CASE("arrays are named after the result") {
+  CHECK(array_path("a/r.json", "recognitions") == "a/r.recognitions.npy");
+  CHECK(array_path("a/r", "recognitions") == "a/r.recognitions.npy");
+  CHECK(array_path("a/r.v2.json", "best") == "a/r.v2.best.npy");
 }
 
 TEST_CASE("a result can be read back after writing") {
@@ -192,7 +192,6 @@ TEST_CASE("everything about a run is read back") {
   context.verification = {12, 0};
   context.matrix = {4, 5, {{"a", 0}}};
   context.scores = {ScoreOrder::similarity, 0.5, 0.25, true};
-  context.explanation = {3, 0.25, {{{}, "hall", "a: 1.png", 1.5, {{2, true, false, 0.5}}, {}}}};
   context.files["matrix"] = {4, "xxh3:4"};
   Result result = example_result();
   result.recall = SearchRecall{4, 3, 2, 1};
@@ -215,7 +214,6 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.matrix->sequences.at(0).sequence == "a");
   CHECK(read.scores->kind == ScoreOrder::similarity);
   CHECK(read.scores->unit == 0.25);
-  CHECK(read.explanation->places.at(0).for_it.at(0).log_odds == 0.5);
   CHECK(read.files.at("matrix") == FileEntry{4, "xxh3:4"});
   CHECK(read.files.at("best").rows == 4);
   CHECK(read.companions.size() == 1);
