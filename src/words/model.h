@@ -69,8 +69,6 @@ struct FabmapIndex {
   const WordIndex& lists;
   /// Per view: sum over its words of log P(0 | 0, L = 1) - log P(0 | 0, L = 0).
   std::vector<double> defaults;
-  std::vector<int32_t> fixed_defaults;  ///< as defaults, in units of 2^-20
-  bool fits_fixed = true;               ///< whether all of them fit, with room for a query
   /// Sum over all words of log P(0 | 0, L = 0).
   double constant = 0;
 };
@@ -115,11 +113,6 @@ std::vector<double> lut_log_likelihoods(const FabmapQuery& query);
 
 /// Uses the inverted index; equals fabmap1 within rounding (1e-9).
 std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query);
-
-/// Uses the inverted index with sums in units of 2^-20, which do not depend on the order: the error
-/// is at most (words the view shows + 1) / 2 units, under 1e-4 for a view of 200 words. Returns the
-/// sums of fabmap2 if the sum of a view could exceed +-2000.
-std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query);
 
 /// Fast bail-out: evaluates words by increasing P(z_q | z_parent). A view whose gap to the best is
 /// too large for the remaining words to close (Bennett's bound, probability 1e-6) is dropped and

@@ -75,7 +75,6 @@ TEST_CASE("every variant agrees with the reference implementation within its doc
               REQUIRE(std::abs(found[v] - expected[v]) <= error);
           };
           check(fabmap2_log_likelihoods(input), 1e-9);
-          check(fabmap2_fixed_log_likelihoods(input), 1e-4);
           check(lut_log_likelihoods(input), 120 * 0.5e-6 + 1e-9);
           const auto kept = fbo_log_likelihoods(input);
           const double best = *std::max_element(expected.begin(), expected.end());
