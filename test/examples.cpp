@@ -54,30 +54,6 @@ DescriptorSet make_query(const std::vector<LdbCode>& codes) {
   return query;
 }
 
-WordSet words_of(DescriptorRow row) {
-  WordSet words;
-  for (uint32_t word = 0; word < 40; ++word)
-    if (row[word] % 4 == 3) words.push_back(word);
-  return words;
-}
-
-FabmapDatabase make_fabmap(const SequenceDatabase& database) {
-  FabmapDatabase fabmap;
-  const DescriptorRows rows = database.descriptors.rows();
-  std::vector<WordSet> all;
-  for (size_t i = 0; i < rows.size(); ++i) all.push_back(words_of(rows[i]));
-  fabmap.tree = train_chow_liu(all, 40, {});
-  fabmap.vocabulary = cv::Mat::zeros(40, 64, CV_32F);
-  for (const WordSet& words : all) fabmap.pretrain.add(words);
-  size_t first = 0;
-  for (const TrainSequence& train : database.sequences) {
-    add_group(fabmap, {train.sequence}, std::span(all).subspan(first, train.sequence.frames));
-    first += train.sequence.frames;
-  }
-  index_views(fabmap);
-  return fabmap;
-}
-
 std::vector<uint32_t> reference_openable(const DescriptorRows& train, const DescriptorRows& query,
                                          size_t window_length) {
   const size_t rows = window_count(query.size(), window_length);

@@ -9,7 +9,6 @@
 #include "describe/descriptor_rows.h"
 #include "describe/frame_descriptors.h"
 #include "store/sequence_database.h"
-#include "words/database.h"
 
 namespace vpr::test {
 
@@ -34,13 +33,6 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 
 /// A query whose frames are named by their numbers.
 DescriptorSet make_query(const std::vector<LdbCode>& codes);
-
-/// A FAB-MAP database of the same sequences: each frame shows some of 40 words, determined by its
-/// descriptor, so that equal frames show equal words; none for descriptors of zeros.
-FabmapDatabase make_fabmap(const SequenceDatabase& database);
-
-/// The words of a frame in this database.
-WordSet words_of(DescriptorRow row);
 
 /// All window pairs of two sequences, row-major, query windows x training windows; empty if either
 /// sequence is shorter than a window. OpenABLE: window_length distances per cell.

@@ -133,13 +133,13 @@ void add_describe(Program& program) {
 void add_fabmap(Program& program) {
   auto [command, bench] = add_bench<FabmapBenchSettings>(
       program, "fabmap", "Time FAB-MAP queries by number of places.",
-      "  vpr-bench fabmap --places 1000,10000 --variants fabmap2,fabmap2-fixed",
+      "  vpr-bench fabmap --places 1000,10000 --variants fabmap2,fbo",
       [](const Bench<FabmapBenchSettings>& fabmap, const Session& session) {
         return bench_fabmap(fabmap.settings, session.options.process.seed, session.monitor);
       });
   FabmapBenchSettings& settings = bench.settings;
   add_values(command, "--variants", settings.variants,
-             "variants: fabmap2, fabmap2-fixed, fbo, lut, fabmap1 (default: all)");
+             "variants: fabmap2, fbo, lut, fabmap1 (default: all)");
   add_values(command, "--places", settings.places, "numbers of places");
   add_values(command, "--words", settings.words, "sizes of the vocabulary");
   add_values(command, "--words-per-frame", settings.words_per_frame, "words per frame");

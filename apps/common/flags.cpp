@@ -168,12 +168,6 @@ void refuse(bool is_given, const std::string& flag, const std::string& why) {
   if (is_given) throw Error(ErrorKind::usage, "{} {}", flag, why);
 }
 
-void add_fuse_flag(const Command& command, std::string& fabmap) {
-  command.add_option("--fuse", fabmap,
-                     "FAB-MAP database of the same training sequences, to fuse with z-scores",
-                     kWindowGroup);
-}
-
 Flag add_unreadable_flag(const Command& command, bool& skip_unreadable) {
   return command.add_flag(
       "--skip-unreadable", skip_unreadable,

@@ -66,9 +66,6 @@ void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings&
 /// Throws Error(usage) "FLAG WHY" for a given flag.
 void refuse(bool is_given, const std::string& flag, const std::string& why);
 
-/// --fuse, with the path `fabmap`.
-void add_fuse_flag(const Command& command, std::string& fabmap);
-
 Flag add_unreadable_flag(const Command& command, bool& skip_unreadable);
 
 /// --max-memory in bytes, or as "512M" or "2G", powers of 1024. The help shows the value of `bytes`

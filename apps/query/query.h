@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "common/flags.h"
 #include "files/result_file.h"
@@ -22,11 +21,8 @@ struct QueryOptions {
   std::string frame_times;  ///< of a loop query with a gap in seconds
   std::string loop_list;    ///< output
   std::string matrix;       ///< output
-  std::string fuse;         ///< FAB-MAP database of the same training sequences
   size_t memory_limit = kDefaultMemoryLimit;
   std::string posteriors;  ///< output
-  std::optional<uint64_t> explained_frame;
-  std::vector<std::string> train_images;  ///< [GROUP=]SEQUENCE
 };
 
 /// The settings of both families of methods; the family of the database uses its own.
@@ -47,7 +43,6 @@ void visit_fields(AllSettings& settings, Visitor&& visit) {
 void add_match_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings);
-void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 
 /// The query of --query, --query-npy or --dataset, with its rate and selection. An endless source
 /// is not selected. Throws Error(usage) without a query; also throws as selected.

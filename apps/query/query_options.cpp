@@ -131,7 +131,6 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::query);
-  add_fuse_flag(command, options.fuse);
   add_matrix_output(command, options);
   add_fabmap_flags(command, options, settings.fabmap);
 }
@@ -147,7 +146,6 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
                   "matching method (default: filter); flags of windows select fastable");
   add_rate_flags(command, options.selection, "the query", kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, Feature::live);
-  add_fuse_flag(command, options.fuse);
   command.remove_flag("--output");
 }
 
@@ -173,19 +171,6 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                      kQueryGroup, "FILE");
   add_sequence_flags(command, options, settings.sequence, Feature::loops);
   add_matrix_output(command, options);
-  add_fabmap_flags(command, options, settings.fabmap);
-}
-
-void add_explain_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
-  command.add_option("DB", options.database, "FAB-MAP database").required();
-  add_query_flags(command, options);
-  command.add_option("--frame", options.explained_frame, "query frame to explain").required();
-  command.add_list("--train", options.train_images,
-                   "[GROUP=]SEQUENCE: images of a training sequence for the plot "
-                   "RESULT.explain.png; repeatable");
-  add_selection_flags(command, options);
-  add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_settings(command, settings.sequence, sequence_setting_rows(), Feature::explain);
   add_fabmap_flags(command, options, settings.fabmap);
 }
 
@@ -218,8 +203,6 @@ QueryResources resources_of(const QueryOptions& options, const Session& session)
 void claim_outputs(const QueryOptions& options, const Session& session) {
   const std::string& output = session.options.output;
   if (!output.empty()) claim_result(output, session.outputs);
-  if (options.explained_frame && !output.empty())
-    session.outputs.claim_file(companion_path(output, "explain.png"));
   if (!options.matrix.empty() && !options.matrix.ends_with(".npy") &&
       !options.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage, "--save-matrix writes .npy or .png, found {}", options.matrix);
@@ -231,7 +214,6 @@ ResultContext make_context(const QueryOptions& options, const Session& session) 
   ResultContext context;
   context.run = session.run;
   if (!options.database.empty()) context.run.paths["database"] = options.database;
-  if (!options.fuse.empty()) context.run.paths["fuse"] = options.fuse;
   return context;
 }
 

@@ -31,7 +31,7 @@ QueryInputs inputs_of(const QueryOptions& options, const ResolvedSettings& setti
   QueryInputs inputs{{query.name, query.sequence}, nullptr, options.frame_times};
   if (!settings->loop)
     inputs.database = std::make_shared<SequenceDatabase>(
-        open_database(options.database, settings, options.fuse, session.monitor));
+        open_database(options.database, settings, session.monitor));
   return inputs;
 }
 
@@ -165,8 +165,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
          "has no effect on live queries; redirect standard output instead");
   const QueryResources resources = resources_of(options, session);
   const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
-  const SequenceDatabase database =
-      open_database(options.database, settings, options.fuse, session.monitor);
+  const SequenceDatabase database = open_database(options.database, settings, session.monitor);
   const NamedSource query = open_source(options, unreadable, session);
   warn_of_rates(database, query.fps, *settings, session.monitor);
   Monitor silent = session.monitor;

@@ -22,7 +22,7 @@ struct QueryCommand {
   const char* example;
 };
 
-constexpr std::array<QueryCommand, 4> kCommands = {
+constexpr std::array<QueryCommand, 3> kCommands = {
     {{"", Feature::query, "Recognize the places of a query sequence in a database.",
       add_match_flags,
       "  vpr-query corridor.vprdb --query tuesday -o result.json\n"
@@ -38,11 +38,7 @@ constexpr std::array<QueryCommand, 4> kCommands = {
      {"loops", Feature::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
       "  vpr-query loops --query laps --gap 60 --c-l 10 --save-loops loops.csv\n"
       "  vpr-query loops --query laps.mp4 --gap 30s --score zscore -o loops.json\n"
-      "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"},
-     {"explain", Feature::explain,
-      "List the words for and against the best places of one frame, by FAB-MAP.", add_explain_flags,
-      "  vpr-query explain fabmap.vprdb --query tuesday --frame 17 --train monday -o "
-      "explained.json"}}};
+      "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"}}};
 
 /// Flags of sequences and their counterparts for FAB-MAP.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kCounterparts = {
@@ -100,7 +96,6 @@ Features choices_of(const Session& session, const QueryOptions& options,
     run.push_back(Feature::fabmap);
   else if (!options.database.empty())
     run.push_back(Feature::database);
-  if (!options.fuse.empty()) run.push_back(Feature::fuse);
   if (!options.matrix.empty()) run.push_back(Feature::save_matrix);
   add_given_features(run, settings, given_settings(session));
   return run;
@@ -134,9 +129,7 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
     settings.method = family == DatabaseFamily::fabmap
                           ? enum_name(family)
                           : default_method(command, given_settings(session));
-  const bool needs_words = command == Feature::explain;
-  if (needs_words != (family == DatabaseFamily::fabmap) &&
-      (needs_words || command == Feature::live))
+  if (family == DatabaseFamily::fabmap && command == Feature::live)
     throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
                 enum_name(family), enum_name(command));
   if (family_of(settings.method) != family)

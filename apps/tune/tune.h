@@ -21,8 +21,7 @@ struct TuneOptions {
   std::string database;
   std::string query;
   std::string ground_truth;
-  std::string fuse;    ///< FAB-MAP database of the same training sequences
-  std::string fabmap;  ///< likewise, to try FAB-MAP
+  std::string fabmap;  ///< FAB-MAP database of the same training sequences, to try FAB-MAP
   SelectionSettings selection;
   GroundTruthFlags ground_truth_flags;
   std::vector<std::string> datasets;

@@ -61,8 +61,8 @@ std::vector<std::string> setting_flags(const QuerySettings& chosen) {
     flags.push_back(fmt::format("{}{}{}", flag_of(key), text.starts_with('-') ? "=" : " ", text));
   };
   if (!has_paths(chosen))
-    for (const char* key : {"c_l", "t_r", "c_w", "t_p", "score", "decide", "margin",
-                            "exclusion_frames", "fusion_weight"})
+    for (const char* key :
+         {"c_l", "t_r", "c_w", "t_p", "score", "decide", "margin", "exclusion_frames"})
       add(key);
   if (settings.value("t_r_scale", "") == enum_name(ThresholdScale::bits))
     flags.emplace_back("--t-r-scale bits");
@@ -149,7 +149,6 @@ std::string query_command(const TuneOptions& options, const CommonOptions& commo
   if (options.selection.fps) add("--query-times", options.ground_truth_flags.options.query.times);
   if (options.selection.recorded_fps)
     add("--recorded-fps", fmt::format("{:g}", *options.selection.recorded_fps));
-  add("--fuse", options.fuse);
   const std::string& config = options.save_config.empty() ? common.config : options.save_config;
   add("--config", config);
   if (options.save_config.empty())

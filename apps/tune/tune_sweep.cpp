@@ -196,14 +196,13 @@ void tune_fastable(Session& session, const TuneOptions& options,
                    const SequenceQuerySettings& base) {
   const Monitor& monitor = session.monitor;
   Features run = {Feature::database, Feature::sweep};
-  if (!options.fuse.empty()) run.push_back(Feature::fuse);
   if (!options.grid.thresholds.empty()) run.push_back(Feature::thresholds);
   if (!options.grid.margins.empty()) run.push_back(Feature::margins);
   const ResolvedSettings settings(base, run);
   claim_outputs(options, session);
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
   const auto validation = find_validation(options, DatabaseFamily::sequences, queries, session);
-  SequenceDatabase database = open_database(options.database, settings, options.fuse, monitor);
+  SequenceDatabase database = open_database(options.database, settings, monitor);
   const QueryResources resources{options.memory_limit, session.options.process.seed};
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
@@ -310,7 +309,6 @@ void add_fastable(Program& program) {
                   "margin; in score per frame (default: {}; for z-scores {})",
                   kDistanceMargins, kScoreMargins));
   add_settings(command, tune->settings, sequence_setting_rows(), Feature::sweep);
-  add_fuse_flag(command, tune->options.fuse);
   add_memory_flag(command, tune->options.memory_limit);
 }
 

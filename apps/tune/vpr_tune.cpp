@@ -68,7 +68,7 @@ void try_all(Session& session, const Try& command) {
   session.claim_output({options.save_config});
   const std::vector<Source> sources = find_queries(options, DatabaseFamily::sequences, session);
   const ResolvedSettings settings(default_filter(command.settings));
-  const SequenceDatabase database = open_database(options.database, settings, "", monitor);
+  const SequenceDatabase database = open_database(options.database, settings, monitor);
   const QueryResources resources{options.memory_limit, session.options.process.seed};
   const Stopwatch watch;
   std::vector<LabeledQuery> queries;

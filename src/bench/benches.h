@@ -96,7 +96,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
 
 /// Settings of vpr-bench fabmap, which times every variant with every combination of the values.
 struct FabmapBenchSettings {
-  std::vector<std::string> variants = {"fabmap2", "fabmap2-fixed", "fbo", "lut", "fabmap1"};
+  std::vector<std::string> variants = {"fabmap2", "fbo", "lut", "fabmap1"};
   std::vector<uint64_t> places = {10, 100, 1000, 10'000, 100'000};
   std::vector<uint64_t> words = {10'000};
   std::vector<uint64_t> words_per_frame = {200};

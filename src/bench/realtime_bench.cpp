@@ -41,7 +41,7 @@ BenchResult bench_realtime(const std::string& database_path, const SequenceSourc
     throw Error(ErrorKind::usage, "{}: is not a folder or list of images",
                 query.argument.path.string());
   const ResolvedSettings resolved = live_settings(settings);
-  const SequenceDatabase database = open_database(database_path, resolved, "", monitor);
+  const SequenceDatabase database = open_database(database_path, resolved, monitor);
   LiveQuery live(database, "query", resolved, resources, monitor);
   const size_t frames = std::min<size_t>(query.files.size(), settings.frames);
   const double period_ms = 1000 / settings.rate_hz;

@@ -1,5 +1,4 @@
-// Frame descriptors of any kind as rows of bytes, as stored and compared, and the visual words of a
-// frame.
+// Frame descriptors of any kind as rows of bytes, as stored and compared.
 #pragma once
 
 #include <array>
@@ -24,9 +23,6 @@ using HogVector = std::array<int8_t, kHogLength>;
 
 /// A code of LDB and the HOG vector of the same frame.
 using LdbHogRow = std::array<uint8_t, kLdbBytes + kHogLength>;
-
-/// The visual words of a frame or view: word ids, increasing, without duplicates.
-using WordSet = std::vector<uint32_t>;
 
 /// The element type of a descriptor, which determines the distance: bits; signed integers of 8 or
 /// 16 bits (vectors, compared by direction only); points with 16-bit coordinates (one unit for a
@@ -114,8 +110,7 @@ inline DescriptorRows codes_of(const DescriptorRows& rows) {
 /// Owns nothing.
 struct DescribedFrames {
   DescriptorRows rows;
-  std::span<const size_t> unreadable;   ///< increasing
-  std::span<const WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
+  std::span<const size_t> unreadable;  ///< increasing
 };
 
 }  // namespace vpr

@@ -23,7 +23,7 @@ namespace {
 template <auto describe_gray>
 DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
-                          const FrameVisitor& visit, const Monitor& monitor) {
+                          const Monitor& monitor) {
   const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::gray;
   const size_t row_bytes = kind.shape.row_bytes();
   std::mutex mutex;  // the length of a video is unknown before its end
@@ -36,7 +36,6 @@ DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequ
         const auto row =
             describe_gray(settings.illumination_invariant ? illumination_invariant(image) : image);
         assert(row.size() * sizeof(row[0]) == row_bytes);
-        if (visit) visit(index, image);
         const std::lock_guard lock(mutex);
         if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
         std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
@@ -47,7 +46,7 @@ DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequ
 
 DescriptorSet import_kind(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
-                          const FrameVisitor&, const Monitor& monitor) {
+                          const Monitor& monitor) {
   return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
 }
 
@@ -87,8 +86,8 @@ constexpr std::array<DescriptorKind, 11> kKinds = {{
 
 DescriptorSet DescriptorKind::describe(const SequenceSource& sequence,
                                        const DescriptorSettings& settings, Unreadable unreadable,
-                                       const Monitor& monitor, const FrameVisitor& visit) const {
-  return describe_with(*this, sequence, settings, unreadable, visit, monitor);
+                                       const Monitor& monitor) const {
+  return describe_with(*this, sequence, settings, unreadable, monitor);
 }
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
@@ -143,7 +142,6 @@ DescriptorSet selected(DescriptorSet set, const Selection& selection) {
   const DescriptorRows rows = set.rows();
   for (const uint32_t source : selection.sources)
     result.descriptors.append(rows.subspan(source, 1));
-  if (!set.words.empty()) result.words = selected(set.words, selection);
   result.sequence = selected(set.sequence, selection);
   return result;
 }

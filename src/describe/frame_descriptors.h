@@ -31,17 +31,14 @@ struct DescriptorKind {
   DescriptorShape shape;  ///< length 0 if each set has its own length
   DescriptorSet (*describe_with)(const DescriptorKind& kind, const SequenceSource& sequence,
                                  const DescriptorSettings& settings, Unreadable unreadable,
-                                 const FrameVisitor& visit, const Monitor& monitor);
+                                 const Monitor& monitor);
   bool is_imported = false;  ///< its sequences are arrays of descriptors instead of frames
 
   /// Decodes and describes frames in parallel without keeping them. The result is the same for any
-  /// number of threads; the descriptor of an unreadable frame is all zero. `visit`, if set,
-  /// is called as for_each_frame calls its body: with gray images, or BGR if descriptors are
-  /// illumination invariant; never for imported descriptors. Throws as for_each_frame or
-  /// import_descriptors does.
+  /// number of threads; the descriptor of an unreadable frame is all zero. Throws as
+  /// for_each_frame or import_descriptors does.
   DescriptorSet describe(const SequenceSource& sequence, const DescriptorSettings& settings,
-                         Unreadable unreadable, const Monitor& monitor,
-                         const FrameVisitor& visit = nullptr) const;
+                         Unreadable unreadable, const Monitor& monitor) const;
 };
 
 /// All kinds, the default first: LDB.
@@ -74,10 +71,9 @@ struct DescriptorStore {
 struct DescriptorSet {
   DescriptorStore descriptors;
   Sequence sequence;
-  std::vector<WordSet> words = {};  ///< of each frame; only for fusion with FAB-MAP
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescribedFrames span() const { return {rows(), sequence.unreadable, words}; }
+  DescribedFrames span() const { return {rows(), sequence.unreadable}; }
 };
 
 /// The set with the selected frames: repeats or omits rows without describing frames again.

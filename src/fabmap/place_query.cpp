@@ -20,8 +20,6 @@ namespace {
 
 constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values in memory at the same time
 constexpr size_t kMostFramesAtOnce = 64;
-constexpr size_t kExplainedWords = 8;  // on each side
-constexpr size_t kExplainedPlaces = 3;
 
 Match likeliest_view(size_t frame, std::span<const double> posterior,
                      const std::vector<uint32_t>& place_of) {
@@ -86,29 +84,6 @@ ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySetti
   for (size_t i = 0; i < settings.new_place_samples; ++i)
     sample.add(database.pretrain.view(order[i]));
   return sample;
-}
-
-// The likeliest views of different places, best first.
-std::vector<size_t> best_views(std::span<const double> posterior,
-                               const std::vector<uint32_t>& place_of) {
-  std::vector<size_t> order(posterior.size() - 1);
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::ranges::stable_sort(order, std::greater(), [&](size_t view) { return posterior[view + 1]; });
-  std::vector<size_t> best;
-  for (const size_t view : order) {
-    if (best.size() == kExplainedPlaces) break;
-    if (std::ranges::none_of(best, [&](size_t v) { return place_of[v] == place_of[view]; }))
-      best.push_back(view);
-  }
-  return best;
-}
-
-std::string view_name(const FabmapDatabase& database, size_t view) {
-  const ViewOrigin origin = database.origin(view);
-  const Sequence& sequence = database.groups[origin.group].sequence;
-  const std::string& name = sequence.frame_names[origin.frame];
-  return fmt::format("{}: {}", sequence.name,
-                     name.empty() ? fmt::format("#{}", origin.frame) : name);
 }
 
 }  // namespace
@@ -236,36 +211,6 @@ double FabmapMatcher::new_place(const WordSet& words) const {
   if (settings.new_place == NewPlaceModel::mean_field) return new_place_mean_field(model, words);
   return log_mean_exp(
       fabmap2_log_likelihoods({model, samples, sample_index, words, samples.views()}));
-}
-
-Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
-                          std::span<const double> posterior, const FabmapQuerySettings& settings) {
-  Explanation explanation{frame, 0, {}};
-  if (posterior.empty()) return explanation;
-  explanation.new_place = posterior[0];
-  const FabmapModel model = make_fabmap_model(
-      searched.tree, {settings.p_seen_if_there, settings.p_seen_if_not}, settings.word_model);
-  const std::vector<uint32_t> place_of = searched.places();
-  const std::vector<std::string> names = searched.place_names();
-  for (const size_t view : best_views(posterior, place_of)) {
-    PlaceExplanation& place = explanation.places.emplace_back();
-    place.match = {static_cast<uint32_t>(frame), 0, place_of[view], static_cast<uint32_t>(view),
-                   posterior[view + 1]};
-    place.place = names[place_of[view]];
-    place.view = view_name(searched, view);
-    const std::vector<WordEvidence> evidence =
-        word_evidence(model, words, searched.views.view(view));
-    const auto is_seen = [](const WordEvidence& word) { return word.in_frame || word.in_view; };
-    for (const WordEvidence& word : evidence) {
-      place.log_odds += word.log_odds;
-      if (word.log_odds > 0 && is_seen(word) && place.for_it.size() < kExplainedWords)
-        place.for_it.push_back(word);
-    }
-    for (auto word = evidence.rbegin(); word != evidence.rend(); ++word)
-      if (word->log_odds < 0 && is_seen(*word) && place.against.size() < kExplainedWords)
-        place.against.push_back(*word);
-  }
-  return explanation;
 }
 
 }  // namespace vpr

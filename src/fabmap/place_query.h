@@ -1,4 +1,4 @@
-// A FAB-MAP query, from words to posteriors and recognitions, and the explanation of one frame.
+// A FAB-MAP query, from words to posteriors and recognitions.
 #pragma once
 
 #include <functional>
@@ -62,11 +62,5 @@ struct FabmapMatcher {
   /// Log-likelihood of the new place.
   double new_place(const WordSet& words) const;
 };
-
-/// Explains the three likeliest places of a frame, each by its likeliest view and at most eight
-/// words on each side. `searched`: the database, or with_query's. `posterior`: of the frame, new
-/// place first; empty for an unreadable frame, which has no places.
-Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, size_t frame,
-                          std::span<const double> posterior, const FabmapQuerySettings& settings);
 
 }  // namespace vpr

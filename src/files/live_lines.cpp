@@ -61,7 +61,6 @@ Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
   if (described) check_descriptors(database_.descriptors, described->descriptors);
   const std::vector<uint8_t> zeros(database_.descriptors.shape().row_bytes());
   ArrivedFrame arrived{described ? described->rows()[0] : zeros, described.has_value()};
-  if (described && !described->words.empty()) arrived.words = described->words.front();
   const std::optional<Result> result = query_.take(arrived);
   last_ = {frames_++, frame.name, arrived.is_readable};
   return live_line(last_, result ? &*result : nullptr, 0);

@@ -297,16 +297,12 @@ void for_each_array(const auto& body) {
   for (const auto& array : kArrays) std::visit(body, array);
 }
 
-fs::path array_path(const fs::path& result, const std::string& name) {
-  return companion_path(result, name + ".npy");
-}
-
 }  // namespace
 
-fs::path companion_path(const fs::path& result, const std::string& kind) {
+fs::path array_path(const fs::path& result, const std::string& name) {
   fs::path path = result;
   if (path.extension() == ".json") path.replace_extension();
-  return path += "." + kind;
+  return path += "." + name + ".npy";
 }
 
 std::vector<fs::path> array_paths(const fs::path& result) {

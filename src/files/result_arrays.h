@@ -26,8 +26,8 @@ VPR_FIELDS(FileEntry, rows, checksum)
 /// By name, in the order in which they were written.
 using FileEntries = nlohmann::ordered_map<std::string, FileEntry>;
 
-/// RESULT.recognitions.npy for RESULT.json and recognitions.npy.
-std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
+/// RESULT.recognitions.npy for RESULT.json and "recognitions".
+std::filesystem::path array_path(const std::filesystem::path& result, const std::string& name);
 
 /// The files that a result may have.
 std::vector<std::filesystem::path> array_paths(const std::filesystem::path& result);

@@ -99,7 +99,6 @@ void visit_context(ResultContext& context, Visitor&& visit) {
           inner("seed", run.seed);
           inner("database", context.database_fingerprint);
           inner("query", context.query_fingerprint);
-          inner("fused", IfSet{context.fused_fingerprint});
         }});
   visit("machine",
         CustomField{[&](Json& json, const std::string& key) { json[key] = machine_json(run); },

@@ -24,10 +24,8 @@ struct ResultContext {
   RunInfo run;
   std::string database_fingerprint;
   std::string query_fingerprint;
-  std::optional<std::string> fused_fingerprint;  ///< of FAB-MAP's database, with fusion
-  std::map<std::string, double> seconds;         ///< written only
-  std::optional<MatrixLayout> matrix;            ///< of a saved matrix
-  std::optional<Explanation> explanation;        ///< of one frame, by FAB-MAP
+  std::map<std::string, double> seconds;  ///< written only
+  std::optional<MatrixLayout> matrix;     ///< of a saved matrix
   FileEntries files;  ///< a saved matrix or posteriors; write_result adds the arrays
   std::map<std::filesystem::path, std::string> checksums = {};  ///< of outputs, as far as known
   /// Checksums of other files of the run in the folder of the result, by name.

@@ -63,8 +63,6 @@ QueryData describe_for(const QueryInputs& inputs, const ResolvedSettings& settin
   data.query = describe_query(inputs.query.sequence, *data.database, settings, monitor);
   context.database_fingerprint = data.database->fingerprint;
   context.query_fingerprint = fingerprint_of(data.query);
-  if (const FusedViews* fused = fused_views(*data.database))
-    context.fused_fingerprint = fused->fabmap.fingerprint;
   return data;
 }
 

@@ -11,7 +11,6 @@
 
 #include "match/components.h"
 #include "match/frame_distances.h"
-#include "match/fusion.h"
 #include "match/score_kernels.h"
 #include "store/train_statistics.h"
 
@@ -33,14 +32,13 @@ inline constexpr size_t kKeyframeLag = 5;
 /// Sums of 16-bit scores stay below 2^32.
 inline constexpr size_t kMaxScoredWindow = 65536;
 
-/// The initial state of a query's z-scores, and of the score stages after them.
+/// The initial state of a query's z-scores.
 struct ScoreBasis {
   double start_weight = kStartWeight;
   double typical_distance = 0;
   std::vector<float> mean;     ///< of centered distances; one per matched training frame
   float variance = 0;          ///< of centered distances, the same for all training frames
   TrainComponents components;  ///< loadings: one per matched training frame
-  FusionBasis fusion = {};     ///< of the scores with FAB-MAP
 };
 
 /// The initial state from training statistics: for every frame kStartBias of its bias, minus the

@@ -39,7 +39,6 @@ std::string settings_text(const Result& result, const SequenceQuerySettings& set
   std::string text = settings.method;
   if (!has_paths(settings))
     text += fmt::format(", c_l {}, {}", settings.window_length, enum_name(settings.score));
-  if (settings.fusion_weight) text += fmt::format(", fused with {:g}", *settings.fusion_weight);
   const bool has_margin = settings.decision == Decision::margin;
   return text + ", " +
          (has_margin ? "margin " + limit_text<&ComparedSequence::margin>(result, !settings.margin)

@@ -21,7 +21,6 @@ namespace {
 struct SequenceQuery {
   QueryInputs inputs;
   SelectionSettings selection;
-  std::string fuse;  ///< a FAB-MAP database; empty: none
   QueryResources resources;
   ResolvedSettings settings;
 
@@ -31,7 +30,6 @@ struct SequenceQuery {
     SequenceQuerySettings chosen;
     NestedObject own{[&](auto&& visit) {
       visit("max_memory", resources.memory_limit);
-      if (!is_loop) visit("fuse", fuse);
       if (command == Feature::query) visit_fields(selection, visit);
       if (is_loop) visit("frame_times", inputs.frame_times);
     }};
@@ -43,16 +41,14 @@ struct SequenceQuery {
     Features run = {command};
     if (!is_loop) run.push_back(Feature::database);
     if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
-    if (!fuse.empty()) run.push_back(Feature::fuse);
     add_given_features(run, chosen, keys);
     settings = ResolvedSettings(chosen, run);
   }
 
-  /// Adds what the settings need; fused views to a copy of the database.
+  /// Adds what the settings need.
   void prepare(const DatabasePointer& database, const Monitor& monitor) {
     inputs.database = {database, &database->sequences()};
-    if (!fuse.empty()) inputs.database = std::make_shared<SequenceDatabase>(*inputs.database);
-    prepare_database(*inputs.database, settings, fuse, monitor);
+    prepare_database(*inputs.database, settings, monitor);
   }
 
   QueryRun run(ResultContext& context, const Monitor& monitor) const {
@@ -115,7 +111,6 @@ ResultPointer query(Call& call, const DatabasePointer& database, const std::stri
     SequenceArgument& sequence = by.inputs.query.sequence;
     sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
     by.prepare(database, monitor);
-    if (!by.fuse.empty()) context.run.paths["fuse"] = by.fuse;
     context.train =
         std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
     return by.run(context, monitor);

@@ -28,12 +28,10 @@ std::optional<double> recognized_speed(const Result& result) {
   return *rate * *result.query.fps / *train_fps;
 }
 
-// The result of default_filter, with the same fusion if the database has FAB-MAP's views.
+// The result of default_filter.
 Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
                 const SequenceQuerySettings& settings, const QueryResources& resources,
                 const Monitor& monitor) {
-  SequenceQuerySettings filter = default_filter(settings);
-  if (fused_views(database) != nullptr) filter.fusion_weight = settings.fusion_weight;
   const Monitor unwarned = {monitor.progress, {}, monitor.stop};
   return run_query(plan_query(database, query, "", filter, resources, unwarned), {}, unwarned)
       .result;

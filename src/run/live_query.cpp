@@ -66,7 +66,7 @@ std::optional<Result> LiveQuery::finish() {
 
 LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages) {
   assert(raw.query_frames == 0 && raw.of_query);
-  LiveScores live{raw, stages.start(), {}, {}, {}, raw, 0};
+  LiveScores live{raw, stages.start(), {}, {}, raw, 0};
   for (const StartedStage& stage : live.stages)
     live.scores = stage.scores(std::move(live.scores), {});
   return live;
@@ -89,9 +89,7 @@ void add_frame(LiveScores& live, ArrivedFrame frame) {
   live.bytes = std::move(bytes);
   live.unreadable.clear();  // unreadable frames are never kept
   if (!frame.is_readable) live.unreadable.push_back(kept.size());
-  live.words.assign(kept.size(), {});
-  live.words.push_back(std::move(frame.words));
-  live.scores = live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable, live.words});
+  live.scores = live.raw.of_query({DescriptorRows(shape, live.bytes), live.unreadable});
   live.scores.train_runs = live.raw.train_runs;
   for (const StartedStage& stage : live.stages)
     live.scores = stage.scores(std::move(live.scores), kept);

@@ -12,7 +12,6 @@ namespace vpr {
 struct ArrivedFrame {
   DescriptorRow descriptor;  ///< zeros for an unreadable frame
   bool is_readable = true;
-  WordSet words = {};  ///< for scores fused with FAB-MAP's
 };
 
 /// The scores of the latest frame. Only the earlier frames that the score stages need are
@@ -22,7 +21,6 @@ struct LiveScores {
   std::vector<StartedStage> stages;
   std::vector<uint8_t> bytes;      ///< of the stored rows, the latest frame last
   std::vector<size_t> unreadable;  ///< of the stored rows
-  std::vector<WordSet> words;      ///< of the stored rows; empty except for the latest frame
   FrameDistances scores;           ///< of the stored rows
   size_t frames = 0;               ///< that have arrived
 

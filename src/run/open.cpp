@@ -119,25 +119,21 @@ ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
 }
 
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
-                               const std::string& fabmap, const Monitor& monitor) {
+                               const Monitor& monitor) {
   SequenceDatabase database = read_sequence_database(path);
   if (settings.has(Feature::live) && database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 "{}: holds imported descriptors, which cannot be computed for frames that arrive",
                 path);
-  prepare_database(database, settings, fabmap, monitor);
+  prepare_database(database, settings, monitor);
   return database;
 }
 
 void prepare_database(SequenceDatabase& database, const ResolvedSettings& settings,
-                      const std::string& fabmap, const Monitor& monitor) {
+                      const Monitor& monitor) {
   // A sweep sets thresholds and margins itself.
   if (!settings.has(Feature::sweep)) check_automatic(database, *settings);
   if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
-  if (!fabmap.empty())
-    fuse_views(database, read_fabmap_database(fabmap), fabmap);
-  else if (settings->fusion_weight)
-    throw Error(ErrorKind::usage, kNoFabmap);
 }
 
 void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,

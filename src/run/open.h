@@ -37,17 +37,15 @@ ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
 std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
                                            const Monitor& monitor);
 
-/// Reads the database at `path` as the settings need it: with statistics for z-scores, and fused
-/// with the FAB-MAP database at `fabmap` unless this is empty. Throws what read_sequence_database,
-/// read_fabmap_database, check_automatic and fuse_views throw, Error(usage) for fused scores
-/// without a FAB-MAP database, and Error(data) for a database of imported descriptors that cannot
-/// describe frames as they arrive.
+/// Reads the database at `path` as the settings need it: with statistics for z-scores. Throws what
+/// read_sequence_database and check_automatic throw, and Error(data) for a database of imported
+/// descriptors that cannot describe frames as they arrive.
 SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
-                               const std::string& fabmap, const Monitor& monitor);
+                               const Monitor& monitor);
 
 /// Adds what the settings need to a database that was read or trained, as open_database does.
 void prepare_database(SequenceDatabase& database, const ResolvedSettings& settings,
-                      const std::string& fabmap, const Monitor& monitor);
+                      const Monitor& monitor);
 
 /// Warns of the first searched training sequence whose frame rate is not the query's: of windows of
 /// several frames if they differ by more than a tenth, since windows then have different durations;

@@ -1,7 +1,6 @@
 #include "run/train_sequences.h"
 
 #include <algorithm>
-#include <mutex>
 
 #include <fmt/format.h>
 
@@ -11,7 +10,6 @@
 #include "match/distance_statistics.h"
 #include "run/open.h"
 #include "run/thresholds.h"
-#include "words/word_training.h"
 
 namespace vpr {
 namespace {
@@ -97,68 +95,6 @@ void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequen
   ensure_exclusion_zones(database, monitor);
 }
 
-// The difference between a training sequence and the group with its name.
-std::string difference(const FabmapDatabase& fabmap, const Sequence& sequence) {
-  const auto found = std::ranges::find(fabmap.groups, sequence.name,
-                                       [](const ViewGroup& group) { return group.sequence.name; });
-  if (found == fabmap.groups.end())
-    return fmt::format("has no training sequence {}", sequence.name);
-  const Sequence& named = found->sequence;
-  if (named.frames != sequence.frames)
-    return fmt::format("{} has {}, and {} in the other database", sequence.name,
-                       counted(named.frames, "frame"), sequence.frames);
-  const auto [own, other] = std::ranges::mismatch(named.frame_names, sequence.frame_names);
-  if (own != named.frame_names.end())
-    return fmt::format("frame {} of {} is {}, and {} in the other database",
-                       own - named.frame_names.begin(), sequence.name, *own, *other);
-  return fmt::format("the unreadable frames of {} differ", sequence.name);
-}
-
-// The first view of the group of a training sequence.
-size_t first_view_of(const FabmapDatabase& fabmap, const Sequence& sequence,
-                     const std::string& name) {
-  size_t first = 0;
-  for (const ViewGroup& group : fabmap.groups) {
-    if (group.sequence.name == sequence.name &&
-        group.sequence.frame_names == sequence.frame_names &&
-        group.sequence.unreadable == sequence.unreadable)
-      return first;
-    first += group.sequence.frames;
-  }
-  throw Error(ErrorKind::data,
-              "{}: {}. Train it with the sequences of the other database, as in vpr-train fabmap "
-              "--pretrain OTHER --train SEQUENCE.",
-              name, difference(fabmap, sequence));
-}
-
-// Describes frames for a fused database. They are decoded once, except for illumination-invariant
-// descriptors, which need colors: FAB-MAP uses gray images as decoders yield them.
-DescriptorSet describe_with_words(const SequenceSource& source, const SequenceDatabase& database,
-                                  const FusedViews& fused, Unreadable unreadable,
-                                  const Monitor& monitor) {
-  const DescriptorKind& kind = *database.descriptors.kind;
-  if (database.descriptor.illumination_invariant) {
-    DescriptorSet set = kind.describe(source, database.descriptor, unreadable, monitor);
-    SequenceSource all = source;
-    all.argument.speed.clear();  // describe_frames applies it
-    set.words = describe_words(all, fused.fabmap, unreadable == Unreadable::skip, monitor).words;
-    return set;
-  }
-  std::mutex mutex;
-  std::vector<WordSet> words;
-  const auto collect = [&](size_t index, const cv::Mat& gray) {
-    WordSet found =
-        quantize(fused.vocabulary, find_features(gray, fused.fabmap.settings.features).descriptors);
-    const std::lock_guard lock(mutex);
-    if (index >= words.size()) words.resize(index + 1);
-    words[index] = std::move(found);
-  };
-  DescriptorSet set = kind.describe(source, database.descriptor, unreadable, monitor, collect);
-  words.resize(set.sequence.frames);
-  set.words = std::move(words);
-  return set;
-}
-
 }  // namespace
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
@@ -196,31 +132,6 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   return extended;
 }
 
-void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name) {
-  if (database.descriptors.kind->is_imported)
-    throw Error(ErrorKind::data,
-                "{}: cannot be fused with a database of imported descriptors, because FAB-MAP "
-                "needs the images of a query",
-                name);
-  FusedViews fused;
-  for (const TrainSequence& train : database.sequences) {
-    const Sequence& sequence = train.sequence;
-    const size_t first_view = first_view_of(fabmap, sequence, name);
-    const size_t first = fused.views.size();
-    fused.frames.push_back(sequence.frames);
-    for (size_t i = 0; i < sequence.frames; ++i)
-      fused.views.push_back(static_cast<uint32_t>(first_view + i));
-    for (const size_t frame : sequence.unreadable) fused.views[first + frame] = FusedViews::kNoView;
-  }
-  fused.fabmap = std::move(fabmap);
-  fused.vocabulary = make_vocabulary(fused.fabmap.vocabulary);
-  database.statistics.value().fused = std::make_shared<const FusedViews>(std::move(fused));
-}
-
-const FusedViews* fused_views(const SequenceDatabase& database) {
-  return database.statistics ? database.statistics->fused.get() : nullptr;
-}
-
 // Warns if nearly all frames have one descriptor, as in darkness or a range of pixels that was cut.
 void warn_of_uniform_frames(const DescriptorSet& set, const std::string& name,
                             const Monitor& monitor) {
@@ -254,10 +165,7 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
   DescriptorSettings settings = database.descriptor;
   settings.unit = database.descriptors.unit;
-  const FusedViews* fused = fused_views(database);
-  DescriptorSet set = fused != nullptr
-                          ? describe_with_words(source, database, *fused, unreadable, monitor)
-                          : kind.describe(source, settings, unreadable, monitor);
+  DescriptorSet set = kind.describe(source, settings, unreadable, monitor);
   warn_of_uniform_frames(set, source.argument.path.string(), monitor);
   const Selection shown =
       at_speed(source.argument.speed, set.sequence.frames, source.argument.seed);

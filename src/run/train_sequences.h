@@ -1,5 +1,5 @@
-// Databases of the sequence methods: training, extension with sequences, fusion with FAB-MAP's
-// database, and the description of frames like the frames of a database.
+// Databases of the sequence methods: training, extension with sequences, and the description of
+// frames like the frames of a database.
 #pragma once
 
 #include <string>
@@ -9,7 +9,6 @@
 #include "describe/descriptor_rows.h"
 #include "sequence/sequence_source.h"
 #include "store/sequence_database.h"
-#include "words/database.h"
 
 namespace vpr {
 
@@ -45,19 +44,9 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const Monitor& monitor);
 
-/// Adds FAB-MAP's description of the training frames, for scores fused with FAB-MAP's
-/// (match/fusion.h) and for queries with words. Each training sequence needs a group with the same
-/// name, frame names and unreadable frames; its frames may be places or views of one place. Other
-/// groups have no effect. The database has statistics (ensure_statistics). Throws Error(data) with
-/// `name` for a missing sequence or different frames, and for imported descriptors.
-void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name);
-
-/// FAB-MAP's description of the training frames; null for a database that is not fused.
-const FusedViews* fused_views(const SequenceDatabase& database);
-
-/// The frames of a sequence, described like the frames of the database; with their words if the
-/// database is fused. Throws what DescriptorKind::describe throws, and Error(data) for images if
-/// the database has imported descriptors, or the reverse.
+/// The frames of a sequence, described like the frames of the database. Throws what
+/// DescriptorKind::describe throws, and Error(data) for images if the database has imported
+/// descriptors, or the reverse.
 DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
 

@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "match/fastable.h"
-#include "match/fusion.h"
 #include "match/lsh.h"
 #include "match/match.h"
 #include "match/zscores.h"
@@ -102,11 +101,6 @@ constexpr std::array kChoices = {
            .excludes = kZScores,
            .instead = "Omit it.",
            .is_implied = is<&Settings::score, Score::raw>},
-    Choice{.feature = Feature::fuse,
-           .needs = kZScores | kSequences,
-           .excludes = kRaw,
-           .instead = "Omit --fuse and fusion_weight.",
-           .is_implied = is_set<&Settings::fusion_weight>},
     Choice{.flag = "--score zscore",
            .needs = kZScores,
            .excludes = kRaw,
@@ -204,7 +198,6 @@ void check_zscore_window(const Settings& settings) {
   require(settings.window_length <= kMaxScoredWindow,
           fmt::format("c_l must be at most {} with z-scores, found {}", kMaxScoredWindow,
                       settings.window_length));
-  require_range("fusion_weight", settings.fusion_weight.value_or(0), 0, kMostFusionWeight);
 }
 
 void check_gap(const Settings& settings) {
@@ -230,14 +223,11 @@ void check_ranges(const Settings& settings) {
   require_range("clustering.eps", static_cast<double>(settings.clustering.eps), 0, kMaxEps);
 }
 
-void fill_implied(Settings& settings, const Features& run) {
-  if (has(run, Feature::fuse) && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
+void fill_implied(Settings& settings) {
   if (settings.loop && !settings.exclusion_frames && settings.loop_gap > 0)
     settings.exclusion_frames = settings.loop_gap;
-  const bool is_filter = has_paths(settings);
-  if ((is_filter || settings.fusion_weight) && settings.score == Score::raw)
-    settings.score = Score::zscore;
-  if (!is_filter) return;
+  if (!has_paths(settings)) return;
+  if (settings.score == Score::raw) settings.score = Score::zscore;
   settings.window_length = 1;
   settings.decision = Decision::margin;
   if (!settings.margin) settings.margin = kFilterMargin;
@@ -293,7 +283,7 @@ std::string_view default_method(Feature command, std::span<const std::string> gi
 ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, Features run)
     : settings_(std::move(settings)), run_(std::move(run)) {
   find_sequence_method(settings_.method);
-  fill_implied(settings_, run_);
+  fill_implied(settings_);
   check_choices(settings_, run_);
   check_ranges(settings_);
   if (settings_.decision == Decision::threshold) settings_.threshold_scale = scale_of(settings_);

@@ -38,15 +38,15 @@ void check_choices(const SequenceQuerySettings& settings, const Features& run);
 /// loops, or if a setting of windows is given, such as c_l. `given`: keys of settings.
 std::string_view default_method(Feature command, std::span<const std::string> given);
 
-/// Adds the features of settings that the method or --fuse would replace and that are given with
-/// another value. `given`: keys of settings.
+/// Adds the features of settings that the method would replace and that are given with another
+/// value. `given`: keys of settings.
 void add_given_features(Features& run, const SequenceQuerySettings& settings,
                         std::span<const std::string> given);
 
 /// Settings of a sequence method whose combination and ranges were checked and whose implied values
 /// are filled in. The filter has windows of one frame, z-scores, and a decision by margin with a
-/// default margin. Fused scores are z-scores and have a weight. The default exclusion radius of a
-/// loop query is its gap in frames. A decision by threshold has a scale.
+/// default margin. The default exclusion radius of a loop query is its gap in frames. A decision by
+/// threshold has a scale.
 class ResolvedSettings {
  public:
   /// Throws Error(usage) for settings that are out of range or cannot be combined with each other

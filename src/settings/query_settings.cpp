@@ -37,7 +37,6 @@ Json in_force(SequenceQuerySettings settings) {
   erase_unless(is_filter, "filter");
   erase_unless(!is_filter, "exclusion_frames");
   erase_unless(settings.method == kLshMethod, "lsh");
-  erase_unless(settings.fusion_weight.has_value(), "fusion_weight");
   erase_unless(settings.loop && settings.loop_gap != 0, "loop_gap");
   erase_unless(settings.loop && settings.loop_gap == 0, "loop_gap_s");
   erase_unless(settings.loop, "descriptor");

@@ -64,8 +64,7 @@ struct SequenceQuerySettings {
   std::optional<uint64_t> exclusion_frames;  ///< exclusion radius w; nullopt: one per sequence
   /// "A=B": sequences of the same place. Empty: detected; "none": all places differ.
   std::vector<std::string> same_place;
-  FilterSettings filter;                ///< for the method filter
-  std::optional<double> fusion_weight;  ///< beta, deviations per nat; nullopt: without FAB-MAP
+  FilterSettings filter;  ///< for the method filter
   /// The query against its own past, without a database. The remaining settings are for loops.
   bool loop = false;
   uint64_t loop_gap = 0;   ///< minimum distance to a match, in frames; 0: loop_gap_s
@@ -90,7 +89,6 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("exclusion_frames", settings.exclusion_frames);
   visit("same_place", settings.same_place);
   visit("filter", settings.filter);
-  visit("fusion_weight", settings.fusion_weight);
   visit("loop", settings.loop);
   visit("loop_gap", settings.loop_gap);
   visit("loop_gap_s", settings.loop_gap_s);

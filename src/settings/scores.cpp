@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "match/fusion.h"
 #include "match/score_kernels.h"
 #include "settings/query_settings.h"
 
@@ -99,13 +98,6 @@ void prepare_zscores(const SequenceQuerySettings& settings, const TrainStatistic
                            has_paths(settings) ? settings.filter.start_weight : kStartWeight);
 }
 
-void prepare_fusion(const SequenceQuerySettings& settings, const TrainStatistics* statistics,
-                    ScoreBasis& basis) {
-  if (statistics->fused == nullptr) throw Error(ErrorKind::usage, kNoFabmap);
-  basis.fusion =
-      make_fusion_basis(statistics->fused, *settings.fusion_weight, statistics->settings);
-}
-
 StartedStage start_zscore_stage(const std::shared_ptr<const ScoreBasis>& basis) {
   const auto state = std::make_shared<std::shared_ptr<ZScoreState>>();
   return {[=](FrameDistances input, std::span<const size_t> kept) {
@@ -123,20 +115,11 @@ StartedStage start_past_stage(const std::shared_ptr<const ScoreBasis>&) {
       [](FrameDistances input, std::span<const size_t>) { return past_zscores(std::move(input)); }};
 }
 
-StartedStage start_fusion_stage(const std::shared_ptr<const ScoreBasis>& basis) {
-  return {[basis, state = std::make_shared<FusionState>()](FrameDistances input,
-                                                           std::span<const size_t>) {
-    return fused(std::move(input), {basis, &basis->fusion}, state);
-  }};
-}
-
-constexpr std::array<ScoreStage, 3> kScoreStages = {
+constexpr std::array<ScoreStage, 2> kScoreStages = {
     {{[](const SequenceQuerySettings& s) { return has_zscores(s) && !s.loop; }, prepare_zscores,
       start_zscore_stage},
      {[](const SequenceQuerySettings& s) { return has_zscores(s) && s.loop; },
-      [](const SequenceQuerySettings&, const TrainStatistics*, ScoreBasis&) {}, start_past_stage},
-     {[](const SequenceQuerySettings& s) { return s.fusion_weight.has_value(); }, prepare_fusion,
-      start_fusion_stage}}};
+      [](const SequenceQuerySettings&, const TrainStatistics*, ScoreBasis&) {}, start_past_stage}}};
 
 }  // namespace
 

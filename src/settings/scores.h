@@ -120,10 +120,6 @@ struct ScoreStage {
   StartedStage (*start)(const std::shared_ptr<const ScoreBasis>& basis);
 };
 
-/// The error of a fusion without FAB-MAP.
-inline constexpr const char* kNoFabmap =
-    "fusion_weight needs FAB-MAP's database of the training sequences, as in --fuse FABMAP.vprdb";
-
 /// The score stages of a query, in the order of the table, and what they start from.
 struct ScoreStages {
   std::vector<const ScoreStage*> rows;  ///< empty: raw distances

@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kQuery = in(Feature::query);
 constexpr uint32_t kOnline = in(Feature::live, Feature::loops);
-constexpr uint32_t kPlaces = in(Feature::query, Feature::loops, Feature::explain);
+constexpr uint32_t kPlaces = in(Feature::query, Feature::loops);
 
 constexpr std::array kSequenceRows = {
     SettingRow{.key = "c_l",
@@ -90,17 +90,11 @@ constexpr std::array kSequenceRows = {
                .is_for_windows = true,
                .needs = kThreshold | kRaw | kTrainingDistances | kAutomaticThreshold,
                .instead = "Omit it."},
-    SettingRow{.key = "fusion_weight",
-               .group = kWindowGroup,
-               .commands = in(Feature::query, Feature::live, Feature::sweep),
-               .help = "fusion weight, in standard deviations per nat, adapted online (default: "
-                       "0.2)"},
-    SettingRow{
-        .key = "skip_unreadable",
-        .group = kQueryGroup,
-        .commands = in(Feature::query, Feature::live, Feature::loops, Feature::explain) | in(Feature::sweep),
-        .help = "ignore frames that cannot be decoded; they keep their index and never "
-                "match"},
+    SettingRow{.key = "skip_unreadable",
+               .group = kQueryGroup,
+               .commands = in(Feature::query, Feature::live, Feature::loops, Feature::sweep),
+               .help = "ignore frames that cannot be decoded; they keep their index and never "
+                       "match"},
     SettingRow{.key = "descriptor",
                .group = kQueryGroup,
                .commands = in(Feature::loops),

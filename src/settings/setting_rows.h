@@ -19,11 +19,9 @@ enum class Feature {
   query,
   live,
   loops,
-  explain,
   sweep,
   database,
   fabmap,
-  fuse,
   save_matrix,
   window_length,
   raw_score,
@@ -32,20 +30,10 @@ enum class Feature {
   margins
 };
 template <>
-inline constexpr std::array<std::string_view, 14> kEnumNames<Feature> = {"vpr-query",
-                                                                         "vpr-query live",
-                                                                         "vpr-query loops",
-                                                                         "vpr-query explain",
-                                                                         "vpr-tune fastable",
-                                                                         "DB",
-                                                                         "a FAB-MAP database",
-                                                                         "--fuse",
-                                                                         "--save-matrix",
-                                                                         "--c-l",
-                                                                         "--score raw",
-                                                                         "--decide threshold",
-                                                                         "--t-r",
-                                                                         "--margin"};
+inline constexpr std::array<std::string_view, 12> kEnumNames<Feature> = {
+    "vpr-query",   "vpr-query live",     "vpr-query loops", "vpr-tune fastable",
+    "DB",          "a FAB-MAP database", "--save-matrix",   "--c-l",
+    "--score raw", "--decide threshold", "--t-r",           "--margin"};
 
 using Features = std::vector<Feature>;
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -47,8 +46,6 @@ struct RepeatedPlace {
   bool operator==(const RepeatedPlace&) const = default;
 };
 
-struct FusedViews;
-
 /// The training frames that each training frame is compared with.
 struct StatisticsSettings {
   /// Frames of the same sequence up to max(neighbor_frames, neighbor_share * number of frames)
@@ -75,8 +72,6 @@ struct TrainStatistics {
   std::vector<float> variance;  ///< of its distances
   /// Computed on demand and not stored.
   std::optional<TrainComponents> components = std::nullopt;
-  /// FAB-MAP's data for these frames, if scores are fused with it; not stored.
-  std::shared_ptr<const FusedViews> fused = nullptr;
   /// The typical distance of LDB codes alone, if the frames also have HOG vectors.
   std::optional<double> code_distance = std::nullopt;
 

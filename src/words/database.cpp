@@ -154,12 +154,6 @@ std::string write_content(const FabmapDatabase& database, ArchiveWriter writer) 
 
 }  // namespace
 
-ViewOrigin FabmapDatabase::origin(size_t view) const {
-  size_t group = 0;
-  while (view >= groups[group].sequence.frames) view -= groups[group++].sequence.frames;
-  return {group, view};
-}
-
 std::vector<size_t> FabmapDatabase::unreadable_views() const {
   std::vector<size_t> unreadable;
   size_t first = 0;

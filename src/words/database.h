@@ -1,10 +1,8 @@
-// FAB-MAP's database: vocabulary, Chow-Liu tree and the words of every view; and its use in fusion
-// with sequence scores.
+// FAB-MAP's database: vocabulary, Chow-Liu tree and the words of every view.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <variant>
 #include <vector>
@@ -52,12 +50,6 @@ struct ViewGroup {
   bool is_place = false;
 };
 
-/// The source of a view.
-struct ViewOrigin {
-  size_t group = 0;
-  size_t frame = 0;  ///< within the group
-};
-
 /// The content of a database folder: all training data of FAB-MAP.
 struct FabmapDatabase {
   FabmapTrainSettings settings;
@@ -70,8 +62,6 @@ struct FabmapDatabase {
   std::vector<ViewGroup> groups;
   std::string fingerprint;  ///< of a stored database
 
-  /// `view` is below views.views().
-  ViewOrigin origin(size_t view) const;
   /// Views of frames that could not be decoded, increasing.
   std::vector<size_t> unreadable_views() const;
   /// The index of the place of each view: place groups with the same name share one place.
@@ -108,17 +98,5 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
 /// The fingerprint that the database has once it is stored.
 std::string database_fingerprint(const FabmapDatabase& database);
-
-/// FAB-MAP's data for the training frames of a sequence database: a FAB-MAP database of the same
-/// frames, in which each frame is a view.
-struct FusedViews {
-  /// The view of a frame that could not be decoded.
-  static constexpr uint32_t kNoView = std::numeric_limits<uint32_t>::max();
-
-  FabmapDatabase fabmap;
-  Vocabulary vocabulary;        ///< of the FAB-MAP database, to describe frames
-  std::vector<size_t> frames;   ///< frame count of each training sequence
-  std::vector<uint32_t> views;  ///< view of each training frame, sequence after sequence
-};
 
 }  // namespace vpr

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -17,22 +16,15 @@ namespace vpr {
 
 namespace {
 
-constexpr double kFixedScale = 1 << 20;
 constexpr size_t kListsAhead = 4;
-constexpr double kMaxFixed = 2000;  // maximum size of a term: 2^31 / 2^20 with a safety factor
 
-constexpr std::array<FabmapVariant, 5> kVariants = {{
+constexpr std::array<FabmapVariant, 4> kVariants = {{
     {"fabmap2", "inverted index: only words of the query and their children",
      fabmap2_log_likelihoods},
-    {"fabmap2-fixed", "as fabmap2 in fixed point", fabmap2_fixed_log_likelihoods},
     {"fabmap1", "the definition: all words of all views", fabmap1_log_likelihoods},
     {"lut", "as fabmap1 with a table of rounded logarithms", lut_log_likelihoods},
     {"fbo", "fast bail-out: drops views that cannot win", fbo_log_likelihoods},
 }};
-
-int32_t as_fixed(double value) {
-  return static_cast<int32_t>(std::lround(std::clamp(value, -kMaxFixed, kMaxFixed) * kFixedScale));
-}
 
 size_t entry(bool z, bool parent, bool own) {
   return 4 * size_t{z} + 2 * size_t{parent} + size_t{own};
@@ -89,9 +81,7 @@ QueryTerms query_terms(const FabmapQuery& query) {
 // Adds the term of each word to the sums of the views that show it, block by block, so that the
 // sums stay in a cache. Four views at a time: the views of a list are distinct, so their additions
 // are independent.
-template <class T, class Convert>
-void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
-               Convert&& convert) {
+void add_terms(const WordIndex& index, std::span<const WordTerm> terms, double* sums) {
   for (size_t block = 0; block < index.blocks(); ++block, sums += kIndexBlock) {
     for (size_t t = 0; t < terms.size(); ++t) {
       if (t + kListsAhead < terms.size()) {
@@ -101,13 +91,13 @@ void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
         hwy::Prefetch(ahead + 32);
       }
       const std::span<const uint16_t> views = index.list(block, terms[t].word);
-      const T step = convert(terms[t].to_its_views);
+      const double step = terms[t].to_its_views;
       size_t i = 0;
       for (; i + 4 <= views.size(); i += 4) {
-        const T a = sums[views[i]] + step;
-        const T b = sums[views[i + 1]] + step;
-        const T c = sums[views[i + 2]] + step;
-        const T d = sums[views[i + 3]] + step;
+        const double a = sums[views[i]] + step;
+        const double b = sums[views[i + 1]] + step;
+        const double c = sums[views[i + 2]] + step;
+        const double d = sums[views[i + 3]] + step;
         sums[views[i]] = a;
         sums[views[i + 1]] = b;
         sums[views[i + 2]] = c;
@@ -207,7 +197,7 @@ double best_of(const std::vector<uint32_t>& views, const std::vector<double>& su
 
 FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
                               const WordIndex& lists) {
-  FabmapIndex index{lists, {}, {}, true, 0};
+  FabmapIndex index{lists, {}, 0};
   std::vector<double> step;  // of a word that a view shows and the query does not
   for (const auto& log_p : model.log_p) {
     const double all = log_p[entry(false, false, false)];
@@ -215,13 +205,10 @@ FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
     index.constant += all;
   }
   index.defaults.resize(views.views());
-  index.fixed_defaults.resize(views.views());
   for (size_t v = 0; v < views.views(); ++v) {
     double sum = 0;
     for (const uint32_t word : views.view(v)) sum += step[word];
     index.defaults[v] = sum;
-    index.fixed_defaults[v] = as_fixed(sum);
-    index.fits_fixed = index.fits_fixed && std::abs(sum) < kMaxFixed / 2;
   }
   return index;
 }
@@ -252,26 +239,10 @@ std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query) {
   const QueryTerms terms = query_terms(query);
   const double to_all = query.index.constant + terms.to_all;
   std::vector<double> sums = query.index.defaults;
-  add_terms(query.index.lists, terms.words, sums.data(), [](double step) { return step; });
+  add_terms(query.index.lists, terms.words, sums.data());
   sums.resize(query.known_views);
   for (double& sum : sums) sum += to_all;
   return sums;
-}
-
-std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query) {
-  const QueryTerms terms = query_terms(query);
-  double largest = 0;  // upper bound of the sum that a query adds to a view
-  for (const WordTerm& term : terms.words) largest += std::abs(term.to_its_views);
-  if (!query.index.fits_fixed || largest > kMaxFixed / 2) return fabmap2_log_likelihoods(query);
-  const double to_all = query.index.constant + terms.to_all;
-  // Unsigned: intermediate sums may overflow if the final sum is in range.
-  std::vector<uint32_t> sums(query.index.fixed_defaults.begin(), query.index.fixed_defaults.end());
-  add_terms(query.index.lists, terms.words, sums.data(),
-            [](double step) { return static_cast<uint32_t>(as_fixed(step)); });
-  std::vector<double> result(query.known_views);
-  for (size_t v = 0; v < result.size(); ++v)
-    result[v] = static_cast<int32_t>(sums[v]) * (1 / kFixedScale) + to_all;
-  return result;
 }
 
 double new_place_mean_field(const FabmapModel& model, std::span<const uint32_t> words) {
@@ -369,20 +340,6 @@ std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   std::vector<double> result(query.known_views, best + to_all + kLogProbability);
   for (const uint32_t v : alive) result[v] = sums[v] + to_all;
   return result;
-}
-
-std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
-                                        std::span<const uint32_t> view) {
-  const std::vector<uint8_t> seen = word_flags(frame, model.words());
-  const std::vector<uint8_t> shown = word_flags(view, model.words());
-  std::vector<WordEvidence> evidence;
-  for (uint32_t q = 0; q < model.words(); ++q) {
-    const size_t row = 2 * size_t{seen[q]} + size_t{seen[model.parent[q]]};
-    evidence.push_back({q, seen[q] != 0, shown[q] != 0,
-                        model.log_p[q][2 * row + shown[q]] - model.log_p_new[q][row]});
-  }
-  std::ranges::stable_sort(evidence, std::greater(), &WordEvidence::log_odds);
-  return evidence;
 }
 
 std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, double new_place,

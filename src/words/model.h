@@ -69,8 +69,6 @@ struct FabmapIndex {
   const WordIndex& lists;
   /// Per view: sum over its words of log P(0 | 0, L = 1) - log P(0 | 0, L = 0).
   std::vector<double> defaults;
-  std::vector<int32_t> fixed_defaults;  ///< as defaults, in units of 2^-20
-  bool fits_fixed = true;               ///< whether all of them fit, with room for a query
   /// Sum over all words of log P(0 | 0, L = 0).
   double constant = 0;
 };
@@ -116,11 +114,6 @@ std::vector<double> lut_log_likelihoods(const FabmapQuery& query);
 /// Uses the inverted index; equals fabmap1 within rounding (1e-9).
 std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query);
 
-/// Uses the inverted index with sums in units of 2^-20, which do not depend on the order: the error
-/// is at most (words the view shows + 1) / 2 units, under 1e-4 for a view of 200 words. Returns the
-/// sums of fabmap2 if the sum of a view could exceed +-2000.
-std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query);
-
 /// Fast bail-out: evaluates words by increasing P(z_q | z_parent). A view whose gap to the best is
 /// too large for the remaining words to close (Bennett's bound, probability 1e-6) is dropped and
 /// gets best + ln 1e-6.
@@ -131,21 +124,6 @@ double new_place_mean_field(const FabmapModel& model, std::span<const uint32_t> 
 
 /// The log-likelihood of the new place: the logarithm of the mean likelihood over views.
 double log_mean_exp(std::span<const double> log_values);
-
-/// The evidence of one word for or against a view.
-struct WordEvidence {
-  uint32_t word = 0;
-  bool in_frame = false;
-  bool in_view = false;
-  /// log P(z_q | z_parent, view) - log P(z_q | z_parent, new place by mean field): positive values
-  /// favor the view. The sum over all words is the log-odds of the view against this new place.
-  double log_odds = 0;
-};
-
-/// All words of the model by decreasing log-odds; ties by lower word. `frame` and `view`: word ids,
-/// increasing, without duplicates.
-std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
-                                        std::span<const uint32_t> view);
 
 /// Settings of the conversion from likelihoods to probabilities.
 struct PosteriorSettings {

@@ -8,9 +8,10 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "describe/descriptor_rows.h"
-
 namespace vpr {
+
+/// The visual words of a frame or view: word ids, increasing, without duplicates.
+using WordSet = std::vector<uint32_t>;
 
 /// Centers per block of CenterBlocks.
 inline constexpr size_t kCenterLanes = 32;

@@ -66,19 +66,6 @@ TEST_CASE("a database imported from vocabulary, tree and words has the same post
   CHECK(read_text("r.npy") == read_text("i.npy"));
 }
 
-TEST_CASE("an explanation lists words and draws them") {
-  const auto outcome =
-      run_ok("vpr-query explain $fabmap --query $back --frame 20 --train $one -o r.json");
-  CHECK(has(outcome.out, "Frame 20:"));
-  CHECK(read_text("r.explain.png").substr(1, 3) == "PNG");
-  const Json explanation = file_json("r.json")["explanation"];
-  REQUIRE(explanation["places"].size() == 3);
-  for (const Json& place : explanation["places"]) {
-    CHECK(place["for"][0]["log_odds"].get<double>() >= place["for"][1]["log_odds"].get<double>());
-    CHECK(place["against"][0]["log_odds"].get<double>() < 0);
-  }
-}
-
 TEST_CASE("frames without features keep their index and are counted, with a warning") {
   fs::create_directory("gray");
   for (const std::string name : {"1.pgm", "2.pgm"}) write_text("gray/" + name, kGrayImage);

@@ -15,7 +15,7 @@ namespace {
 // Programs, and their commands.
 const std::map<std::string, Words> kPrograms = {
     {"vpr-train", {"", " fastable", " fabmap", " info", " add", " export", " descriptors"}},
-    {"vpr-query", {"", " live", " loops", " matrix", " explain"}},
+    {"vpr-query", {"", " live", " loops", " matrix"}},
     {"vpr-eval", {"", " matrix", " loops", " report", " compare", " convert", " check"}},
     {"vpr-tune", {"", " fastable", " fabmap", " threshold"}},
     {"vpr-bench", {"", " matching", " describe", " fabmap", " realtime", " compare"}},

@@ -23,10 +23,8 @@ std::string list_of(const fs::path& walk, const fs::path& list, const std::strin
 }
 
 // The results of the whole query in the format of vpr-query live.
-Words offline_lines(const std::string& query, const std::string& words, const Words& names,
-                    const std::string& database = "$db") {
-  run_ok("vpr-query " + database + " --query " + query + " " + words +
-         " -o r.json --force --quiet");
+Words offline_lines(const std::string& query, const std::string& words, const Words& names) {
+  run_ok("vpr-query $db --query " + query + " " + words + " -o r.json --force --quiet");
   const Result result = read_result("r.json").result;
   REQUIRE(result.query.frames == names.size());
   const size_t length = result.window_length();
@@ -53,17 +51,14 @@ TEST_CASE("a recording followed to its end has the results of the whole query, b
       list_of(walk, "list.txt", "off_map.png\n" + (walk / "00003.png").string() + "\n");
   Words names = images_of(walk);
   names.insert(names.end(), {"off_map.png", "00003.png"});
-  run_ok("vpr-train fastable --train $one --c-l 10 -o one.vprdb");
   for (const std::string words :
        {"--c-l 10", "--c-l 10 --method fastable-online --decide margin",
         "--c-l 5 --t-r 150 --t-r-scale bits", "--c-l 5 --score zscore --t-r -1.5",
-        "--c-l 5 --score zscore --margin 0.5 --decide margin --threads 3",
-        "--c-l 10 --decide margin --fuse $fabmap"}) {
+        "--c-l 5 --score zscore --margin 0.5 --decide margin --threads 3"}) {
     INFO(words);
-    const std::string database = has(words, "--fuse") ? "one.vprdb" : "$db";
     const std::string all = words + " --skip-unreadable";
-    const auto expected = offline_lines(list, all, names, database);
-    const auto live = run_ok("vpr-query live " + database + " --query " + list + " " + all);
+    const auto expected = offline_lines(list, all, names);
+    const auto live = run_ok("vpr-query live $db --query " + list + " " + all);
     CHECK(lines_of(live.out) == expected);
     CHECK(has(live.out, "\"recognized\":[{"));
     CHECK(has(live.err, "from frame to line"));

@@ -68,7 +68,7 @@ def loop():
            f"--tree {arrays}/tree.npy --pretrain-bow {arrays}/bow-pretrain.npy "
            f"--train-bow {arrays}/bow-loop.npy@0:40 -o loop.vprdb")
     bow = f"--query-bow {arrays}/bow-loop.npy@40:80"
-    for variant in "fabmap1", "fabmap2", "fabmap2-fixed", "lut", "fbo":
+    for variant in "fabmap1", "fabmap2", "lut", "fbo":
         for more in ("", "--word-model naive-bayes", "--new-place mean-field", "--motion-model"):
             if variant == "fbo" and more:
                 continue

@@ -41,7 +41,6 @@ vpr-eval convert aligned --query-frames 3 --train-frames 4 --to matrix -o m.npz 
 vpr-train fabmap --pretrain building/corridor --train building/hall@0:20 --words 20 -o f.vprdb --json >fi.json
 vpr-query f.vprdb --query building/hall@0:20 --t-p 0.5 -o fr.json
 vpr-query loops f.vprdb --query building/hall@0:20 --gap 2 -o fg.json
-vpr-query explain f.vprdb --query building/hall@0:20 --frame 9 -o fl.json
 vpr-eval fr.json --ground-truth aligned -o fe.json
 vpr-tune w.vprdb --dataset DATA --query query -o tu.json
 vpr-tune threshold w.vprdb --c-l 5 -o t.json

@@ -1,4 +1,4 @@
-// Z-scores, decisions by margin, and fusion of FAB-MAP and sequences, in the programs.
+// Z-scores and decisions by margin, in the programs.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -30,13 +30,6 @@ void make_walks() {
 const std::string kQuery = "vpr-query db.vprdb --query query --c-l 3";
 
 RunOutcome query(const std::string& words) { return run(kQuery + " " + words); }
-
-// A database of the sequence in the world's FAB-MAP database.
-void make_database() { run_ok("vpr-train fastable --train $one --c-l 10 -o one.vprdb"); }
-
-RunOutcome fused(const std::string& words) {
-  return run("vpr-query one.vprdb --query $again " + words);
-}
 
 }  // namespace
 
@@ -144,39 +137,4 @@ TEST_CASE("vpr-tune sweeps margins, and its recommendation is a query's settings
   CHECK(config["decide"] == "margin");
   const Json found = printed_json("vpr-query db.vprdb --query query --config best.json --json");
   CHECK(found["totals"]["recognitions"] > 0);
-}
-
-TEST_CASE("a fused query reports its FAB-MAP database") {
-  start_with(make_database);
-  const Json json = printed_json(fused("--fuse $fabmap --c-l 10 --t-r -2 --json"));
-  CHECK(json["settings"]["score"] == "zscore");
-  CHECK(json["settings"]["fusion_weight"] == 0.2);
-  CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
-  CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
-  const Json alone = printed_json(fused("--score zscore --c-l 10 --t-r -2 --json"));
-  CHECK_FALSE(alone["settings"].contains("fusion_weight"));
-  CHECK_FALSE(alone["provenance"].contains("fused"));
-  CHECK(alone["provenance"]["query"] == json["provenance"]["query"]);
-  const Json weak =
-      printed_json(fused("--fuse $fabmap --fusion-weight 0 --c-l 10 --t-r -2 --json"));
-  CHECK(weak["totals"] == alone["totals"]);
-  CHECK(weak["clusters"] == alone["clusters"]);
-}
-
-TEST_CASE("a result as settings selects the same database again") {
-  start_with(make_database);
-  ok(fused("--fuse $fabmap --fusion-weight 0.5 --c-l 10 --t-r -2 -o r.json"));
-  check_failure(fused("--config r.json"), 2, "--fuse");
-  const Json json = printed_json(fused("--config r.json --fuse $fabmap --json"));
-  CHECK(json["settings"]["fusion_weight"] == 0.5);
-}
-
-TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them") {
-  start_with(make_database);
-  const auto outcome = run_ok(
-      "vpr-tune fastable one.vprdb"
-      " --query $again --ground-truth aligned --tolerance 1000 --fuse "
-      "$fabmap --c-l 5,10 --t-r -3:-0.5:0.5");
-  CHECK(has(outcome.out, "--fuse " + world().fabmap()));
-  CHECK(has(outcome.out, "--fusion-weight 0.2"));
 }

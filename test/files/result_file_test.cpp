@@ -10,10 +10,10 @@
 using namespace vpr;
 using namespace vpr::test;
 
-TEST_CASE("companions are named after the result") {
-  CHECK(companion_path("a/r.json", "recognitions.npy") == "a/r.recognitions.npy");
-  CHECK(companion_path("a/r", "recognitions.npy") == "a/r.recognitions.npy");
-  CHECK(companion_path("a/r.v2.json", "best.npy") == "a/r.v2.best.npy");
+TEST_CASE("arrays are named after the result") {
+  CHECK(array_path("a/r.json", "recognitions") == "a/r.recognitions.npy");
+  CHECK(array_path("a/r", "recognitions") == "a/r.recognitions.npy");
+  CHECK(array_path("a/r.v2.json", "best") == "a/r.v2.best.npy");
 }
 
 TEST_CASE("a result can be read back after writing") {
@@ -188,7 +188,6 @@ TEST_CASE("everything about a run is read back") {
   context.run.paths = {{"query", "walk"}};
   context.run.frame_names = {{"query", "xxh3:1"}};
   context.database_fingerprint = "xxh3:2";
-  context.fused_fingerprint = "xxh3:3";
   context.matrix = {4, 5, {{"a", 0}}};
   context.explanation = {3, 0.25, {{{}, "hall", "a: 1.png", 1.5, {{2, true, false, 0.5}}, {}}}};
   context.files["matrix"] = {4, "xxh3:4"};
@@ -208,7 +207,6 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.run.paths == context.run.paths);
   CHECK(read.run.frame_names == context.run.frame_names);
   CHECK(read.database_fingerprint == "xxh3:2");
-  CHECK(read.fused_fingerprint == "xxh3:3");
   CHECK(read.matrix->sequences.at(0).sequence == "a");
   CHECK(read.explanation->places.at(0).for_it.at(0).log_odds == 0.5);
   CHECK(read.files.at("matrix") == FileEntry{4, "xxh3:4"});

@@ -149,36 +149,6 @@ def test_loops_of_places_are_found_as_by_the_program(run, walks, tmp_path):
         vpr.loops(walks / "tuesday", db=vpr.train(walks / "monday"), loop_gap=20)
 
 
-@pytest.mark.parametrize("is_live", [False, True])
-def test_scores_are_fused_as_by_the_program(run, walks, tmp_path, is_live):
-    fuse = tmp_path / "fabmap.vprdb"
-    vpr.train(walks / "monday", pretrain=walks / "other", features="orb", words=50).save(fuse)
-    db = vpr.train(walks / "monday")
-    db.save(tmp_path / "db.vprdb")
-    plain = vpr.query(db, walks / "tuesday", c_l=5, decide="margin",
-                      score="zscore").best_scores
-    settings = {"fuse": str(fuse), "c_l": 5, "decide": "margin"}
-    if is_live:
-        images = sorted((walks / "tuesday").iterdir())
-        (tmp_path / "list.txt").write_text("".join(f"{path}\n" for path in images))
-        program = run("vpr-query", "live", tmp_path / "db.vprdb", "--query", tmp_path / "list.txt",
-                      *flags(settings), folder=walks)
-        live = vpr.Live(db, **settings)
-        lines = [json.loads(line) for line in program.stdout.splitlines()]
-        assert [live.add(path) for path in images] == lines
-        assert any(line["recognized"] for line in lines)
-    else:
-        result = vpr.query(db, walks / "tuesday", **settings)
-        result.save(tmp_path / "p.json")
-        run("vpr-query", tmp_path / "db.vprdb", "--query", walks / "tuesday", *flags(settings),
-            "-o", tmp_path / "c.json", folder=walks)
-        assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
-        assert not np.array_equal(result.best_scores, plain)
-    again = vpr.query(db, walks / "tuesday", c_l=5, decide="margin",
-                      score="zscore").best_scores
-    assert np.array_equal(again, plain)  # the database is not fused
-
-
 def matched(walks, **settings):
     db = vpr.train(descriptors=walks / "monday.npy", c_l=5)
     return vpr.query(db, descriptors=walks / "tuesday.npy", c_l=5, t_r=0.5, **settings)
@@ -349,7 +319,6 @@ def masked():
     (lambda db, walks: vpr.train(walks / "monday", metric="l2"), "UsageError"),
     (lambda db, walks: vpr.train(descriptors=np.eye(64), descriptor="hog"), "UsageError"),
     (lambda db, walks: vpr.train(descriptors=np.eye(64, dtype=np.uint8), metric="cosine"), "UsageError"),
-    (lambda db, walks: vpr.query(db, descriptors=np.eye(64), fuse=""), "UsageError"),
     (lambda db, walks: vpr.Live(db).add(""), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", train_frames=20), "UsageError"),
     (lambda db, walks: vpr.query(db, "x", descriptors=np.eye(64)), "UsageError"),
@@ -372,7 +341,6 @@ def masked():
     (lambda db, walks: vpr.query(db, descriptors=(row for row in np.eye(64))), "DataError"),
     (lambda db, walks: vpr.query(db, descriptors=walks / "tuesday.npy", frame_times="x"),
      "UsageError"),
-    (lambda db, walks: vpr.loops(walks / "tuesday", loop_gap=9, fuse="x"), "UsageError"),
     (lambda db, walks: vpr.train(walks / "monday", threads=2000), "UsageError"),
     (lambda db, walks: vpr.query(db, walks / "missing"), "InputError"),
     (lambda db, walks: vpr.query(db, walks / "tuesday"), "DataError"),

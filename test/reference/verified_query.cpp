@@ -10,18 +10,12 @@
 #include "base/parallel.h"
 #include "match/score_kernels.h"
 #include "reference/reference.h"
-#include "reference/reference_fusion.h"
 #include "reference/reference_past.h"
 #include "reference/sampled_cells.h"
 #include "run/query.h"
 
 namespace vpr::test {
 namespace {
-
-// In units of scores.
-double tolerance_of(size_t window_length, const ScoreBasis& basis) {
-  return static_cast<double>(window_length) * (1 + fusion_tolerance(basis.fusion));
-}
 
 /// The terms of sums: a value of training frame i of a sequence and query frame j.
 using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
@@ -37,9 +31,8 @@ double reference_sum(const PairValue& value, size_t window_length, const Cell& c
 class ReferenceScores {
  public:
   ReferenceScores(std::span<const DescribedFrames> train, const DescriptorRows& query,
-                  const ReferenceUpdates& updates, const ScoreBasis& basis,
-                  const ReferenceFusion& fusion)
-      : train_(train), query_(query), updates_(updates), basis_(basis), fusion_(fusion) {}
+                  const ReferenceUpdates& updates, const ScoreBasis& basis)
+      : train_(train), query_(query), updates_(updates), basis_(basis) {}
   double operator()(size_t sequence, size_t i, size_t j) {
     auto& scores = known_[i];
     if (scores.empty()) {
@@ -47,7 +40,7 @@ class ReferenceScores {
       for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
       scores = reference_frame_scores(train_[sequence].rows[i], frame, query_, updates_, basis_);
     }
-    return fusion_(scores[j], sequence, i, j);
+    return scores[j];
   }
 
  private:
@@ -55,18 +48,15 @@ class ReferenceScores {
   DescriptorRows query_;
   const ReferenceUpdates& updates_;
   const ScoreBasis& basis_;
-  const ReferenceFusion& fusion_;
   std::map<size_t, std::vector<double>> known_;  // by training frame of the last sequence
 };
 
-// With or without fusion; with a basis, of scores.
+// With a basis, of scores.
 std::vector<Cell> wrong_sums(std::span<const Cell> cells, size_t window_length,
                              std::span<const DescribedFrames> train, const DescribedFrames& query,
                              const ScoreBasis* basis, const Monitor& monitor) {
   const ReferenceUpdates updates =
       basis != nullptr ? reference_updates(train, query, *basis, monitor) : ReferenceUpdates{};
-  const ReferenceFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
-                               window_length, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return reference_distance(train[sequence].rows, i, query.rows, j);
   };
@@ -77,11 +67,12 @@ std::vector<Cell> wrong_sums(std::span<const Cell> cells, size_t window_length,
       return;
     }
     const size_t known = cells[c].query_window + window_length;  // no score depends on later frames
-    ReferenceScores scores(train, query.rows.first(known), updates, *basis, fusion);
+    ReferenceScores scores(train, query.rows.first(known), updates, *basis);
     right[c] = reference_sum(std::ref(scores), window_length, cells[c]) * kScoreUnit +
                static_cast<double>(score_offset(window_length));
   });
-  const double tolerance = basis == nullptr ? 0 : tolerance_of(window_length, *basis);
+  // Of scores, each rounded by less than one unit.
+  const double tolerance = basis == nullptr ? 0 : static_cast<double>(window_length);
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
     if (std::abs(cells[c].score - right[c]) <= tolerance) continue;

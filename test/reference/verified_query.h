@@ -5,9 +5,9 @@
 
 namespace vpr::test {
 
-/// run_query, with up to `cells` random cells compared with their reference: raw and z-scores, with
-/// or without fusion, and of a sequence against its own past only cells of the past. Fails the test
-/// case if a cell differs.
+/// run_query, with up to `cells` random cells compared with their reference: raw and z-scores,
+/// and of a sequence against its own past only cells of the past. Fails the test case if a cell
+/// differs.
 QueryRun run_verified(const QueryPlan& plan, size_t cells, const Monitor& monitor = {});
 
 }  // namespace vpr::test

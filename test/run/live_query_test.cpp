@@ -92,9 +92,7 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
   for (size_t frame = 0; frame < rows.size(); ++frame) {
     INFO("frame " << frame);
     const bool is_gap = std::find(walks.gaps.begin(), walks.gaps.end(), frame) != walks.gaps.end();
-    ArrivedFrame row{rows[frame], !is_gap};
-    if (!walks.query.words.empty()) row.words = walks.query.words[frame];
-    const std::optional<Result> live = query.take(row);
+    const std::optional<Result> live = query.take({rows[frame], !is_gap});
     if (live && whole.path) {
       check_path(*live, whole, frame);
       decide(*live, frame);
@@ -140,28 +138,6 @@ TEST_CASE("live frames have the results of the whole query: margins, scores and 
   CHECK(check_live_query(walks, filter) > 30);
   filter.only_sequences = {"b"};  // the first sequence is not searched
   CHECK(check_live_query(walks, filter) > 10);
-}
-
-TEST_CASE("live frames have the results of the whole query: fused with FAB-MAP") {
-  Walks walks;
-  fuse_views(walks.database, test::make_fabmap(walks.database), "f");
-  const DescriptorRows rows = walks.query.rows();
-  for (size_t frame = 0; frame < rows.size(); ++frame)
-    walks.query.words.push_back(test::words_of(rows[frame]));
-  SequenceQuerySettings settings;
-  settings.fusion_weight = 0.25;
-  settings.window_length = 6;
-  settings.score = Score::zscore;
-  settings.distance_threshold = -2;
-  CHECK(check_live_query(walks, settings) > 40);
-  settings.distance_threshold.reset();
-  settings.decision = Decision::margin;
-  settings.only_sequences = {"a"};
-  CHECK(check_live_query(walks, settings) > 20);
-  SequenceQuerySettings filter;
-  filter.method = "filter";
-  filter.fusion_weight = 0.25;
-  CHECK(check_live_query(walks, filter) > 30);
 }
 
 TEST_CASE("a stop of any length keeps at most as many frames as pending keyframes") {

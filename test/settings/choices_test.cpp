@@ -36,7 +36,6 @@ const std::vector<ChosenFlag> kChosenFlags = {
     {"--method filter", [](auto& s) { s.method = "filter"; }},
     {"--method lsh", [](auto& s) { s.method = "lsh"; }},
     {"--method openable", [](auto& s) { s.method = "openable"; }},
-    {"--fuse", [](auto& s) { s.fusion_weight = 0.2; }},
     {"--score raw", {}},
     {"--score zscore", [](auto& s) { s.score = Score::zscore; }},
     {"--c-l", {}},
@@ -120,14 +119,11 @@ TEST_CASE("choices that cannot be combined are refused by both names") {
       {{"--c-l", "--method filter"}, "--c-l", "--method filter"},
       {{"--score raw", "--method filter"}, "--score raw", "--method filter"},
       {{"--decide threshold", "--method filter"}, "--decide threshold", "--method filter"},
-      {{"--fuse", "--t-r", "--score raw"}, "--score raw", "--fuse"},
-      {{"--fuse", "--t-r", "--method openable"}, "--fuse", "--method openable"},
       // A loop query.
       {{"vpr-query loops", "DB"}, "DB", "vpr-query loops"},
       {{"vpr-query loops", "vpr-query live"}, "vpr-query live", "vpr-query loops"},
       {{"vpr-query loops", "--method filter"}, "--method filter", "vpr-query loops"},
       {{"vpr-query loops", "--method lsh"}, "--method lsh", "vpr-query loops"},
-      {{"vpr-query loops", "--fuse"}, "--fuse", "vpr-query loops"},
       {{"vpr-query loops", "--t-r-scale relative"}, "relative", "vpr-query loops"},
       {{"vpr-query loops", "--decide margin"}, "a default --margin", "vpr-query loops"},
       {{"vpr-query loops", "a --gap in seconds", "--decide margin", "--margin"},
@@ -162,19 +158,19 @@ TEST_CASE("choices that can be combined are accepted") {
       {},
       {"--method openable", "--t-r", "--t-r-scale bits"},
       {"--method lsh", "--t-r", "--t-r-scale bits"},
-      {"--method filter", "--margin", "--same-place", "--only-sequence", "--fuse"},
+      {"--method filter", "--margin", "--same-place", "--only-sequence"},
       {"--method filter", "vpr-query live"},
       {"vpr-query live", "--t-r", "--t-r-scale bits", "--skip-unreadable"},
       {"vpr-query live", "--t-r-scale relative"},
-      {"vpr-query live", "--decide margin", "--fuse"},
-      {"--score zscore", "--t-r", "--t-r-scale mean-z", "--fuse"},
+      {"vpr-query live", "--decide margin"},
+      {"--score zscore", "--t-r", "--t-r-scale mean-z"},
       {"--score zscore", "--decide margin", "--margin", "--exclusion-frames"},
       {"--score zscore", "--decide margin", "--save-matrix"},
       {"vpr-query loops", "--descriptor", "--save-matrix"},
       {"vpr-query loops", "a --gap in seconds", "--score zscore", "--t-r"},
       {"vpr-query loops", "--decide margin", "--margin", "--method openable"},
       {"--score zscore", "--t-r", "--only-sequence", "--same-place"},
-      {"vpr-tune fastable", "--score zscore", "--fuse", "--t-r"},
+      {"vpr-tune fastable", "--score zscore", "--t-r"},
       {"vpr-tune fastable", "--decide margin", "--margin"},
       {"a FAB-MAP database", "vpr-query loops"}};
   for (const auto& flags : all) {
@@ -221,11 +217,6 @@ TEST_CASE("resolving fills in implied settings") {
   CHECK(filter->decision == Decision::margin);
   CHECK(filter->margin == kFilterMargin);
   CHECK_FALSE(filter->threshold_scale);
-  settings = {};
-  settings.distance_threshold = -1;
-  const ResolvedSettings fused(settings, {Feature::database, Feature::fuse});
-  CHECK(fused->fusion_weight == kFusionWeight);
-  CHECK(fused->score == Score::zscore);
   settings = {};
   by_loop(settings);
   const ResolvedSettings loop(settings, {});

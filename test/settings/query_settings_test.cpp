@@ -52,7 +52,7 @@ TEST_CASE("files hold the settings of their own score, method and decision") {
   json["score"] = "raw";
   json["t_r_scale"] = "relative";
   CHECK(settings_in_force(settings) == json);
-  for (const char* other : {"lsh", "margin", "filter", "fusion_weight", "loop_gap", "loop_gap_s"})
+  for (const char* other : {"lsh", "margin", "filter", "loop_gap", "loop_gap_s"})
     CHECK_FALSE(json.contains(other));
   settings.method = "lsh";
   CHECK(settings_in_force(settings).contains("lsh"));

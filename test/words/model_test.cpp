@@ -75,7 +75,6 @@ TEST_CASE("every variant agrees with the reference implementation within its doc
               REQUIRE(std::abs(found[v] - expected[v]) <= error);
           };
           check(fabmap2_log_likelihoods(input), 1e-9);
-          check(fabmap2_fixed_log_likelihoods(input), 1e-4);
           check(lut_log_likelihoods(input), 120 * 0.5e-6 + 1e-9);
           const auto kept = fbo_log_likelihoods(input);
           const double best = *std::max_element(expected.begin(), expected.end());
@@ -107,25 +106,6 @@ TEST_CASE("the bail-out gap satisfies its bound, and is never below ln 1e6") {
 TEST_CASE("the mean of likelihoods does not overflow") {
   CHECK(log_mean_exp(std::vector<double>{-5000, -5000}) == Approx(-5000));
   CHECK(log_mean_exp(std::vector<double>{0, -1e300}) == Approx(-std::log(2)));
-}
-
-TEST_CASE("the evidence of all words adds up to the log-odds against the mean-field new place") {
-  const Example example(80, 10, 7);
-  for (const WordModel words : {WordModel::tree, WordModel::naive_bayes}) {
-    const FabmapModel model = make_fabmap_model(example.tree, {}, words);
-    const WordIndex lists = make_word_index(example.views, model.words());
-    const FabmapIndex index = make_fabmap_index(model, example.views, lists);
-    for (const WordSet& query : example.queries) {
-      const auto expected =
-          fabmap1_log_likelihoods({model, example.views, index, query, example.views.views()});
-      for (size_t v = 0; v < expected.size(); ++v) {
-        double sum = 0;
-        for (const WordEvidence& word : word_evidence(model, query, example.views.view(v)))
-          sum += word.log_odds;
-        REQUIRE(sum == Approx(expected[v] - new_place_mean_field(model, query)).margin(1e-9));
-      }
-    }
-  }
 }
 
 TEST_CASE("unknown views do not affect known views") {

@@ -212,8 +212,8 @@ def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = 
 
     images: a folder, list or video. descriptors: an array or a .npy file. name: in results; by
         default of the path, or "query".
-    Settings: those of vpr-query, such as c_l, score, decide, margin, t_r, method, fps, speed, fuse
-        (the folder of a FAB-MAP database) and max_memory (bytes). For FAB-MAP: t_p, c_w, ...
+    Settings: those of vpr-query, such as c_l, score, decide, margin, t_r, method, fps, speed and
+        max_memory (bytes). For FAB-MAP: t_p, c_w, ...
 
     >>> db = vpr.train(descriptors=monday)
     >>> result = vpr.query(db, descriptors=tuesday, c_l=5, score="zscore", decide="margin")
