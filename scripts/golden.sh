@@ -3,7 +3,7 @@
 # shows which frames changed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cmake --preset ci >/dev/null
-cmake --build --preset ci --target test_golden
-VPR_GOLDEN=write build/ci/bin/test_golden "*golden file*" >/dev/null
+cmake --preset release >/dev/null
+cmake --build --preset release --target test_golden
+VPR_GOLDEN=write build/release/bin/test_golden "*golden file*" >/dev/null
 git diff --stat -- test/golden

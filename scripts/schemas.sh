@@ -3,8 +3,8 @@
 # docs/schemas/*.schema.json. Descriptions and bounds remain; the description of a new setting is its help.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cmake --preset ci >/dev/null
-cmake --build --preset ci --target test_cli
-VPR_SCHEMAS=write build/ci/bin/test_cli "settings are described*" >/dev/null
+cmake --preset release >/dev/null
+cmake --build --preset release --target test_cli
+VPR_SCHEMAS=write build/release/bin/test_cli "settings are described*" >/dev/null
 scripts/schemas.py
 git diff --stat -- docs
