@@ -92,11 +92,6 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
   match.rates = plan.match.rates;
   const ThresholdTable* stored =
       match.rates.empty() ? find_thresholds(database.thresholds, length) : nullptr;
-  if (stored == nullptr && match.rates.empty() && is_left_to_queries(plan.train))
-    warn(monitor,
-         "the database has no automatic t_r for c_l {}: computing it, which takes a while; "
-         "vpr-tune threshold DB --c-l {} --write stores it",
-         length, length);
   const bool has_factor = match.rates.empty() && !database.thresholds.empty();
   const double factor = has_factor ? database.thresholds.front().safety_factor : 1;
   ThresholdTable table =
@@ -235,9 +230,6 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   }
   plan_windows(plan, monitor);
   finish_plan(plan, database, *settings, monitor);
-  if (settings->loop && plan.past.back() < plan.match.window_length)
-    warn(monitor, "{}: no two windows of {} frames are that far apart. Use a smaller --gap.",
-         query_name, plan.match.window_length);
   return plan;
 }
 
