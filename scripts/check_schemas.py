@@ -42,7 +42,7 @@ def complain(text):
 for name in sorted({file.name for file in schemas.FOLDER.glob("*.json")} | set(every)):
     file = schemas.FOLDER / name
     if name not in every or not file.exists() or file.read_text() != schemas.formatted(every[name]) + "\n":
-        complain(f"{name} differs from the .txt files: run scripts/schemas.py")
+        complain(f"{name} differs from the .txt files: run scripts/generate.sh")
 used = set()
 for (name, path), node in every_node.items():
     if isinstance(node.get("$ref"), str):

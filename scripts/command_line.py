@@ -54,4 +54,4 @@ text = page(pathlib.Path(folders[0]).resolve() if folders else root / "build/rel
 if not check:
     PAGE.write_text(text)
 elif not PAGE.exists() or PAGE.read_text() != text:
-    sys.exit("docs/reference/command-line.md differs from the programs' --help: run scripts/command_line.py")
+    sys.exit("docs/reference/command-line.md differs from the programs' --help: run scripts/generate.sh")

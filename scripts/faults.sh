@@ -8,12 +8,12 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh
-cmake --preset ci >/dev/null
-cmake --build --preset ci --target vpr_faults vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth
+cmake --preset release >/dev/null
+cmake --build --preset release --target vpr_faults vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth
 status=0
 for kind in calls:0 full:0 power:1500; do
   echo "== ${kind%:*}"
-  test/faults/faults.py --programs build/ci/bin --kind "${kind%:*}" --cases "${1:-${kind#*:}}" ||
+  test/faults/faults.py --programs build/release/bin --kind "${kind%:*}" --cases "${1:-${kind#*:}}" ||
     { ended=$?; [[ $ended == 77 ]] || status=1; }
 done
 exit "$status"

@@ -48,4 +48,4 @@ text = page(vpr)
 if "--check" not in words:
     PAGE.write_text(text)
 elif not PAGE.exists() or PAGE.read_text() != text:
-    sys.exit("docs/reference/python.md differs from the docstrings of vpr: run scripts/python_reference.py")
+    sys.exit("docs/reference/python.md differs from the docstrings of vpr: run scripts/generate.sh")

@@ -43,6 +43,6 @@ ctest --preset arm64 -R "^($(IFS='|'; echo "${tests[*]}"))\$"
 qemu-aarch64-static -L "$root" build/arm64/bin/test_real_data "*corridor*,*the loop*" || [[ $? == 77 ]]
 build/arm64/emulated/vpr-bench matching --databases 500 --c-l 20 --json | grep -o '"simd": "NEON"'
 
-cmake --preset ci >/dev/null
-cmake --build --preset ci --target "${programs[@]}"
-test/cli/same_outputs.py build/ci/bin build/arm64/emulated corridor loop surf
+cmake --preset release >/dev/null
+cmake --build --preset release --target "${programs[@]}"
+test/cli/same_outputs.py build/release/bin build/arm64/emulated corridor loop surf

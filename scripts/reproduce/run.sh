@@ -13,8 +13,7 @@
 #   floor1   first floor of PUT MC with the automatic threshold, for four window lengths
 #   figures  recognitions along the path, on the plan (figures 7 to 9, 20 and 21)
 #   times    times of section 5 and of figures 10, 11 and 16
-# run.sh --help describes the options. VPR_BIN=DIR, such as VPR_BIN=build/ci/bin, uses existing programs
-# instead of building them.
+# run.sh --help describes the options. VPR_BIN=DIR uses existing programs instead of building them.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 command -v python3 >/dev/null || "$here/../install-deps.sh"

@@ -14,10 +14,9 @@
 namespace vpr {
 namespace {
 
-std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthScope& scope,
-                                const Monitor& monitor) {
+std::vector<double> traveled_by(const EvaluationSettings& by, const GroundTruthScope& scope) {
   if (by.poses.empty()) return {};
-  return read_traveled(by.poses, scope.query, monitor);
+  return read_traveled(by.poses, scope.query);
 }
 
 std::vector<MatchedFrame> best_matches(const Evaluation& evaluation) {
@@ -205,7 +204,7 @@ Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<S
   const GroundTruthScope scope = scope_of(*result);
   evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
-  const std::vector<double> traveled_m = traveled_by(by, scope, monitor);
+  const std::vector<double> traveled_m = traveled_by(by, scope);
   evaluation.judgment = matrix ? judge(*result, *matrix, truth, traveled_m, monitor)
                                : judge(*result, truth, traveled_m, monitor);
   present_by(evaluation.judgment, by);
@@ -230,7 +229,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   ScoreLayout layout = layout_of(matrix, settings.window_length);
   layout.scope.query = query_of(settings, layout.scope.query.frames);
   evaluation.truth = truth_of(by, layout.scope, monitor);
-  const std::vector<double> traveled_m = traveled_by(by, layout.scope, monitor);
+  const std::vector<double> traveled_m = traveled_by(by, layout.scope);
   evaluation.judgment =
       judge(matrix, layout, evaluation.truth, settings.threshold, traveled_m, monitor);
   present_by(evaluation.judgment, by);

@@ -86,11 +86,6 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
                                const SequenceQuerySettings& settings, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   const ThresholdTable* stored = find_thresholds(database.thresholds, length);
-  if (stored == nullptr && is_left_to_queries(plan.train))
-    warn(monitor,
-         "the database has no automatic t_r for c_l {}: computing it, which takes a while; "
-         "vpr-tune threshold DB --c-l {} --write stores it",
-         length, length);
   const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
   ThresholdTable table =
       stored != nullptr
@@ -219,9 +214,6 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   }
   plan_windows(plan, monitor);
   finish_plan(plan, database, *settings, monitor);
-  if (settings->loop && plan.past.back() < plan.match.window_length)
-    warn(monitor, "{}: no two windows of {} frames are that far apart. Use a smaller --gap.",
-         query_name, plan.match.window_length);
   return plan;
 }
 

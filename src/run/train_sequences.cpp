@@ -71,11 +71,6 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
   const std::vector<DescribedFrames> spans = code_spans(database);
   if (!is_left_to_queries(spans))
     database.thresholds.push_back(compute_thresholds(spans, window_length, safety_factor, monitor));
-  else
-    warn(monitor,
-         "the training sequences are long: their automatic t_r is computed for each query that "
-         "needs it. To store it, use vpr-tune threshold DB --c-l {} --write.",
-         window_length);
 }
 
 // Appends sequences and computes everything except thresholds.

@@ -32,9 +32,9 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("statistics", settings.statistics);
 }
 
-/// Describes each sequence and computes the thresholds for settings.window_length (or warns if
-/// is_left_to_queries) and the training statistics. Names must differ. Throws Error(usage) for
-/// settings out of range, and what DescriptorKind::describe throws.
+/// Describes each sequence and computes the training statistics and, unless is_left_to_queries, the
+/// thresholds for settings.window_length. Names must differ. Throws Error(usage) for settings out
+/// of range, and what DescriptorKind::describe throws.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const Monitor& monitor);
 

@@ -194,8 +194,8 @@ double metered_brightness(const Canvas& canvas, const std::vector<Column>& colum
 // value. `drift` is a factor on the exposure.
 Light make_light(double brightness, const Conditions& conditions, double drift) {
   const double gain =
-      std::clamp(std::pow(kMeanBrightness / std::max(brightness, 1.0), 0.8), 0.3, 3.0) *
-      conditions.exposure * drift * 256;
+      std::clamp(std::pow(kMeanBrightness / std::max(brightness, 1.0), 0.8), 0.3, 3.0) * drift *
+      256;
   const std::array<double, 3> balance = {1 - 0.14 * conditions.warmth, 1.0,
                                          1 + 0.14 * conditions.warmth};
   const std::array<double, 3> sky = {1.06, 1.0, 0.96};

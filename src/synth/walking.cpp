@@ -19,7 +19,9 @@ constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kStepsPerS = 1.8;
-constexpr double kUnevenness = 0.15;  // maximum relative variation of the speed
+constexpr double kTremorDeg = 0.6;     // amplitude of the hand's tremor in walks with jolts
+constexpr double kExposureLagS = 0.4;  // of the automatic exposure with a shutter time
+constexpr double kUnevenness = 0.15;   // maximum relative variation of the speed
 
 // A slow, smooth variation between about -1 and 1: the sum of two waves without a common period.
 struct Wander {
@@ -262,7 +264,8 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   const Hold hold(world, walk.day);
   const double shake = walk.shake * hold.sway;
   RandomEngine tremor_engine = named_engine(world.seed, "tremor/" + walk.name);
-  const Tremor turning(tremor_engine, walk.tremor_deg), nodding(tremor_engine, walk.tremor_deg);
+  const double tremor_deg = walk.jolt_deg > 0 ? kTremorDeg : 0;
+  const Tremor turning(tremor_engine, tremor_deg), nodding(tremor_engine, tremor_deg);
   const Path path(walk.path);
   const auto variation = [&](double time_s) { return kUnevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
@@ -315,7 +318,8 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
 
 std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
                                       const std::vector<CameraPose>& poses, size_t frame) {
-  const auto lag = static_cast<size_t>(std::lround(walk.conditions.exposure_lag_s * world.fps));
+  if (walk.conditions.shutter_s == 0) return {};
+  const auto lag = static_cast<size_t>(std::lround(kExposureLagS * world.fps));
   size_t first = frame;
   while (first > 0 && frame - first < lag && !poses[first].follows_cut) --first;
   if (first == frame) return {};

@@ -39,7 +39,7 @@ constexpr Range kRanges[] = {
     {0, kMaxMeters, "same_place_m ignore_m"},
     {0, 100'000, "frames from_m at_m to_m"},
     {0, 1000, "passers_by standing crossing ahead"},
-    {0, 5, "tremor_deg jolt_deg exposure_lag_s"},
+    {0, 5, "jolt_deg"},
     {-360, 360, "headings"},
     {32, 4096, "image_width image_height"},
     {0.1, 1000, "fps"},
@@ -47,7 +47,6 @@ constexpr Range kRanges[] = {
     {0, 3600, "seconds"},
     {0, 3, "hands"},
     {-1, 1, "warmth"},
-    {0.01, 100, "exposure"},
     {0, 100, "noise"},
 };
 

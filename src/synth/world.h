@@ -39,13 +39,12 @@ struct Conditions {
   double lamps = 1;     ///< artificial light; 1: all lamps on
   double daylight = 1;  ///< 0: night, 1: noon
   double warmth = 0;    ///< white balance, -1 (blue) to 1 (yellow)
-  double exposure = 1;  ///< factor on the automatic exposure
   double noise = 3;     ///< sensor noise, standard deviation in gray values
-  /// exposure time that blurs all rotations; 0: blur only horizontal ones, for 1/50 s
+  /// exposure time that blurs all rotations, with a lag of the automatic exposure; 0: blur
+  /// only horizontal ones, for 1/50 s, without lag
   double shutter_s = 0;
-  double exposure_lag_s = 0;  ///< delay of the automatic exposure
 };
-VPR_FIELDS(Conditions, lamps, daylight, warmth, exposure, noise, shutter_s, exposure_lag_s)
+VPR_FIELDS(Conditions, lamps, daylight, warmth, noise, shutter_s)
 
 /// The speed of a walk from this point of the path to the next WalkPace.
 struct WalkPace {
@@ -78,8 +77,7 @@ struct Walk {
   std::vector<WalkStop> stops;            ///< in the order of the walk
   std::vector<WalkCut> cuts;              ///< as stops; with paces, stops or cuts, `frames` is 0
   double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
-  double tremor_deg = 0;    ///< amplitude of the hand's tremor, several times per second
-  double jolt_deg = 0;      ///< amplitude of the camera's jolt at each step
+  double jolt_deg = 0;  ///< amplitude of the camera's jolt at each step; above 0, the hand trembles
   uint64_t passers_by = 0;  ///< groups of one to three people who walk past
   uint64_t standing = 0;    ///< groups of one to four people who stand at the walls
   uint64_t crossing = 0;    ///< groups that cross the path in front of the camera
@@ -87,8 +85,8 @@ struct Walk {
   uint64_t day = 0;         ///< all walks of one day share its changes and its hand
   Conditions conditions;
 };
-VPR_FIELDS(Walk, name, use, floor, path, frames, speed_m_s, paces, stops, cuts, shake, tremor_deg,
-           jolt_deg, passers_by, standing, crossing, ahead, day, conditions)
+VPR_FIELDS(Walk, name, use, floor, path, frames, speed_m_s, paces, stops, cuts, shake, jolt_deg,
+           passers_by, standing, crossing, ahead, day, conditions)
 
 /// Whether a walk has its own speeds, stops or cuts, which determine its number of frames.
 bool is_uneven(const Walk& walk);

@@ -335,18 +335,10 @@ std::vector<WallLine> read_walls(const fs::path& path) {
   return walls;
 }
 
-std::vector<double> read_traveled(const fs::path& path, const Sequence& sequence,
-                                  const Monitor& monitor) {
+std::vector<double> read_traveled(const fs::path& path, const Sequence& sequence) {
   const Poses poses =
       selected(read_pose_csv(path, sequence.recorded_frames()).poses, sequence.selection);
-  if (const size_t missing = count_unknown(poses); missing > 0) {
-    warn(
-        monitor,
-        "{}: has no pose for {} of {} (the first is frame {}), so there are no distances in meters",
-        path.string(), missing, counted(sequence.frames, "frame"),
-        std::ranges::find_if(poses, [](const auto& pose) { return !pose; }) - poses.begin());
-    return {};
-  }
+  if (count_unknown(poses) > 0) return {};
   std::vector<double> traveled_m;
   for (size_t frame = 0; frame < sequence.frames; ++frame) {
     double square = 0;

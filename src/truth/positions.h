@@ -116,10 +116,9 @@ std::vector<RoutePoint> read_place_positions(const std::filesystem::path& path);
 std::vector<WallLine> read_walls(const std::filesystem::path& path);
 
 /// Distance in meters from the first frame to each frame of the sequence along the straight lines
-/// between their positions in a CSV (read_pose_csv) with the poses of the recording. Warns and
-/// returns an empty vector if a frame has no pose. Throws Error(data) if positions are too far
-/// apart for meters; also throws as read_pose_csv does.
-std::vector<double> read_traveled(const std::filesystem::path& path, const Sequence& sequence,
-                                  const Monitor& monitor);
+/// between their positions in a CSV (read_pose_csv) with the poses of the recording. Empty if a
+/// frame has no pose. Throws Error(data) if positions are too far apart for meters; also throws as
+/// read_pose_csv does.
+std::vector<double> read_traveled(const std::filesystem::path& path, const Sequence& sequence);
 
 }  // namespace vpr

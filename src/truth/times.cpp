@@ -27,7 +27,6 @@ constexpr size_t kMaxDate = 64;
 /// Every video has a byte within this range that does not occur in text.
 constexpr size_t kStartBytes = 65536;
 constexpr size_t kDigitsOfClock = 10;  // seconds since 1970
-constexpr double kClearlyAbove = 1.05;
 
 // Digits as an integer; 0 if empty. Nullopt if there are too many.
 std::optional<int64_t> parse_digits(std::string_view digits) {
@@ -338,10 +337,6 @@ SequenceArgument selected(SequenceArgument argument, const SelectionSettings& se
       throw Error(ErrorKind::data, "{}: has {}, but {} has {}", file.string(),
                   counted(times->size(), "time"), text_of(argument), counted(frames, "frame"));
   const std::optional<double> own = median_fps(*times);
-  if (own && *fps > kClearlyAbove * *own)
-    warn(monitor,
-         "{}: has {:.3g} frames per second; --fps {} cannot add frames, and keeps each frame once",
-         text_of(argument), *own, *fps);
   Selection kept = resampled(*times, *fps);
   if (times->size() > kMaxThinned * kept.frames())
     throw Error(ErrorKind::usage, "{}: --fps {} keeps {} of its {}; use a larger value",

@@ -99,7 +99,7 @@ void check_rates(const SelectionSettings& settings);
 /// Returns the argument with its rate, if known: from `times` (a file for read_frame_times; empty:
 /// none), from times as file names (is_named_by_time), from a video, or from the stated rates,
 /// which refer to all frames of the recording. With settings.fps, selects only the frames that
-/// Thinner keeps; warns if it is above the rate of the sequence. `seed`: of the speed, which is
+/// Thinner keeps, all of them above the rate of the sequence. `seed`: of the speed, which is
 /// checked when the frames are known. Throws Error(usage) for rates out of range, and for
 /// settings.fps without known times; Error(data) if times do not increase or their number differs
 /// from the number of frames.

@@ -17,7 +17,7 @@ inline std::string building(uint64_t seed, const std::vector<std::string>& walks
     const double y = name == "other" ? 13.25 : name == "two" || name == "again" ? 7.25 : 1.25;
     Json json = {{"name", name}, {"use", is_query ? "query" : "train"}, {"floor", "ground"}};
     json["path"] = is_query ? Json{{2.5, y}, {10.5, y}} : Json{{1, y}, {11.5, y}};
-    if (is_query) json["conditions"] = {{"exposure", 0.92}, {"noise", 5}};
+    if (is_query) json["conditions"] = {{"lamps", 0.66}, {"noise", 5}};
     return json;
   };
   Json world = {{"schema", "vpr.world/3"}, {"name", "test"},      {"seed", seed},

@@ -160,7 +160,7 @@ TEST_CASE("settings are described in the schemas as programs read and write them
   }
   CHECK(described == kGenerators.size());
   if (std::getenv("VPR_SCHEMAS") != nullptr) std::ofstream(path) << expected;
-  INFO("run scripts/schemas.sh, and describe what is new");
+  INFO("run scripts/generate.sh, and describe what is new");
   CHECK((text == expected || std::getenv("VPR_SCHEMAS") != nullptr));
 }
 

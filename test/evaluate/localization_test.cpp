@@ -113,26 +113,23 @@ TEST_CASE("best matches are verdicts up to the threshold, inclusive") {
 
 TEST_CASE("distances traveled are sums of straight lines") {
   test::write_text("p.csv", "frame,x,y,heading\n1,3,4,0\n0,0,0,0\n2,3,5.5,90\n");
-  CHECK(read_traveled("p.csv", {"", 3}, {}) == std::vector<double>{0, 5, 6.5});
+  CHECK(read_traveled("p.csv", {"", 3}) == std::vector<double>{0, 5, 6.5});
   test::write_text("all.csv", "# a recording\nframe,x,y\n5,3,+4\n3,0,0\n9,1,1\n");
-  CHECK(read_traveled("all.csv@3:6:2", {"", 2}, {}) == std::vector<double>{0, 5});
+  CHECK(read_traveled("all.csv@3:6:2", {"", 2}) == std::vector<double>{0, 5});
 }
 
 TEST_CASE("distances of a resampled query follow its frames") {
   test::write_text("p.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n");
   const auto traveled_by = [&](const std::string& speed) {
-    return read_traveled("p.csv", selected(Sequence{"", 3}, at_speed(speed, 3, 1)), {});
+    return read_traveled("p.csv", selected(Sequence{"", 3}, at_speed(speed, 3, 1)));
   };
   CHECK(traveled_by("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
   CHECK(traveled_by("reversed") == std::vector<double>{0, 1, 6});
 }
 
-TEST_CASE("a missing pose of a frame causes one warning and no meters") {
+TEST_CASE("there are no meters if a frame has no pose") {
   test::write_text("p.csv", "frame,x,y\n0,0,0\n3,1,1\n");
-  test::Warnings warnings;
-  CHECK(read_traveled("p.csv", {"", 4}, warnings.monitor).empty());
-  REQUIRE(warnings.said.size() == 1);
-  CHECK(test::has(warnings.said[0], "no pose for 2 of 4 frames (the first is frame 1)"));
+  CHECK(read_traveled("p.csv", {"", 4}).empty());
 }
 
 TEST_CASE("damaged positions are refused") {
@@ -142,5 +139,5 @@ TEST_CASE("damaged positions are refused") {
                                    "frame,x,y\n0,0,0\n1,1\n", "frame,x,y\n0,0,0\n1,nan,1\n",
                                    "frame,x,y\n0,0,0\n-1,1,1\n", "frame,x,y\n0,0,0\n1,inf,1\n");
   test::write_text(folder / "p.csv", csv);
-  CHECK(test::error_kind([&] { read_traveled(folder / "p.csv", {"", 2}, {}); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_traveled(folder / "p.csv", {"", 2}); }) == ErrorKind::data);
 }

@@ -13,7 +13,7 @@ WORLD = """{"schema": "vpr.world/3", "name": "two corridors", "seed": 3, "fps": 
   {"name": "two", "use": "train", "floor": "ground", "path": [[1, 7.25], [11, 7.25]]},
   {"name": "pre", "use": "pretrain", "floor": "ground", "path": [[11, 7.25], [1, 7.25]]},
   {"name": "back", "use": "query", "floor": "ground", "path": [[2, 1.25], [10, 1.25]],
-   "conditions": {"exposure": 0.92, "noise": 5}}]}
+   "conditions": {"lamps": 0.66, "noise": 5}}]}
 """
 TINY_WORLD = """{"schema": "vpr.world/3", "name": "%s", "seed": 3, "fps": 1,
  "image_width": 64, "image_height": 48, "format": "png", "resemblance": 0,

@@ -26,8 +26,8 @@ SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
 def parse_options():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", default=SOURCE / "build/ci/bin", type=pathlib.Path,
-                        help="folder of the programs (default build/ci/bin)")
+    parser.add_argument("--programs", default=SOURCE / "build/release/bin", type=pathlib.Path,
+                        help="folder of the programs (default build/release/bin)")
     parser.add_argument("--kind", choices=cases.FAULTS, default="calls",
                         help="calls that fail (default), full disks, disks without power")
     parser.add_argument("--seed", type=int, default=1)

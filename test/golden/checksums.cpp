@@ -51,7 +51,7 @@ std::string first_change(const std::string& name, const std::vector<FrameChecksu
   };
   return fmt::format(
       "test/golden/{}.crc: {} of {} lines changed, the first from \"{}\" to \"{}\"; if that is "
-      "meant, run scripts/golden.sh and say why in the commit",
+      "meant, run scripts/generate.sh and say why in the commit",
       name, changed, expected.size(), at(expected), at(found));
 }
 
@@ -61,7 +61,7 @@ void check_golden(const std::string& name, const std::string& what,
     CHECK(first_change(name, read_checksums(name), found) == "");
     return;
   }
-  std::string text = fmt::format("# {}\n# Made by scripts/golden.sh.\n", what);
+  std::string text = fmt::format("# {}\n# Made by scripts/generate.sh.\n", what);
   for (const FrameChecksum& line : found) text += fmt::format("{}: {}\n", line.frame, line.text);
   write_text(crc_path(name), text);
 }

@@ -23,7 +23,7 @@ std::vector<FrameChecksum> read_checksums(const std::string& name);
 std::string first_change(const std::string& name, const std::vector<FrameChecksum>& expected,
                          const std::vector<FrameChecksum>& found);
 
-/// Compares with the file; with VPR_GOLDEN=write, as in scripts/golden.sh, writes it instead.
+/// Compares with the file; with VPR_GOLDEN=write, as in scripts/generate.sh, writes it instead.
 void check_golden(const std::string& name, const std::string& what,
                   const std::vector<FrameChecksum>& found);
 

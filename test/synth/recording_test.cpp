@@ -235,10 +235,9 @@ TEST_CASE("invalid worlds are refused with a reason") {
   CHECK(refused("/variety/window_light", -1));
   CHECK(refused("/variety/color", 1));
   CHECK(refused("/floors/0/rooms/0/lamp_spacing_m", 0.1));
-  CHECK(refused("/walks/0/tremor_deg", 6));
+  CHECK(refused("/walks/0/jolt_deg", 6));
   CHECK(refused("/walks/0/crossing", 1001));
   CHECK(refused("/walks/0/conditions/shutter_s", 2));
-  CHECK(refused("/walks/0/conditions/exposure_lag_s", 6));
   CHECK(refused(
       "/places",
       Json::array({{{"name", "p"}, {"floor", "ground"}, {"x", 5}, {"y", 4}, {"headings", {0}}}})));

@@ -274,9 +274,8 @@ TEST_CASE("a recording with all settings on has the same bytes for any number of
   walk.day = 2;
   walk.crossing = 2;
   walk.ahead = 2;
-  walk.tremor_deg = 1;
+  walk.jolt_deg = 1;
   walk.conditions.shutter_s = 0.03;
-  walk.conditions.exposure_lag_s = 0.4;
   world.places = {{"p", "f", 3, 1.25, {0}}};
   const auto bytes = [&](size_t threads) {
     const ThreadLimit limit(threads);

@@ -13,14 +13,11 @@ using namespace vpr;
 
 namespace {
 
-/// Images and the warnings about them.
+/// Images with these names.
 struct Recording {
   test::TemporaryFolder folder;
-  std::vector<std::string> warnings;
-  Monitor monitor;
 
   explicit Recording(const std::vector<std::string>& names = {}) {
-    monitor.warn = [this](const std::string& text) { warnings.push_back(text); };
     for (const std::string& name : names) test::write_image(folder / name, 1);
   }
   SequenceArgument argument(const std::string& range = "") const {
@@ -33,7 +30,7 @@ struct Recording {
   };
   SequenceArgument rated(const Times& times, std::optional<double> fps,
                          const std::string& range = "") {
-    return selected(argument(range), {"", fps, times.recorded_fps, {}}, times.file, 1, monitor);
+    return selected(argument(range), {"", fps, times.recorded_fps, {}}, times.file, 1, {});
   }
 };
 
@@ -70,14 +67,11 @@ TEST_CASE("a folder of images with times as names is resampled by time") {
       {"1403636579763555584.png", "1403636579813555584.png", "1403636579863555584.png"});
   CHECK(nanoseconds.rated({}, {}).sequence.fps == Approx(20));
   CHECK(names_of(nanoseconds.rated({}, 10)) == Names{"1403636579763555584", "1403636579863555584"});
-  CHECK(seconds.warnings.empty());
   // Its own rate or a higher one selects all frames.
   CHECK(seconds.rated({}, 10).sequence.selection.is_all());
   const SequenceArgument fast = seconds.rated({}, 30);
   CHECK(fast.sequence.selection.is_all());
   CHECK(fast.sequence.fps == Approx(10));
-  REQUIRE(seconds.warnings.size() == 1);
-  CHECK(test::has(seconds.warnings[0], "has 10 frames per second; --fps 30 cannot add frames"));
 }
 
 TEST_CASE("times from a list, or a constant rate, thin a folder") {
@@ -120,10 +114,10 @@ TEST_CASE("a video is resampled by its own times, and frames keep their numbers"
   test::write_video(path, 64, 48, std::vector<int>(12, 90), 20);
   const auto names = [&](const std::string& range, std::optional<double> fps) {
     const SequenceArgument argument = selected(parse_sequence_argument(path + range),
-                                               {"", fps, {}, {}}, {}, 1, recording.monitor);
+                                               {"", fps, {}, {}}, {}, 1, Monitor());
     const Sequence frames =
         for_each_frame(open_sequence(argument), PixelFormat::gray, Unreadable::fail,
-                       recording.monitor, [](size_t, const cv::Mat&) {});
+                       Monitor(), [](size_t, const cv::Mat&) {});
     if (fps) {
       REQUIRE_FALSE(frames.selection.is_all());
       CHECK(frames.selection.selected_fps == *fps);

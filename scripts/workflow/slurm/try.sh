@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tests the job array and the profile with a one-node Slurm that it starts on this machine as root
 # and stops at the end:
-#   VPR_BIN=build/ci/bin scripts/workflow/slurm/try.sh
+#   VPR_BIN=DIR scripts/workflow/slurm/try.sh
 # Needs slurmctld, slurmd, slurm-client, munge and snakemake (apt). Not part of any test.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Builds the programs and writes every generated file again; git diff shows what changed:
+#   docs/schemas/settings.txt         settings; those removed disappear, and new ones have their help as description
+#   docs/schemas/*.schema.json        from docs/schemas/*.txt
+#   docs/reference/command-line.md    from --help
+#   docs/reference/python.md          from the docstrings of vpr
+#   docs/images                       from the rendered small building
+#   test/golden/*.crc                 checksums of numbers
+#
+#   scripts/generate.sh [DATA]        with DATA (docs/benchmarks/datasets.md), also README's image
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/install-deps.sh
+cmake --preset release >/dev/null
+cmake --build --preset release --target all test_cli test_golden
+bin=build/release/bin
+VPR_SCHEMAS=write "$bin/test_cli" "settings are described*" >/dev/null
+scripts/schemas.py
+scripts/command_line.py
+scripts/python_reference.py
+scripts/docs-images.sh "$bin" "$@"
+VPR_GOLDEN=write "$bin/test_golden" "*golden file*" >/dev/null
+git diff --stat -- docs test/golden
