@@ -140,6 +140,5 @@ void add_loops(Program& program);
 void add_check(Program& program);
 void add_convert(Program& program);
 void add_compare(Program& program);
-void add_report(Program& program);
 
 }  // namespace vpr

@@ -273,7 +273,7 @@ void run_several(Session& session, const EvalInputs& inputs) {
     throw Error(ErrorKind::usage,
                 "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places, "
                 "--ask-frames and --ask-places take one result. For a page of several, use "
-                "vpr-eval report FOLDER --html FILE");
+                "vpr-eval compare --html FILE");
   RunInfo info = session.run;
   std::vector<EvalInputs> rows;
   for (size_t i = 0; i < inputs.results.size(); ++i) {
@@ -352,7 +352,6 @@ int main(int argc, char** argv) {
   add_matrix(program);
   add_loops(program);
   add_compare(program);
-  add_report(program);
   add_convert(program);
   add_check(program);
   return program.main(argc, argv);

@@ -126,19 +126,17 @@ std::string comparison_page(const ComparisonReport& comparison) {
   std::string numbers = table_html(paper_table(comparison));
   const Table differences = difference_table(comparison);
   if (!differences.rows.empty()) numbers += table_html(differences);
-  return sections_page(title_of(comparison), sentence_of(comparison),
-                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
-                       section_html("Paths and curves", methods_html(comparison.reports)) +
-                           section_html("Numbers", numbers),
-                       json["protocol"], made);
-}
-
-std::string methods_html(std::span<const Report> reports) {
-  Chart curves =
-      curves_overlay("Precision and recall of best matches, over frames with a match", reports);
+  Chart curves = curves_overlay("Precision and recall of best matches, over frames with a match",
+                                comparison.reports);
   curves.width = 650;
   curves.height = 450;
-  return figure_html(lanes_chart("Recognitions along the path", reports)) + figure_html(curves);
+  const std::string figures =
+      figure_html(lanes_chart("Recognitions along the path", comparison.reports)) +
+      figure_html(curves);
+  return sections_page(title_of(comparison), sentence_of(comparison),
+                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
+                       section_html("Paths and curves", figures) + section_html("Numbers", numbers),
+                       json["protocol"], made);
 }
 
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {

@@ -1,4 +1,4 @@
-// Comparisons of reports: on one query (vpr.comparison/4), and as a grid of methods and queries.
+// Comparisons of reports on one query (vpr.comparison/4).
 #pragma once
 
 #include <array>
@@ -76,30 +76,8 @@ Table comparison_rows(const ComparisonReport& comparison);
 /// differences per method.
 std::string comparison_page(const ComparisonReport& comparison);
 
-/// Curves and verdicts along the path of reports on one query, as a part of a page.
-std::string methods_html(std::span<const Report> reports);
-
 /// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
 /// Error(output).
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder);
-
-/// The name set by the user, or the method with window length, score and selection.
-std::string grid_name(const Report& report);
-
-/// Five tables of reports that are named by their method, no two with the same query. They have a
-/// row per method and a column per query: R@1, AP, R@100P, and the shares of frames with a correct
-/// and with an incorrect recognition. The best of each query is bold. A method with reports on all
-/// queries has a mean. The denominator is the query's frames with a match, for incorrect
-/// recognitions all of its frames. Shares at a threshold from the ground truth are marked, and
-/// compared only if all are.
-std::vector<Table> grid_tables(std::span<const Report> reports);
-
-/// The same as rows of method, query, metric, value in full precision, and frames of the
-/// denominator; incorrect recognitions as their number.
-Table grid_rows(std::span<const Report> reports);
-
-/// One file without external references: for each query methods_html and a table with one row per
-/// method; for several queries also the tables. `title`: the name of the data set.
-std::string grid_page(const std::string& title, std::span<const Report> reports);
 
 }  // namespace vpr

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,10 +47,15 @@ std::string range_text(const std::array<size_t, 2>& range) {
                               : fmt::format("{} to {}", range[0], range[1]);
 }
 
+// The name set by the user, or the method with its score, unless it is raw or without windows.
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
-  const std::string_view score = title_score(report);
-  return score.empty() ? report.method : fmt::format("{}, {}", report.method, score);
+  const QuerySettings* settings = report.query_settings();
+  const auto* windows =
+      settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
+  if (windows == nullptr || report.has_paths() || windows->score == Score::raw)
+    return report.method;
+  return fmt::format("{}, {}", report.method, enum_name(windows->score));
 }
 
 struct NamedNumbers {
@@ -226,21 +233,6 @@ std::string metric_cell(const Metric& metric, std::optional<double> value) {
   return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
 }
 
-std::string_view title_score(const Report& report) {
-  const QuerySettings* settings = report.query_settings();
-  const auto* windows =
-      settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
-  if (windows == nullptr || report.has_paths() || windows->score == Score::raw) return {};
-  return enum_name(windows->score);
-}
-
-std::optional<NamedSetting> title_window(const Report& report) {
-  if (report.has_paths()) return std::nullopt;
-  if (const QuerySettings* settings = report.query_settings()) return window_of(*settings);
-  return NamedSetting{"window",
-                      std::to_string(std::get<ScoreSettings>(report.settings).window_length)};
-}
-
 std::string evaluation_title(const Report& report) {
   return fmt::format("{} on {}", method_title(report), report.query);
 }
@@ -249,8 +241,10 @@ std::string title_with_settings(const Report& report) {
   std::string title = evaluation_title(report);
   const QuerySettings* settings = report.query_settings();
   if (settings == nullptr) return title;
-  if (const auto window = title_window(report))
-    title += fmt::format(", {} {}", window->first, window->second);
+  if (!report.has_paths()) {
+    const auto& [symbol, length] = window_of(*settings);
+    title += fmt::format(", {} {}", symbol, length);
+  }
   const auto& [symbol, value] = decided_by(*settings);
   return title + fmt::format(", {} {}", symbol, value);
 }

@@ -4,8 +4,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "files/report.h"
@@ -16,10 +14,6 @@ namespace vpr {
 /// "-" without a value.
 std::string metric_cell(const Metric& metric, std::optional<double> value);
 
-/// The name of the score, for titles; empty if it is raw or the method has no windows.
-std::string_view title_score(const Report& report);
-/// The window length by its symbol, for titles; nullopt for a method without windows.
-std::optional<std::pair<std::string_view, std::string>> title_window(const Report& report);
 /// "name on query": the name set by the user, or the method, with the score if it is not raw.
 std::string evaluation_title(const Report& report);
 /// The same with c_l and the threshold.

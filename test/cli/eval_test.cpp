@@ -131,18 +131,15 @@ TEST_CASE("incorrect recognitions or best matches within a larger tolerance are 
         "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
 }
 
-TEST_CASE("reports of one query with several names are in one table") {
-  fs::create_directory("all");
+TEST_CASE("a comparison has the name of the query, if any report has it") {
   std::string names;
   for (int i = 0; i < 12; ++i) names += fmt::format("{}.png\n", i);
   write_text("q.txt", names);
-  run_ok(scored("-o all/a.json --name a"));
-  run_ok(scored("-o all/b.json --name b --query q.txt"));
-  const auto outcome = run_ok("vpr-eval report all");
-  CHECK(has(outcome.out, "\na  "));
-  CHECK(has(outcome.out, "\nb  "));
-  CHECK_FALSE(has(outcome.out, "queries: R@1"));
-  CHECK(has(outcome.out, "over 12 frames with a match\n"));
+  run_ok(scored("-o a.json"));
+  run_ok(scored("-o b.json --query q.txt"));
+  const auto outcome = run_ok("vpr-eval compare a.json b.json --format latex");
+  CHECK(has(outcome.out, "{q: over 12 frames with a match"));
+  CHECK(outcome.err.empty());
 }
 
 TEST_CASE("positions yield gaps in meters") {

@@ -33,7 +33,6 @@ vpr-eval r2.json --protocol nordland-all -o p.json
 vpr-eval r.json --dataset DATA --expect x.json
 vpr-eval compare e.json em.json -o cmp.json
 vpr-eval compare e.json ew.json -o cmpw.json
-mkdir all && cp e.json ew.json all && vpr-eval report all -o grid.json
 vpr-eval loops loops.csv --poses poses.csv --radius 2 --gap 2 --similarity -o lo.json
 vpr-eval loops loops.csv --poses poses.csv --radius 2 --gap 2 --distance -o lo2.json
 vpr-eval check building/query.ground_truth.csv -o c.json
