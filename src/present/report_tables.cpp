@@ -162,18 +162,6 @@ Table keyframe_table(const CountsByKeyframe& counts) {
   return table;
 }
 
-// The tables of all reports in one, with their names in the column `key`.
-Table stacked(std::span<const Report> reports, const std::string& key,
-              Table (*table_of)(const Report&)) {
-  std::vector<Table> tables;
-  std::vector<std::string> names;
-  for (const Report& report : reports) {
-    tables.push_back(table_of(report));
-    names.push_back(report.row_name);
-  }
-  return stack_tables(tables, key, names);
-}
-
 // The first kMostPlaces places; empty without places.
 std::string recognitions_text(const Report& report) {
   if (!report.recognitions || report.recognitions->empty()) return "";
@@ -311,7 +299,15 @@ std::vector<Table> metrics_tables(const Report& report) {
 }
 
 std::string reports_text(std::span<const Report> reports, TableFormat format) {
-  if (format == TableFormat::csv) return render_table(stacked(reports, "name", csv_row), format);
+  if (format == TableFormat::csv) {
+    std::vector<Table> rows;
+    std::vector<std::string> names;
+    for (const Report& report : reports) {
+      rows.push_back(csv_row(report));
+      names.push_back(report.row_name);
+    }
+    return render_table(stack_tables(rows, "name", names), format);
+  }
   if (format == TableFormat::latex) return render_table(overview_table(reports, "method"), format);
   const bool is_one = reports.size() == 1;
   std::vector<std::vector<Table>> kinds;  // the same table of all reports
@@ -336,12 +332,6 @@ std::string reports_text(std::span<const Report> reports, TableFormat format) {
     if (!places.empty()) text += "\n" + places;
   }
   return text;
-}
-
-Table protocols_table(std::span<const Report> reports) {
-  Table table = stacked(reports, "protocol", report_table);
-  table.title = evaluation_title(reports.front());
-  return table;
 }
 
 }  // namespace vpr

@@ -35,7 +35,4 @@ std::vector<Table> metrics_tables(const Report& report);
 /// column. CSV is one table.
 std::string reports_text(std::span<const Report> reports, TableFormat format);
 
-/// One row per protocol of a result. `reports` must not be empty.
-Table protocols_table(std::span<const Report> reports);
-
 }  // namespace vpr

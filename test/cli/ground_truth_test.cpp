@@ -82,21 +82,6 @@ TEST_CASE("a check of a damaged ground truth reports the damage and exits with 4
   CHECK(has(table.out, "line 4: query 9 is out of range"));
 }
 
-TEST_CASE("one command counts a result under every protocol") {
-  start_with(make_walk);
-  const Json all = printed_json("vpr-eval r.json --protocol nordland-all --json");
-  REQUIRE(all["protocols"].size() == 4);
-  for (const Json& protocol : all["protocols"]) {
-    const std::string name = protocol["name"].get<std::string>();
-    const Json report = printed_json("vpr-eval r.json --ground-truth " + name + " --json");
-    CHECK(report["counts"] == protocol["report"]["counts"]);
-    CHECK(report["protocol"]["ground_truth"].get<std::string>().starts_with(name));
-  }
-  const auto table = run("vpr-eval r.json --protocol nordland-25m,nordland-exact --format csv");
-  CHECK(table.out.starts_with("protocol,"));
-  CHECK(table.out.find("\nnordland-25m,") < table.out.find("\nnordland-exact,"));
-}
-
 TEST_CASE("vpr-eval and vpr-tune accept every format, and data sets name it") {
   start_with(make_walk);
   convert("g.csv", "matrix", "g.npz");

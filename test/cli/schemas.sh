@@ -29,7 +29,6 @@ vpr-eval rw.json --dataset DATA -o ew.json
 vpr-eval matrix s.npy --distance --rows-are-windows-of 5 --ground-truth aligned -o es.json
 vpr-eval matrix s.npy --distance --rows-are-windows-of 5 --speed reversed --query-frames 104 --ground-truth aligned -o esw.json
 vpr-eval r.json r2.json --dataset DATA --name a --name b -o several.json
-vpr-eval r2.json --protocol nordland-all -o p.json
 vpr-eval r.json --dataset DATA --expect x.json
 vpr-eval compare e.json em.json -o cmp.json
 vpr-eval compare e.json ew.json -o cmpw.json

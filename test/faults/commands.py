@@ -170,8 +170,6 @@ WRITERS = [
     Writer("eval --loops", "vpr-eval loops {loops} --poses in/walks/one/poses.csv --radius 2 "
            "--gap 3 --similarity -o out/l.json --plot out/plots --html out/l.html", "l.json",
            {"loops": ("in/loops1.csv", "in/loops2.csv")}),
-    Writer("eval --protocol", "vpr-eval {result} --protocol nordland-exact,nordland-vpr-bench "
-           "-o out/e.json", "e.json", {"result": ("in/n2.json", "in/n.json")}),
     Writer("eval compare", "vpr-eval compare {reports} -o out/c.json --html out/c.html", "c.json",
            {"reports": ("in/e2.json in/e.json", "in/e.json in/e2.json")}),
     *[Writer(f"eval convert to {name}", f"vpr-eval convert aligned --to {kind} --tolerance "
