@@ -18,9 +18,6 @@ namespace {
 constexpr size_t kResamples = 2000;
 constexpr size_t kMinBlock = 10;
 constexpr const char* kMoreGroup = "More options";
-constexpr const char* kFormatHelp =
-    "format of the tables: text, csv (one row per report and metric), markdown or latex (default: "
-    "text)";
 
 struct CompareInputs {
   std::vector<std::string> reports;
@@ -101,13 +98,6 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
   session.claim_output({inputs.html}, inputs.plots);
 }
 
-std::string tables_of(const ComparisonReport& comparison, TableFormat format) {
-  if (format == TableFormat::csv) return render_table(comparison_rows(comparison), format);
-  if (format == TableFormat::latex) return render_table(short_table(comparison), format);
-  return render_table(paper_table(comparison), format) + "\n" +
-         render_table(comparison_table(comparison), format);
-}
-
 ComparisonSettings settings_of(const Session& session, const CompareInputs& inputs,
                                const std::vector<Report>& reports) {
   ComparisonSettings settings{inputs.block, kResamples, session.options.process.seed,
@@ -144,7 +134,7 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   if (!inputs.plots.empty())
     draw_comparison(comparison, session.outputs.folder(inputs.plots, is_marked_folder).temporary());
   session.print_result(output_text(session, inputs.format, comparison_text(comparison),
-                                   tables_of(comparison, inputs.format)),
+                                   comparison_tables(comparison, inputs.format)),
                        json);
 }
 
@@ -186,7 +176,7 @@ void add_compare(Program& program) {
   command.add_flag("--allow-different", inputs->allow_different,
                    "compare reports with different ground truths; the output states them",
                    kMoreGroup);
-  add_format_flag(command, inputs->format, kFormatHelp).group(kMoreGroup);
+  add_format_flag(command, inputs->format).group(kMoreGroup);
 }
 
 }  // namespace vpr

@@ -15,6 +15,7 @@
 #include "files/report.h"
 #include "files/run_info.h"
 #include "present/evaluation_text.h"
+#include "present/methods_table.h"
 #include "present/report_tables.h"
 #include "present/summary.h"
 
@@ -264,9 +265,9 @@ void run_several(Session& session, const EvalInputs& inputs) {
   const Json json = reports_json(reports, info, watch.elapsed_s());
   session.write_output(json);
   csv.write(session, inputs);
-  session.print_result(output_text(session, inputs.format, overview_text(reports, "name"),
-                                   reports_text(reports, inputs.format)),
-                       json);
+  const std::string brief = short_text(methods_table(side_by_side(reports), TableDetail::brief));
+  session.print_result(
+      output_text(session, inputs.format, brief, reports_text(reports, inputs.format)), json);
 }
 
 void run(Session& session, const EvalInputs& inputs) {
