@@ -53,7 +53,6 @@ struct EvalInputs {
   std::string name;      ///< in tables, set by the user
   std::vector<std::string> names;
   TruthSource truth;
-  std::string protocols;
   EvaluationSettings by;  ///< as set by flags; without the ground truth
   TableFormat format = TableFormat::text;
   std::optional<std::string> query;  ///< a sequence, or the name of a query in the data set
@@ -140,6 +139,5 @@ void add_loops(Program& program);
 void add_check(Program& program);
 void add_convert(Program& program);
 void add_compare(Program& program);
-void add_report(Program& program);
 
 }  // namespace vpr

@@ -158,10 +158,6 @@ void add_result_flags(Program& program, const Command& command, EvalInputs& inpu
                      "recognitions, by your answer instead of a ground truth",
                      kGroundTruthGroup, "FILE");
   command.add_option(
-      "--protocol", inputs.protocols,
-      "presets of a ground truth, one or several with commas, or nordland-all; one row per preset",
-      kGroundTruthGroup);
-  command.add_option(
       "--matrix", inputs.matrix,
       "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all pairs",
       kMetricGroup, "FILE");

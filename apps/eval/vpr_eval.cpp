@@ -15,9 +15,9 @@
 #include "files/report.h"
 #include "files/run_info.h"
 #include "present/evaluation_text.h"
+#include "present/methods_table.h"
 #include "present/report_tables.h"
 #include "present/summary.h"
-#include "truth/formats.h"
 
 namespace vpr {
 namespace {
@@ -235,73 +235,39 @@ void run_one(Session& session, const EvalInputs& inputs) {
                 fmt::join(unmet, "\n  "));
 }
 
-/// Whether an output shows a single result under a single ground truth.
+/// Whether an output shows a single result.
 bool shows_one(const EvalInputs& inputs) {
   return inputs.has_plots() || !inputs.map.empty() || !inputs.saved_trajectory.empty() ||
          !inputs.pairs.empty() || inputs.top_k || !inputs.by.places.empty() ||
          !inputs.place_questions.empty() || !inputs.frame_questions.empty();
 }
 
-/// Evaluates and prints `rows`: one result per row, or one result under a protocol per row.
-void run_table(Session& session, const EvalInputs& inputs, const std::vector<EvalInputs>& rows,
-               const RunInfo& info) {
-  const bool has_protocols = !inputs.protocols.empty();
-  check_inputs(inputs);
-  session.claim_output({inputs.outcomes_csv, inputs.recognitions_csv});
-  const Stopwatch watch;
-  std::vector<Report> reports;
-  CsvTables csv;
-  for (const EvalInputs& row : rows) {
-    Evaluated evaluated = evaluate(session, row);
-    if (inputs.has_csv()) csv.add(evaluated.evaluation, row.row_name);
-    reports.push_back(std::move(evaluated.report));
-  }
-  const Json json =
-      reports_json(has_protocols ? "protocols" : "reports", reports, info, watch.elapsed_s());
-  session.write_output(json);
-  csv.write(session, inputs);
-  std::string tables = has_protocols ? render_table(protocols_table(reports), inputs.format)
-                                     : reports_text(reports, inputs.format);
-  if (has_protocols && inputs.format == TableFormat::text)
-    for (const Report& report : reports) tables += report.protocol.ground_truth + "\n";
-  const std::string overview = overview_text(reports, has_protocols ? "protocol" : "name");
-  session.print_result(output_text(session, inputs.format, overview, tables), json);
-}
-
+/// Evaluates and prints several results, one per row.
 void run_several(Session& session, const EvalInputs& inputs) {
   if (!inputs.matrix.empty() || inputs.has_expectation() || shows_one(inputs))
     throw Error(ErrorKind::usage,
                 "--matrix, --expect, --html, --plot, --map, --save-trajectory, --pairs, --places, "
                 "--ask-frames and --ask-places take one result. For a page of several, use "
-                "vpr-eval report FOLDER --html FILE");
+                "vpr-eval compare --html FILE");
+  check_inputs(inputs);
+  session.claim_output({inputs.outcomes_csv, inputs.recognitions_csv});
+  const Stopwatch watch;
   RunInfo info = session.run;
-  std::vector<EvalInputs> rows;
+  std::vector<Report> reports;
+  CsvTables csv;
   for (size_t i = 0; i < inputs.results.size(); ++i) {
-    rows.push_back(inputs_of(inputs, i));
+    const EvalInputs row = inputs_of(inputs, i);
+    Evaluated evaluated = evaluate(session, row);
+    if (inputs.has_csv()) csv.add(evaluated.evaluation, row.row_name);
+    reports.push_back(std::move(evaluated.report));
     info.paths[fmt::format("result_{}", i + 1)] = inputs.results[i];
   }
-  run_table(session, inputs, rows, info);
-}
-
-void run_protocols(Session& session, const EvalInputs& inputs) {
-  if (inputs.truth.is_given() || inputs.has_expectation())
-    throw Error(ErrorKind::usage,
-                "--protocol replaces the ground truth, and its counts have no expected values. "
-                "Omit --ground-truth, --dataset and --expect");
-  if (inputs.results.size() != 1 || !inputs.matrix.empty())
-    throw Error(ErrorKind::usage, "--protocol needs one result of vpr-query, without --matrix");
-  if (shows_one(inputs) || inputs.has_csv())
-    throw Error(ErrorKind::usage,
-                "plots, pairs and CSV files show one protocol. Select it with --ground-truth, as "
-                "in --ground-truth nordland-exact");
-  std::vector<EvalInputs> rows;
-  for (const GroundTruthPreset* preset : find_presets(inputs.protocols)) {
-    EvalInputs& row = rows.emplace_back(inputs_of(inputs, 0));
-    row.truth.path = row.row_name = preset->name;
-  }
-  RunInfo info = session.run;
-  info.paths = {{"result", inputs.results[0]}};
-  run_table(session, inputs, rows, info);
+  const Json json = reports_json(reports, info, watch.elapsed_s());
+  session.write_output(json);
+  csv.write(session, inputs);
+  const std::string brief = short_text(methods_table(side_by_side(reports), TableDetail::brief));
+  session.print_result(
+      output_text(session, inputs.format, brief, reports_text(reports, inputs.format)), json);
 }
 
 void run(Session& session, const EvalInputs& inputs) {
@@ -310,7 +276,6 @@ void run(Session& session, const EvalInputs& inputs) {
     throw Error(ErrorKind::usage,
                 "--name is needed for each result, in their order: there are {} results and {}",
                 results, counted(inputs.names.size(), "name"));
-  if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (inputs.results.size() > 1) return run_several(session, inputs);
   run_one(session, inputs_of(inputs, 0));
 }
@@ -352,7 +317,6 @@ int main(int argc, char** argv) {
   add_matrix(program);
   add_loops(program);
   add_compare(program);
-  add_report(program);
   add_convert(program);
   add_check(program);
   return program.main(argc, argv);

@@ -1,4 +1,4 @@
-// Tables whose rows are selected by name: methods, variants, formats, protocols.
+// Tables whose rows are selected by name: methods, variants, formats, presets.
 #pragma once
 
 #include <string>

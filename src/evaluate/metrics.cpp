@@ -61,25 +61,23 @@ constexpr Metric of_path(std::string_view key, JudgedBy needs, ValueOf<Localizat
           .of_path = value};
 }
 
+constexpr Metric brief(Metric metric) {
+  metric.detail = TableDetail::brief;
+  return metric;
+}
+
+constexpr Metric full(Metric metric) {
+  metric.detail = TableDetail::full;
+  return metric;
+}
+
 constexpr Metric kMetrics[] = {
-    of_curve("average_precision", "AP",
-             "precision at every threshold, weighted by the recall it adds", average_precision),
-    of_curve("recall_at_100_precision", "R@100P", "recall before the first mistake",
-             recall_at_full_precision),
-    of_curve("max_f1", "max F1", "largest harmonic mean of precision and recall", max_f1),
-    of_curve("extended_precision", "EP", "mean of the best score's precision and R@100P",
-             extended_precision),
-    of_curve("roc_auc", "ROC AUC",
-             "probability that a correct match scores better than an incorrect one", roc_auc),
-    of_curve("risk_coverage_area", "AURC",
-             "mean share of mistakes over all numbers of accepted matches; lower is better",
-             risk_coverage_area, true),
-    {.key = "recall_at",
-     .symbol = "R@",
-     .meaning = "share of queries with a correct reference among the K best",
-     .title = "Recall@K",
-     .is_share = true,
-     .of_query = recall_of},
+    brief({.key = "recall_at",
+           .symbol = "R@",
+           .meaning = "share of queries with a correct reference among the K best",
+           .title = "Recall@K",
+           .is_share = true,
+           .of_query = recall_of}),
     // Manning, Raghavan and Schuetze 2008, chapter 8.
     {.key = "precision_at",
      .symbol = "P@",
@@ -94,6 +92,19 @@ constexpr Metric kMetrics[] = {
      .title = "mAP@K",
      .needs_all_ranks = true,
      .of_query = average_precision_of},
+    brief(of_curve("average_precision", "AP",
+                   "precision at every threshold, weighted by the recall it adds",
+                   average_precision)),
+    brief(of_curve("recall_at_100_precision", "R@100P", "recall before the first mistake",
+                   recall_at_full_precision)),
+    full(of_curve("max_f1", "max F1", "largest harmonic mean of precision and recall", max_f1)),
+    of_curve("extended_precision", "EP", "mean of the best score's precision and R@100P",
+             extended_precision),
+    of_curve("roc_auc", "ROC AUC",
+             "probability that a correct match scores better than an incorrect one", roc_auc),
+    of_curve("risk_coverage_area", "AURC",
+             "mean share of mistakes over all numbers of accepted matches; lower is better",
+             risk_coverage_area, true),
     {.key = "recall_achievement",
      .symbol = "RAR ",
      .meaning = "share of stretches of the path with R@1 of r or more",
@@ -102,27 +113,27 @@ constexpr Metric kMetrics[] = {
     of_path("recognized", JudgedBy::nothing, &Localization::recognized),
     of_path("recognized_share", JudgedBy::nothing, &Localization::recognized_share),
     of_path("frames_with_match", JudgedBy::ground_truth, &Localization::frames_with_match),
-    of_path("correct", JudgedBy::places, &Localization::correct, "correct",
-            "frames of the path with a correct recognition", false),
-    of_path("incorrect", JudgedBy::places, &Localization::incorrect, "incorrect",
-            "frames of the path with an incorrect recognition"),
+    brief(of_path("correct", JudgedBy::places, &Localization::correct, "correct",
+                  "frames of the path with a correct recognition", false)),
+    brief(of_path("incorrect", JudgedBy::places, &Localization::incorrect, "incorrect",
+                  "frames of the path with an incorrect recognition")),
+    brief(of_counts("pairs", JudgedBy::nothing, "pairs", &Counts::recognitions)),
     of_path("off_map", JudgedBy::ground_truth, &Localization::off_map),
-    {.key = "share",
-     .symbol = "share",
-     .meaning = "share of the frames with a match that are recognized correctly",
-     .is_share = true,
-     .needs = JudgedBy::places,
-     .of_path = &Localization::share},
-    of_path("longest_gap_frames", JudgedBy::places, &Localization::longest_gap_frames,
-            "longest gap", "most consecutive frames without a correct recognition"),
+    full({.key = "share",
+          .symbol = "share",
+          .meaning = "share of the frames with a match that are recognized correctly",
+          .is_share = true,
+          .needs = JudgedBy::places,
+          .of_path = &Localization::share}),
+    full(of_path("longest_gap_frames", JudgedBy::places, &Localization::longest_gap_frames,
+                 "longest gap", "most consecutive frames without a correct recognition")),
     of_path("longest_gap_m", JudgedBy::places, &Localization::longest_gap_m, "longest gap m",
             "longest distance without a correct recognition, in meters", true, 2),
-    of_path("first_recognition_frames", JudgedBy::places, &Localization::first_recognition_frames,
-            "first recognition", "frames before the decision on the first correct recognition"),
-    of_path("first_recognition_m", JudgedBy::places, &Localization::first_recognition_m,
-            "first recognition m",
+    brief(of_path("first_recognition_frames", JudgedBy::places,
+                  &Localization::first_recognition_frames, "first",
+                  "frames before the decision on the first correct recognition")),
+    of_path("first_recognition_m", JudgedBy::places, &Localization::first_recognition_m, "first m",
             "distance before the decision on the first correct recognition, in meters", true, 2),
-    of_counts("pairs", JudgedBy::nothing, "pairs", &Counts::recognitions),
     of_counts("distinct", JudgedBy::places, "distinct", &Counts::distinct),
     of_counts("pairs_by_place", JudgedBy::places, "pairs by place", &Counts::recognitions_by_place),
     of_counts("places", JudgedBy::nothing, "places", &Counts::clusters),
@@ -369,6 +380,11 @@ const Metric& find_metric(std::string_view key) {
   const auto found = std::ranges::find(kMetrics, key, &Metric::key);
   assert(found != std::end(kMetrics));
   return *found;
+}
+
+bool Metric::has_verdicts() const {
+  return of_counts && (std::holds_alternative<LabelCounts Counts::*>(*of_counts) ||
+                       std::holds_alternative<std::optional<LabelCounts> Counts::*>(*of_counts));
 }
 
 bool Metric::is_known_at(const Outcomes& outcomes, size_t k) const {

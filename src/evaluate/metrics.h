@@ -172,6 +172,13 @@ using ValueOf =
     std::variant<std::optional<double> (S::*)() const, uint64_t S::*, std::optional<uint64_t> S::*,
                  std::optional<double> S::*, LabelCounts S::*, std::optional<LabelCounts> S::*>;
 
+/// Tables of several methods, each with the columns of the ones before.
+enum class TableDetail {
+  brief,  ///< on a terminal, and LaTeX
+  full,   ///< -v, Markdown and pages
+  data    ///< CSV
+};
+
 /// A row of the table of metrics; exactly one of its last members is set.
 struct Metric {
   std::string_view key;           ///< in JSON; metrics of ranks append _K in comparisons
@@ -184,6 +191,8 @@ struct Metric {
   int digits = 4;                           ///< in tables; 0: an integer
   JudgedBy needs = JudgedBy::ground_truth;  ///< the least known source of verdicts
   bool needs_all_ranks = false;             ///< of correct references, not only the first
+  TableDetail detail = TableDetail::data;   ///< the first table that has it; of counts by verdict,
+                                            ///< only the incorrect ones are in the first two
   MetricValue (*of_curve)(const Curve& curve) = nullptr;
   /// A metric of ranks is the mean of this over query frames with a match.
   double (*of_query)(const QueryOutcome& query, size_t k) = nullptr;
@@ -193,11 +202,12 @@ struct Metric {
   std::optional<ValueOf<BestMatchCounts>> of_best_match = {};
   std::optional<ValueOf<Counts>> of_counts = {};
 
+  bool has_verdicts() const;
   /// Whether a metric of ranks can be computed at K.
   bool is_known_at(const Outcomes& outcomes, size_t k) const;
 };
 
-/// All metrics, in the order of reports and help.
+/// All metrics, in the order of tables and help.
 std::span<const Metric> metrics();
 std::span<const Metric> curve_metrics();
 std::span<const Metric> rank_metrics();

@@ -1,6 +1,5 @@
 // Evaluation reports: the numbers of one evaluated result, or of evaluated scores. As JSON: of one
-// result (vpr.report/4), of several results (vpr.reports/4), and of one result under several
-// protocols (vpr.protocols/4).
+// result (vpr.report/4), and of several results (vpr.reports/4).
 #pragma once
 
 #include <array>
@@ -170,8 +169,7 @@ Json curve_json(const Curve& curve);
 /// "counts" of a report, and of a cell of a sweep.
 Json counts_json(const Counts& counts);
 
-/// `kind`: "reports", or "protocols" for reports that are named after presets of a ground truth.
-Json reports_json(const std::string& kind, std::span<const Report> reports, const RunInfo& run,
-                  double seconds);
+/// Several reports in one file.
+Json reports_json(std::span<const Report> reports, const RunInfo& run, double seconds);
 
 }  // namespace vpr

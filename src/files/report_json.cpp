@@ -10,7 +10,6 @@
 #include "files/report.h"
 #include "files/result_file.h"
 #include "sequence/sequence_json.h"
-#include "truth/formats.h"
 
 namespace vpr {
 namespace {
@@ -336,14 +335,10 @@ Json curve_json(const Curve& curve) { return value_to_json(reported_curve(curve)
 
 Json counts_json(const Counts& counts) { return value_to_json(counts, kDataForm); }
 
-Json reports_json(const std::string& kind, std::span<const Report> reports, const RunInfo& run,
-                  double seconds) {
-  Json json = {{"schema", schema_name(kind)}, {kind, Json::array()}};
-  for (const Report& report : reports) {
-    Json& one = json[kind].emplace_back(Json{{"name", report.row_name}});
-    if (kind == "protocols") one["source"] = find_preset(report.row_name)->source;
-    one["report"] = report_json(report);
-  }
+Json reports_json(std::span<const Report> reports, const RunInfo& run, double seconds) {
+  Json json = {{"schema", schema_name("reports")}, {"reports", Json::array()}};
+  for (const Report& report : reports)
+    json["reports"].push_back({{"name", report.row_name}, {"report", report_json(report)}});
   add_run(json, run, {{"evaluate", seconds}});
   return json;
 }

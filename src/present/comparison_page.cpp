@@ -1,8 +1,6 @@
 // Pages and charts of a comparison of reports.
 #include <algorithm>
-#include <array>
 #include <functional>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -86,59 +84,26 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports) {
   return chart;
 }
 
-constexpr std::array<std::string_view, 4> kCompared = {"recall_at_1", "average_precision",
-                                                       "recall_at_100_precision", "max_f1"};
-
-/// One row per method after the first: the differences of the main metrics with their intervals.
-Table difference_table(const ComparisonReport& comparison) {
-  const Comparison& found = comparison.found;
-  Table table;
-  table.title = fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
-                            comparison.reports.front().row_name, comparison.frames(), found.block);
-  table.columns = {"method"};
-  std::map<size_t, size_t> rows;  // by method
-  for (size_t r = 1; r < comparison.reports.size(); ++r) {
-    if (!comparison.is_paired(r)) continue;
-    rows[r] = table.rows.size();
-    table.rows.push_back({comparison.reports[r].row_name});
-  }
-  for (const ComparedValue& value : found.values) {
-    if (std::ranges::find(kCompared, value.metric.key()) == kCompared.end()) continue;
-    if (value.method == 0) {
-      table.columns.push_back(value.metric.symbol());
-      for (auto& row : table.rows) row.emplace_back("-");
-    } else if (value.difference && rows.contains(value.method)) {
-      std::string& cell = table.rows[rows[value.method]].back();
-      cell = fmt::format("{:+.4f}", *value.difference);
-      if (value.interval)
-        cell += fmt::format("\n{:+.4f} to {:+.4f}", value.interval->low, value.interval->high);
-    }
-  }
-  return table;
-}
-
 }  // namespace
 
 std::string comparison_page(const ComparisonReport& comparison) {
   const Json json = comparison_json(comparison);
   Json made = json["bootstrap"];
   made.update(json["provenance"]);
-  std::string numbers = table_html(paper_table(comparison));
+  std::string numbers = table_html(methods_table(side_by_side(comparison), TableDetail::full));
   const Table differences = difference_table(comparison);
   if (!differences.rows.empty()) numbers += table_html(differences);
-  return sections_page(title_of(comparison), sentence_of(comparison),
-                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
-                       section_html("Paths and curves", methods_html(comparison.reports)) +
-                           section_html("Numbers", numbers),
-                       json["protocol"], made);
-}
-
-std::string methods_html(std::span<const Report> reports) {
-  Chart curves =
-      curves_overlay("Precision and recall of best matches, over frames with a match", reports);
+  Chart curves = curves_overlay("Precision and recall of best matches, over frames with a match",
+                                comparison.reports);
   curves.width = 650;
   curves.height = 450;
-  return figure_html(lanes_chart("Recognitions along the path", reports)) + figure_html(curves);
+  const std::string figures =
+      figure_html(lanes_chart("Recognitions along the path", comparison.reports)) +
+      figure_html(curves);
+  return sections_page(title_of(comparison), sentence_of(comparison),
+                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
+                       section_html("Paths and curves", figures) + section_html("Numbers", numbers),
+                       json["protocol"], made);
 }
 
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {

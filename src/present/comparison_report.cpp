@@ -59,28 +59,7 @@ std::string verdict_of(const ComparisonReport& comparison, const ComparedValue& 
   return is_higher != value.metric.metric->is_low_good ? "better" : "worse";
 }
 
-Value value_of(const ComparisonReport& comparison, size_t report, const MetricAt& metric) {
-  if (metric.metric->of_path) return value_of(comparison.reports[report], metric);
-  for (const ComparedValue& value : comparison.found.values)
-    if (value.metric == metric && value.method == report) return value.value;
-  return {};
-}
-
-std::string note_of(const ComparisonReport& comparison, size_t r) {
-  const Report& report = comparison.reports[r];
-  std::vector<std::string> notes;
-  if (!report.selection_words().empty()) notes.push_back(report.selection_words());
-  if (!comparison.is_paired(r))
-    notes.push_back(fmt::format("not paired, over {} of its own",
-                                counted(report.counts.best_match.frames, "frame")));
-  if (report.is_oracle) notes.emplace_back("threshold from the ground truth");
-  if (const std::string caution = caution_of(report); !caution.empty()) notes.push_back(caution);
-  if (compare_ground_truths(comparison.reports) != GroundTruths::same)
-    notes.push_back(report.protocol.ground_truth);
-  return fmt::format("{}", fmt::join(notes, "; "));
-}
-
-// The report over these frames of the query alone.
+// The report over these frames of the query alone, without the numbers that need all of them.
 void restrict_to(Report& report, const std::vector<size_t>& frames) {
   std::vector<QueryOutcome>& queries = report.outcomes.queries;
   std::vector<Verdict> verdicts;
@@ -99,37 +78,14 @@ void restrict_to(Report& report, const std::vector<size_t>& frames) {
   report.localization = localize(verdicts, {});
   report.localization.frames_with_match = report.counts.best_match.frames;
   report.localization.off_map = off_map;
-  report.metrics.curves.single_best = numbers_of(single_best_curve(report.outcomes));
-}
-
-/// A row per report; `title` has a place for the common queries. The best of paired reports is
-/// bold.
-Table method_table(const ComparisonReport& comparison, fmt::format_string<std::string> title,
-                   std::span<const MetricAt> columns) {
-  const std::vector<Report>& reports = comparison.reports;
-  Table table;
-  table.title = fmt::format("{}: {}{}", comparison.query(), fmt::format(title, comparison.frames()),
-                            off_map_words(reports));
-  table.columns = {"method"};
-  for (const Report& report : reports) table.rows.push_back({report.row_name});
-  const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
-  for (const MetricAt& column : columns) {
-    const Metric& metric = *column.metric;
-    std::vector<Value> values;
-    for (size_t r = 0; r < reports.size(); ++r) {
-      values.push_back(value_of(comparison, r, column));
-      table.rows[r].push_back(metric_cell(metric, values.back()));
-      // An easier query, or a threshold from the ground truth, does not make a better method.
-      if (!comparison.is_paired(r) || (metric.of_path && reports[r].is_oracle != all_oracle) ||
-          lack_labels(reports))
-        values.back() = {};
-    }
-    if (std::ranges::count_if(values, &Value::has_value) > 1 &&
-        metric.key != "incorrect")  // a method without verdicts has none that are wrong
-      mark_best(table, table.columns.size(), values, metric.is_low_good);
-    table.columns.push_back(column.symbol());
-  }
-  return table;
+  report.localization.first_recognition_frames.reset();
+  report.metrics.curves = {numbers_of(single_best_curve(report.outcomes)), {}, {}, {}};
+  report.metrics.recall_achievement = {};
+  for (size_t m = 0; m < report.metrics.ranks.size(); ++m)
+    for (auto& [k, value] : report.metrics.ranks[m])
+      value = rank_metrics()[m].needs_all_ranks
+                  ? std::nullopt
+                  : rank_value({&rank_metrics()[m], k}, report.outcomes);
 }
 
 Json named_report_json(const ComparisonReport& comparison, size_t r) {
@@ -143,6 +99,11 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
                {"oracle", report.is_oracle},
                {"confidence", enum_name(report.outcomes.confidence)},
                {"fingerprint", report.provenance.evaluated()}};
+  if (report.query_settings() != nullptr) {
+    const LabelCounts& pairs = report.counts.recognitions;
+    json["pairs"] = {
+        {"correct", pairs.correct}, {"incorrect", pairs.incorrect}, {"ignored", pairs.ignored}};
+  }
   for (const std::string_view key : kPathKeys)
     json["localization"][std::string(key)] =
         number_json(find_metric(key), value_of(report, metric_at(key)));
@@ -196,8 +157,11 @@ void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
     methods.push_back(
         {comparison.reports[r].row_name, comparison.reports[r].outcomes, comparison.is_paired(r)});
   comparison.found = compare_outcomes(methods, comparison.settings, monitor);
+  comparison.omits_frames =
+      comparison.found.frames.size() < comparison.reports.front().outcomes.queries.size();
   for (size_t r = 0; r < comparison.reports.size(); ++r)
-    if (comparison.is_paired(r)) restrict_to(comparison.reports[r], comparison.found.frames);
+    if (comparison.omits_frames && comparison.is_paired(r))
+      restrict_to(comparison.reports[r], comparison.found.frames);
 }
 
 Json comparison_json(const ComparisonReport& comparison) {
@@ -247,62 +211,20 @@ Json comparison_json(const ComparisonReport& comparison) {
   return json;
 }
 
-Table paper_table(const ComparisonReport& comparison) {
-  const MetricAt columns[] = {metric_at("recall_at", 1),
-                              metric_at("recall_at", 5),
-                              metric_at("recall_at", 10),
-                              metric_at("average_precision"),
-                              metric_at("recall_at_100_precision"),
-                              metric_at("max_f1"),
-                              metric_at(kPathKeys[0]),
-                              metric_at(kPathKeys[1]),
-                              metric_at(kPathKeys[2])};
-  Table table = method_table(comparison, "over {}; longest gap in frames", columns);
-  std::vector<std::string> notes;
-  for (size_t r = 0; r < table.rows.size(); ++r) notes.push_back(note_of(comparison, r));
-  if (std::ranges::all_of(notes, &std::string::empty)) return table;
-  table.columns.emplace_back("note");
-  for (size_t r = 0; r < table.rows.size(); ++r) table.rows[r].push_back(notes[r]);
-  return table;
-}
-
-Table short_table(const ComparisonReport& comparison) {
-  std::vector<MetricAt> columns = {metric_at("recall_at", 1), metric_at("average_precision"),
-                                   metric_at("recall_at_100_precision")};
-  const MetricAt recall_at_5 = metric_at("recall_at", 5);
-  if (std::ranges::any_of(comparison.found.values, [&](const ComparedValue& value) {
-        return value.metric == recall_at_5 && value.value;
-      }))
-    columns.insert(columns.begin() + 1, recall_at_5);
-  Table table =
-      method_table(comparison, "over {}; correct and incorrect: recognized frames", columns);
-  table.label = "comparison";
-  for (const auto& [column, count] : {std::pair("correct", &Localization::correct),
-                                      std::pair("incorrect", &Localization::incorrect)}) {
-    table.columns.emplace_back(column);
-    for (size_t r = 0; r < table.rows.size(); ++r) {
-      const Report& report = comparison.reports[r];
-      table.rows[r].push_back(report.is_oracle ? "-" : fmt::to_string(report.localization.*count));
-    }
+SideBySide side_by_side(const ComparisonReport& comparison) {
+  const std::vector<Report>& reports = comparison.reports;
+  const bool differ = compare_ground_truths(reports) != GroundTruths::same;
+  SideBySide methods{reports, comparison.query(),     comparison.frames(), {},
+                     {},      comparison.omits_frames};
+  for (size_t r = 0; r < reports.size(); ++r) {
+    methods.is_comparable.push_back(comparison.is_paired(r));
+    methods.notes.push_back(note_of(reports[r], comparison.is_paired(r), differ));
   }
-  return table;
+  return methods;
 }
 
 std::string comparison_text(const ComparisonReport& comparison) {
-  Table table = short_table(comparison);
-  table.title.clear();
-  std::vector<std::string> best;
-  for (const auto& [row, column] : table.best)
-    if (column == 1) best.push_back(comparison.reports[row].row_name);
-  std::string text;
-  if (!best.empty())
-    text = wrapped_text(fmt::format("Highest R@1, over {}: {}.", comparison.frames(),
-                                    fmt::join(best, ", "))) +
-           "\n";
-  text += short_text(table);
-  for (size_t r = 0; r < comparison.reports.size(); ++r)
-    if (const std::string note = note_of(comparison, r); !note.empty())
-      text += wrapped_text(fmt::format("{}: {}", comparison.reports[r].row_name, note), 2);
+  std::string text = short_text(methods_table(side_by_side(comparison), TableDetail::brief));
   for (const ComparedValue& value : comparison.found.values)
     if (value.metric == metric_at("recall_at", 1) && value.interval) {
       const std::string verdict = verdict_of(comparison, value);
@@ -316,53 +238,51 @@ std::string comparison_text(const ComparisonReport& comparison) {
   return text;
 }
 
-Table comparison_table(const ComparisonReport& comparison) {
-  const Comparison& found = comparison.found;
+Table difference_table(const ComparisonReport& comparison) {
   Table table;
   table.title =
-      fmt::format("{}: differences to {} over {}, 95 % by blocks of {}", comparison.query(),
-                  comparison.reports.front().row_name, comparison.frames(), found.block);
-  const GroundTruths truths = compare_ground_truths(comparison.reports);
-  if (truths != GroundTruths::same)
-    table.title += fmt::format("; ground truths: {}", enum_name(truths));
-  table.columns = {"metric", "of", "value", "difference", "from", "to", ""};
-  for (const ComparedValue& value : found.values) {
-    if (!value.value) continue;
-    std::vector<std::string>& row = table.rows.emplace_back();
-    row = {value.metric.key(), comparison.reports[value.method].row_name,
-           metric_cell(*value.metric.metric, value.value)};
-    for (const Value& number : differences(value))
-      row.push_back(number ? fmt::format("{:+.4f}", *number) : "-");
-    row.push_back(verdict_of(comparison, value));
+      fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
+                  comparison.reports.front().row_name, comparison.frames(), comparison.found.block);
+  table.columns = {"method"};
+  std::map<size_t, size_t> rows;  // by method
+  for (size_t r = 1; r < comparison.reports.size(); ++r) {
+    if (!comparison.is_paired(r)) continue;
+    rows[r] = table.rows.size();
+    table.rows.push_back({comparison.reports[r].row_name});
+  }
+  for (const ComparedValue& value : comparison.found.values) {
+    if (value.metric.metric->detail == TableDetail::data || value.metric.k > 1) continue;
+    if (value.method == 0) {
+      table.columns.push_back(value.metric.symbol());
+      for (auto& row : table.rows) row.emplace_back("-");
+    } else if (value.difference && rows.contains(value.method)) {
+      std::string& cell = table.rows[rows[value.method]].back();
+      cell = fmt::format("{:+.4f}", *value.difference);
+      if (value.interval)
+        cell += fmt::format(" ({:+.4f} to {:+.4f})", value.interval->low, value.interval->high);
+    }
   }
   return table;
 }
 
-Table comparison_rows(const ComparisonReport& comparison) {
-  const auto text = [](const Metric& metric, Value value) {
-    return value ? number_json(metric, value).dump() : "";
-  };
-  const std::string truths(enum_name(compare_ground_truths(comparison.reports)));
-  Table table;
-  table.columns = {"query", "report",     "selection", "ground_truths", "metric",
-                   "value", "difference", "low",       "high",          "verdict"};
-  for (size_t r = 0; r < comparison.reports.size(); ++r) {
-    const Report& report = comparison.reports[r];
-    const auto add = [&](const MetricAt& at, Value number, const std::array<Value, 3>& difference,
-                         const std::string& verdict) {
-      const Metric& metric = *at.metric;
-      table.rows.push_back({comparison.query(), comparison.reports[r].row_name,
-                            report.selection_words(), truths, at.key(), text(metric, number),
-                            text(metric, difference[0]), text(metric, difference[1]),
-                            text(metric, difference[2]), verdict});
-    };
-    for (const ComparedValue& value : comparison.found.values)
-      if (value.method == r)
-        add(value.metric, value.value, differences(value), verdict_of(comparison, value));
-    for (const std::string_view key : kPathKeys)
-      add(metric_at(key), value_of(report, metric_at(key)), {}, "");
+std::string comparison_tables(const ComparisonReport& comparison, TableFormat format) {
+  Table table = methods_table(side_by_side(comparison), detail_of(format));
+  const std::string methods = render_table(table, format);
+  if (format == TableFormat::latex) return methods;
+  if (format != TableFormat::csv) {
+    const Table differences = difference_table(comparison);
+    return methods + (differences.rows.empty() ? "" : "\n" + render_table(differences, format));
   }
-  return table;
+  for (const ComparedValue& value : comparison.found.values) {
+    const std::array<std::string_view, 3> names = {"difference", "low", "high"};
+    const std::array<Value, 3> numbers = differences(value);
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (value.method == 0)
+        table.columns.push_back(fmt::format("{} {}", value.metric.symbol(), names[i]));
+      table.rows[value.method].push_back(numbers[i] ? to_line(*numbers[i]) : "");
+    }
+  }
+  return render_table(table, format);
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// Comparisons of reports: on one query (vpr.comparison/4), and as a grid of methods and queries.
+// Comparisons of reports on one query (vpr.comparison/4).
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 #include "base/json_fwd.h"
 #include "evaluate/comparison.h"
 #include "files/report.h"
-#include "present/table.h"
+#include "present/methods_table.h"
 
 namespace vpr {
 
@@ -36,6 +36,7 @@ struct ComparisonReport {
   ComparisonSettings settings;
   Comparison found;
   Provenance made_by;
+  bool omits_frames = false;  ///< from the numbers of paired reports
 
   std::string query() const;
   /// The frames of all numbers of paired reports: "80 common frames with a match".
@@ -46,60 +47,33 @@ struct ComparisonReport {
   }
 };
 
-/// Compares the reports, whose rows have names. Restricts paired reports to the compared frames, so
-/// that all of their numbers are over them. Throws as
+/// Compares the reports, whose rows have names. If frames are omitted, restricts paired reports to
+/// the compared ones, so that all of their numbers are over these, except accepted pairs. Throws as
 /// compare_outcomes does.
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
 
 /// The file without "machine" and "timing".
 Json comparison_json(const ComparisonReport& comparison);
 
-/// A row per report and a column per metric, as in a paper. The best values of paired reports are
-/// bold, unknown values "-". Notes state a different selection or ground truth.
-Table paper_table(const ComparisonReport& comparison);
+/// The reports side by side. If frames are omitted, numbers that are known for the whole query only
+/// are absent.
+SideBySide side_by_side(const ComparisonReport& comparison);
 
-/// A row per report with the columns that a paper prints: R@1, R@5 if it is known, AP, R@100P, and
-/// frames recognized correctly and incorrectly ("-" at a threshold from the ground truth), all over
-/// the same frames. The best metrics of paired reports are bold.
-Table short_table(const ComparisonReport& comparison);
-
-/// The method with the best R@1, short_table, and the differences in R@1 to the first report.
+/// The methods as short_text, and the differences in R@1 to the first report.
 std::string comparison_text(const ComparisonReport& comparison);
 
-/// Differences to the first report with their intervals: a row per metric and report.
-Table comparison_table(const ComparisonReport& comparison);
+/// A row per paired method after the first: its differences in the main metrics, with intervals.
+Table difference_table(const ComparisonReport& comparison);
 
-/// A row per report and metric for data frames, in full precision; unknown values are empty.
-Table comparison_rows(const ComparisonReport& comparison);
+/// The methods and difference_table. LaTeX has the methods only, and CSV is one table with the
+/// differences of all metrics.
+std::string comparison_tables(const ComparisonReport& comparison, TableFormat format);
 
-/// One file without external references: verdicts along the path, curves, paper_table, and a row of
-/// differences per method.
+/// One file without external references: verdicts along the path, curves, and the tables.
 std::string comparison_page(const ComparisonReport& comparison);
-
-/// Curves and verdicts along the path of reports on one query, as a part of a page.
-std::string methods_html(std::span<const Report> reports);
 
 /// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
 /// Error(output).
 void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder);
-
-/// The name set by the user, or the method with window length, score and selection.
-std::string grid_name(const Report& report);
-
-/// Five tables of reports that are named by their method, no two with the same query. They have a
-/// row per method and a column per query: R@1, AP, R@100P, and the shares of frames with a correct
-/// and with an incorrect recognition. The best of each query is bold. A method with reports on all
-/// queries has a mean. The denominator is the query's frames with a match, for incorrect
-/// recognitions all of its frames. Shares at a threshold from the ground truth are marked, and
-/// compared only if all are.
-std::vector<Table> grid_tables(std::span<const Report> reports);
-
-/// The same as rows of method, query, metric, value in full precision, and frames of the
-/// denominator; incorrect recognitions as their number.
-Table grid_rows(std::span<const Report> reports);
-
-/// One file without external references: for each query methods_html and a table with one row per
-/// method; for several queries also the tables. `title`: the name of the data set.
-std::string grid_page(const std::string& title, std::span<const Report> reports);
 
 }  // namespace vpr

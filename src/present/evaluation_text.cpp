@@ -103,19 +103,6 @@ std::string places_text(const Report& report) {
       incorrect, ignored, pairs.correct, pairs.incorrect, pairs.ignored);
 }
 
-// Incorrect pairs that are accepted next to the best match of their frame.
-bool has_incorrect_pairs(const Report& report) {
-  return report.query_settings() != nullptr && !report.has_paths() &&
-         report.counts.recognitions.incorrect > 0;
-}
-
-// "412 of 639".
-std::string pairs_cell(const Report& report) {
-  if (report.query_settings() == nullptr || report.has_paths()) return "-";
-  const LabelCounts& pairs = report.counts.recognitions;
-  return fmt::format("{} of {}", pairs.incorrect, pairs.all());
-}
-
 }  // namespace
 
 std::string wrapped_text(const std::string& text, size_t indent) {
@@ -145,66 +132,6 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
     text += line("places", places_text(report));
   if (result != nullptr)
     text += ranges_text(*result, judged_ranges(evaluation), most_ranges, "other range");
-  return text;
-}
-
-std::string short_text(Table table, bool is_terminal) {
-  const size_t kLongestName = is_terminal ? 22 : std::string::npos;
-  for (auto& row : table.rows) {
-    if (row[0].size() <= kLongestName) continue;
-    size_t cut = kLongestName - 3;
-    while (cut > 0 && (row[0][cut] & 0xc0) == 0x80) --cut;  // not within a letter in UTF-8
-    row[0] = row[0].substr(0, cut) + "...";
-  }
-  return render_table(table, TableFormat::text);
-}
-
-Table overview_table(std::span<const Report> reports, const std::string& key) {
-  const Report& first = reports.front();
-  const bool is_one_query = std::ranges::all_of(reports, [&](const Report& report) {
-    return report.provenance.ground_truth == first.provenance.ground_truth;
-  });
-  const bool has_pairs = std::ranges::any_of(
-      reports, [](const Report& report) { return has_incorrect_pairs(report); });
-  Table table;
-  table.title = is_one_query ? fmt::format("{}: over {} {}", first.query,
-                                           counted(first.counts.best_match.frames, "frame"),
-                                           first.frames_that_count())
-                             : "Over all frames with a match";
-  table.title += off_map_words(reports);
-  table.label = "results";
-  table.columns = {key};
-  for (const Report& report : reports) table.rows.push_back({report.row_name});
-  const auto add = [&](const std::string& column, const auto& cell_of) {
-    table.columns.push_back(column);
-    for (size_t r = 0; r < reports.size(); ++r) table.rows[r].push_back(cell_of(reports[r]));
-  };
-  if (!is_one_query)
-    add("n", [](const Report& one) { return std::to_string(one.counts.best_match.frames); });
-  for (const MetricAt& metric : {metric_at("recall_at", 1), metric_at("average_precision"),
-                                 metric_at("recall_at_100_precision")}) {
-    std::vector<std::optional<double>> values;
-    for (const Report& report : reports) values.push_back(value_of(report, metric));
-    if (is_one_query && reports.size() > 1 && !lack_labels(reports))
-      mark_best(table, table.columns.size(), values, false);
-    add(metric.symbol(),
-        [&](const Report& one) { return metric_cell(*metric.metric, value_of(one, metric)); });
-  }
-  for (const auto& [column, metric] :
-       {std::pair("correct", metric_at("correct")), std::pair("incorrect", metric_at("incorrect")),
-        std::pair("first", metric_at("first_recognition_frames"))})
-    add(column, [at = metric](const Report& one) {
-      return one.is_oracle ? "-" : metric_cell(*at.metric, value_of(one, at));
-    });
-  if (has_pairs) add("pairs incorrect", pairs_cell);
-  return table;
-}
-
-std::string overview_text(std::span<const Report> reports, const std::string& key) {
-  std::string text = short_text(overview_table(reports, key));
-  for (const Report& report : reports)
-    if (const std::string caution = caution_of(report); !caution.empty())
-      text += wrapped_text(fmt::format("{}: {}", report.row_name, caution), 2);
   return text;
 }
 

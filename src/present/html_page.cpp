@@ -43,12 +43,15 @@ std::string table_html(const Table& table) {
     return table.best.contains({row, column}) ? "<b>" + text + "</b>" : text;
   };
   std::string html = "<p class=\"note\">" + title + "</p>";
+  std::string notes;
+  for (const std::string& note : table.notes)
+    notes += "<p class=\"note\">" + html_escaped(note) + "</p>";
   if (table.rows.size() == 1) {
     html += "<dl class=\"facts\">";
     for (size_t column = 0; column < table.columns.size(); ++column)
       html += "<div><dt>" + html_escaped(table.columns[column]) + "</dt><dd>" + cell(0, column) +
               "</dd></div>";
-    return html + "</dl>\n";
+    return html + "</dl>" + notes + "\n";
   }
   html += "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + title +
           "\"><table><thead><tr>";
@@ -61,7 +64,7 @@ std::string table_html(const Table& table) {
       html += "<td>" + cell(row, column) + "</td>";
     html += "</tr>";
   }
-  return html + "</tbody></table></div>\n";
+  return html + "</tbody></table></div>" + notes + "\n";
 }
 
 std::string list_html(const Json& object) {

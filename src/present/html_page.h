@@ -19,8 +19,8 @@ std::string script_json(const Json& json);
 /// have a part.
 std::string fill_page(std::string_view page, const std::map<std::string, std::string>& parts);
 
-/// The table below its title, in an element that scrolls on narrow screens; the best cells are
-/// bold. A single row is a list of columns and values.
+/// The table between its title and notes, in an element that scrolls on narrow screens; the best
+/// cells are bold. A single row is a list of columns and values.
 std::string table_html(const Table& table);
 
 /// The keys and values of an object for a <dl>.

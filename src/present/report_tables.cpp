@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "files/report.h"
 #include "match/match.h"
-#include "present/evaluation_text.h"
+#include "present/methods_table.h"
 #include "settings/query_settings.h"
 
 namespace vpr {
@@ -18,12 +18,9 @@ namespace {
 
 constexpr size_t kMostPlaces = 20;  // in a printed list
 
-using NamedSetting = std::pair<std::string_view, std::string>;
-
-// c_l or c_w; "-" for paths.
+// c_l or c_w.
 NamedSetting window_of(const QuerySettings& settings) {
   const auto* of_places = std::get_if<FabmapQuerySettings>(&settings);
-  if (has_paths(settings)) return {score_of(settings).window_symbol, "-"};
   return {score_of(settings).window_symbol,
           std::to_string(of_places != nullptr ? of_places->window : window_length_of(settings))};
 }
@@ -45,31 +42,28 @@ std::string range_text(const std::array<size_t, 2>& range) {
                               : fmt::format("{} to {}", range[0], range[1]);
 }
 
+// The name set by the user, or the method with its score, unless it is raw or without windows.
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
-  const std::string_view score = title_score(report);
-  return score.empty() ? report.method : fmt::format("{}, {}", report.method, score);
+  const QuerySettings* settings = report.query_settings();
+  const auto* windows =
+      settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
+  if (windows == nullptr || report.has_paths() || windows->score == Score::raw)
+    return report.method;
+  return fmt::format("{}, {}", report.method, enum_name(windows->score));
 }
 
-struct NamedNumbers {
-  std::string name;    ///< in the first column
-  std::string prefix;  ///< of columns in CSV
-  const CurveNumbers* numbers = nullptr;
-};
+using NamedNumbers = std::pair<std::string, const CurveNumbers*>;
 
 std::vector<NamedNumbers> curves_of(const Report& report) {
   const auto& curves = report.metrics.curves;
   const bool by_margin = report.outcomes.confidence == Confidence::margin;
   std::vector<NamedNumbers> all = {
-      {by_margin ? "best matches, by margin" : "best matches", "best", &curves.single_best}};
-  if (curves.by_margin) all.push_back({"best matches, by margin", "margin", &*curves.by_margin});
-  if (curves.by_score) all.push_back({"best matches, by score", "score", &*curves.by_score});
-  if (curves.all_pairs) all.push_back({"all pairs", "pairs", &*curves.all_pairs});
+      {by_margin ? "best matches, by margin" : "best matches", &curves.single_best}};
+  if (curves.by_margin) all.emplace_back("best matches, by margin", &*curves.by_margin);
+  if (curves.by_score) all.emplace_back("best matches, by score", &*curves.by_score);
+  if (curves.all_pairs) all.emplace_back("all pairs", &*curves.all_pairs);
   return all;
-}
-
-std::string curve_cell(const CurveNumbers& numbers, size_t metric) {
-  return metric_cell(curve_metrics()[metric], numbers.values[metric].value);
 }
 
 Table curve_table(const Report& report) {
@@ -84,11 +78,11 @@ Table curve_table(const Report& report) {
       tied ? fmt::format("; {} tied, to the first", *tied) : "");
   table.columns = {"of", "to find"};
   for (const Metric& metric : curve_metrics()) table.columns.emplace_back(metric.symbol);
-  for (const NamedNumbers& curve : curves_of(report)) {
+  for (const auto& [name, numbers] : curves_of(report)) {
     auto& row = table.rows.emplace_back();
-    row = {curve.name, std::to_string(curve.numbers->positives)};
+    row = {name, std::to_string(numbers->positives)};
     for (size_t m = 0; m < curve_metrics().size(); ++m)
-      row.push_back(curve_cell(*curve.numbers, m));
+      row.push_back(metric_cell(curve_metrics()[m], numbers->values[m].value));
   }
   return table;
 }
@@ -155,18 +149,6 @@ Table keyframe_table(const CountsByKeyframe& counts) {
   return table;
 }
 
-// The tables of all reports in one, with their names in the column `key`.
-Table stacked(std::span<const Report> reports, const std::string& key,
-              Table (*table_of)(const Report&)) {
-  std::vector<Table> tables;
-  std::vector<std::string> names;
-  for (const Report& report : reports) {
-    tables.push_back(table_of(report));
-    names.push_back(report.row_name);
-  }
-  return stack_tables(tables, key, names);
-}
-
 // The first kMostPlaces places; empty without places.
 std::string recognitions_text(const Report& report) {
   if (!report.recognitions || report.recognitions->empty()) return "";
@@ -198,47 +180,11 @@ void add_metrics(Table& table, const Report& report, std::initializer_list<std::
   }
 }
 
-Table csv_row(const Report& report) {
-  Table table;
-  add_column(table, "method", report.method);
-  add_column(table, "query", report.query);
-  const Table counts = report_table(report);
-  table.title = counts.title;
-  add_columns(table, counts);
-  if (report.counts.recognitions_by_place)
-    add_metrics(table, report,
-                {"pairs_by_place.correct", "pairs_by_place.incorrect", "pairs_by_place.ignored"});
-  if (report.by_keyframe) add_columns(table, keyframe_table(*report.by_keyframe));
-  for (const NamedNumbers& curve : curves_of(report))
-    for (size_t m = 0; m < curve_metrics().size(); ++m)
-      add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
-                 curve_cell(*curve.numbers, m));
-  for (const Table& more : {rank_table(report, false), rank_table(report, true),
-                            achievement_table(report), localization_table(report)})
-    add_columns(table, more);
-  return table;
-}
-
 }  // namespace
 
 std::string metric_cell(const Metric& metric, std::optional<double> value) {
   if (metric.is_percent) return percent(value);
   return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
-}
-
-std::string_view title_score(const Report& report) {
-  const QuerySettings* settings = report.query_settings();
-  const auto* windows =
-      settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
-  if (windows == nullptr || report.has_paths() || windows->score == Score::raw) return {};
-  return enum_name(windows->score);
-}
-
-std::optional<NamedSetting> title_window(const Report& report) {
-  if (report.has_paths()) return std::nullopt;
-  if (const QuerySettings* settings = report.query_settings()) return window_of(*settings);
-  return NamedSetting{"window",
-                      std::to_string(std::get<ScoreSettings>(report.settings).window_length)};
 }
 
 std::string evaluation_title(const Report& report) {
@@ -247,38 +193,43 @@ std::string evaluation_title(const Report& report) {
 
 std::string title_with_settings(const Report& report) {
   std::string title = evaluation_title(report);
-  const QuerySettings* settings = report.query_settings();
-  if (settings == nullptr) return title;
-  if (const auto window = title_window(report))
-    title += fmt::format(", {} {}", window->first, window->second);
-  const auto& [symbol, value] = decided_by(*settings);
-  return title + fmt::format(", {} {}", symbol, value);
+  if (report.query_settings() == nullptr) return title;
+  for (const auto& [symbol, value] : settings_of(report))
+    if (symbol != "scale") title += fmt::format(", {} {}", symbol, value);
+  return title;
 }
 
 std::string reference_word(const Report& report) {
   return report.has_places() ? "training place" : "training frame";
 }
 
-Table report_table(const Report& report) {
+std::vector<NamedSetting> settings_of(const Report& report) {
   const QuerySettings* of_query = report.query_settings();
+  if (of_query == nullptr) {
+    const auto& of_scores = std::get<ScoreSettings>(report.settings);
+    return {{"scores", std::string(enum_name(order_of(of_scores.format)))},
+            {"window", std::to_string(of_scores.window_length)}};
+  }
+  std::vector<NamedSetting> settings;
+  if (!report.has_paths()) settings.push_back(window_of(*of_query));
+  settings.push_back(decided_by(*of_query));
+  if (const auto* windows = std::get_if<SequenceQuerySettings>(of_query);
+      windows != nullptr && windows->decision == Decision::threshold)
+    settings.emplace_back("scale",
+                          enum_name(windows->distance_threshold ? scale_of(*windows)
+                                                                : score_of(*of_query).frame_scale));
+  return settings;
+}
+
+Table report_table(const Report& report) {
   Table table;
   table.title = fmt::format("{} ({})", evaluation_title(report), report.protocol.ground_truth);
-  if (of_query != nullptr) {
-    for (const auto& [symbol, value] : {window_of(*of_query), decided_by(*of_query)})
-      add_column(table, symbol, value);
-    if (const auto* windows = std::get_if<SequenceQuerySettings>(of_query);
-        windows != nullptr && windows->decision == Decision::threshold)
-      add_column(table, "scale",
-                 enum_name(windows->distance_threshold ? scale_of(*windows)
-                                                       : score_of(*of_query).frame_scale));
+  for (const auto& [symbol, value] : settings_of(report)) add_column(table, symbol, value);
+  if (report.query_settings() != nullptr) {
     add_metrics(table, report, {"pairs.correct", "pairs.incorrect"});
     if (report.counts.clusters)
       add_metrics(table, report, {"places.correct", "mixed_places", "places.incorrect"});
     add_metrics(table, report, {"distinct"});
-  } else {
-    const auto& of_scores = std::get<ScoreSettings>(report.settings);
-    add_column(table, "scores", enum_name(order_of(of_scores.format)));
-    add_column(table, "window", of_scores.window_length);
   }
   add_metrics(table, report, {"best_match.correct", "best_match.frames", "best_match.rate"});
   return table;
@@ -317,37 +268,18 @@ std::vector<Table> metrics_tables(const Report& report) {
 }
 
 std::string reports_text(std::span<const Report> reports, TableFormat format) {
-  if (format == TableFormat::csv) return render_table(stacked(reports, "name", csv_row), format);
-  if (format == TableFormat::latex) return render_table(overview_table(reports, "method"), format);
-  const bool is_one = reports.size() == 1;
-  std::vector<std::vector<Table>> kinds;  // the same table of all reports
-  std::vector<std::vector<std::string>> names;
-  for (const Report& report : reports) {
-    std::vector<Table> tables = {report_table(report)};
-    if (report.by_keyframe) tables.push_back(keyframe_table(*report.by_keyframe));
-    for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
-    kinds.resize(std::max(kinds.size(), tables.size()));
-    names.resize(kinds.size());
-    for (size_t t = 0; t < tables.size(); ++t) {
-      kinds[t].push_back(std::move(tables[t]));
-      names[t].push_back(report.row_name);
-    }
-  }
-  std::string text;
-  for (size_t t = 0; t < kinds.size(); ++t) {
-    const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", names[t]);
-    text += (t == 0 ? "" : "\n") + render_table(table, format);
-    if (t > 0 || !is_one || format != TableFormat::text) continue;
-    const std::string places = recognitions_text(reports[0]);
+  if (format == TableFormat::latex || format == TableFormat::csv || reports.size() > 1)
+    return render_table(methods_table(side_by_side(reports), detail_of(format)), format);
+  const Report& report = reports.front();
+  std::string text = render_table(report_table(report), format);
+  if (format == TableFormat::text) {
+    const std::string places = recognitions_text(report);
     if (!places.empty()) text += "\n" + places;
   }
+  std::vector<Table> tables = metrics_tables(report);
+  if (report.by_keyframe) tables.insert(tables.begin(), keyframe_table(*report.by_keyframe));
+  for (const Table& table : tables) text += "\n" + render_table(table, format);
   return text;
-}
-
-Table protocols_table(std::span<const Report> reports) {
-  Table table = stacked(reports, "protocol", report_table);
-  table.title = evaluation_title(reports.front());
-  return table;
 }
 
 }  // namespace vpr

@@ -16,10 +16,10 @@ namespace vpr {
 /// "-" without a value.
 std::string metric_cell(const Metric& metric, std::optional<double> value);
 
-/// The name of the score, for titles; empty if it is raw or the method has no windows.
-std::string_view title_score(const Report& report);
-/// The window length by its symbol, for titles; nullopt for a method without windows.
-std::optional<std::pair<std::string_view, std::string>> title_window(const Report& report);
+/// c_l, c_w or window, t_r, margin or t_p, and further settings of the method, by their symbols.
+using NamedSetting = std::pair<std::string_view, std::string>;
+std::vector<NamedSetting> settings_of(const Report& report);
+
 /// "name on query": the name set by the user, or the method, with the score if it is not raw.
 std::string evaluation_title(const Report& report);
 /// The same with c_l and the threshold.
@@ -37,11 +37,8 @@ Table places_table(const Report& report);
 /// Metrics of curves, ranks (if known), stretches and localization. Titles state what is counted.
 std::vector<Table> metrics_tables(const Report& report);
 
-/// All tables of the reports. Several reports share each table, with their names in the first
-/// column. CSV is one table.
+/// All tables of a report in text and Markdown, otherwise its row of methods_table. Several reports
+/// are the full methods_table.
 std::string reports_text(std::span<const Report> reports, TableFormat format);
-
-/// One row per protocol of a result. `reports` must not be empty.
-Table protocols_table(std::span<const Report> reports);
 
 }  // namespace vpr

@@ -60,7 +60,9 @@ std::string text_table(const Table& table) {
   for (const size_t w : widths) total += w;
   text += std::string(total, '-') + "\n";
   for (const auto& row : table.rows) text += line(row);
-  return text + (table.best.empty() ? "" : "* the best\n");
+  if (!table.best.empty()) text += "* the best\n";
+  for (const std::string& note : table.notes) text += wrapped_line(note, 80, 2) + "\n";
+  return text;
 }
 
 // No cell and no title breaks its line.
@@ -69,6 +71,7 @@ Table with_printable_text(Table table) {
   print(table.title);
   std::for_each(table.columns.begin(), table.columns.end(), print);
   for (auto& row : table.rows) std::for_each(row.begin(), row.end(), print);
+  std::for_each(table.notes.begin(), table.notes.end(), print);
   return table;
 }
 
@@ -115,6 +118,7 @@ std::string markdown_table(const Table& table) {
   text += "\n";
   const auto bold = [](const std::string& cell) { return "**" + cell + "**"; };
   for (const auto& row : marked_rows(table, markdown_escaped, bold)) text += line(row);
+  for (const std::string& note : table.notes) text += "\n" + note + "\n";
   return text;
 }
 
@@ -158,7 +162,9 @@ std::string latex_table(const Table& table) {
   for (const std::string& column : table.columns) names.push_back(latex_escaped(column));
   std::string columns;
   for (size_t c = 0; c < table.columns.size(); ++c) columns += is_numeric(table, c) ? 'r' : 'l';
-  std::string text = "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n";
+  std::string text = "% \\usepackage{booktabs}\n";
+  for (const std::string& note : table.notes) text += "% " + note + "\n";
+  text += "\\begin{table}\n\\centering\n";
   if (!table.title.empty())
     text += fmt::format("\\caption{{{}}}\n\\label{{tab:{}}}\n", latex_escaped(table.title),
                         table.label.empty() ? latex_label(table.title) : table.label);
@@ -170,11 +176,6 @@ std::string latex_table(const Table& table) {
 
 }  // namespace
 
-void add_columns(Table& table, const Table& more) {
-  for (size_t c = 0; c < more.columns.size(); ++c)
-    add_column(table, more.columns[c], more.rows[0][c]);
-}
-
 void mark_best(Table& table, size_t column, const std::vector<std::optional<double>>& values,
                bool is_low_good) {
   std::optional<double> best;
@@ -183,30 +184,6 @@ void mark_best(Table& table, size_t column, const std::vector<std::optional<doub
   for (size_t row = 0; row < values.size(); ++row)
     if (best && (is_low_good || *best != 0) && values[row] == best)
       table.best.insert({row, column});
-}
-
-Table stack_tables(const std::vector<Table>& tables, const std::string& key,
-                   const std::vector<std::string>& names) {
-  Table stacked;
-  stacked.columns = {key};
-  const auto index_of = [&](const std::string& column) {
-    return static_cast<size_t>(
-        std::find(stacked.columns.begin() + 1, stacked.columns.end(), column) -
-        stacked.columns.begin());
-  };
-  for (const Table& table : tables)
-    for (const std::string& column : table.columns)
-      if (index_of(column) == stacked.columns.size()) stacked.columns.push_back(column);
-  const auto has_title = [&](const Table& table) { return table.title == tables.front().title; };
-  if (!tables.empty() && std::ranges::all_of(tables, has_title))
-    stacked.title = tables.front().title;
-  for (size_t t = 0; t < tables.size(); ++t)
-    for (const auto& row : tables[t].rows) {
-      auto& cells = stacked.rows.emplace_back(stacked.columns.size());
-      cells[0] = names[t];
-      for (size_t c = 0; c < row.size(); ++c) cells[index_of(tables[t].columns[c])] = row[c];
-    }
-  return stacked;
 }
 
 std::vector<std::string> numbered_names(const std::vector<std::string>& names) {

@@ -27,7 +27,8 @@ struct Table {
   std::vector<std::vector<std::string>> rows;  ///< each as long as `columns`
   /// The best cells (row, column): bold, with a star in text, unmarked in CSV.
   std::set<std::pair<size_t, size_t>> best = {};
-  std::string label = {};  ///< in LaTeX, after "tab:"; empty: the title
+  std::string label = {};               ///< in LaTeX, after "tab:"; empty: the title
+  std::vector<std::string> notes = {};  ///< below the table; comments in LaTeX, absent in CSV
 };
 
 void add_row(Table& table, const auto&... cells) {
@@ -40,18 +41,10 @@ void add_column(Table& table, std::string_view column, const auto& cell) {
   table.rows.resize(1);
   table.rows[0].push_back(fmt::format("{}", cell));
 }
-/// Adds the columns of another table of one row.
-void add_columns(Table& table, const Table& more);
 
 /// Marks the cells of a column with the best value. `values`: one per row.
 void mark_best(Table& table, size_t column, const std::vector<std::optional<double>>& values,
                bool is_low_good);
-
-/// The rows of all tables in one table. Its columns are `key` with `names`, one name per table, and
-/// all columns of the tables in order of first occurrence. Missing cells are empty. The title is
-/// the tables' common title, or empty.
-Table stack_tables(const std::vector<Table>& tables, const std::string& key,
-                   const std::vector<std::string>& names);
 
 /// The names, each with its number if it occurs several times, as in "a (2)".
 std::vector<std::string> numbered_names(const std::vector<std::string>& names);

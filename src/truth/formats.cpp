@@ -19,7 +19,6 @@ namespace vpr {
 namespace {
 
 constexpr size_t kStartBytes = 65536;
-constexpr std::string_view kAllPresets = "nordland-all";
 
 bool uses(const GroundTruthFormat& format, std::string_view option) {
   return std::ranges::find(format.options, option) != format.options.end();
@@ -222,20 +221,6 @@ std::span<const GroundTruthPreset> ground_truth_presets() { return kPresets; }
 const GroundTruthPreset* find_preset(std::string_view name) {
   const auto* found = std::ranges::find(kPresets, name, &GroundTruthPreset::name);
   return found == kPresets.end() ? nullptr : found;
-}
-
-std::vector<const GroundTruthPreset*> find_presets(const std::string& text) {
-  std::vector<const GroundTruthPreset*> found;
-  for (const std::string_view name : split(text, ',')) {
-    const size_t before = found.size();
-    for (const GroundTruthPreset& preset : kPresets)
-      if (preset.name == name || name == kAllPresets) found.push_back(&preset);
-    if (found.size() > before) continue;
-    std::vector<std::string> names = names_of(kPresets);
-    names.emplace(names.begin(), kAllPresets);
-    refuse_name("protocol", name, names);
-  }
-  return found;
 }
 
 GroundTruthArgument preset_argument(const GroundTruthPreset& preset, GroundTruthArgument argument,

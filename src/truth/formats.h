@@ -1,4 +1,4 @@
-// The tables of ground truth formats (names, detection, readers and writers) and of the protocols
+// The tables of ground truth formats (names, detection, readers and writers) and of the presets
 // of published results.
 #pragma once
 
@@ -82,10 +82,6 @@ std::span<const GroundTruthPreset> ground_truth_presets();
 
 /// The preset with this name, or null.
 const GroundTruthPreset* find_preset(std::string_view name);
-
-/// The presets in `text`: names separated by commas, or "nordland-all" for all of them. Throws
-/// Error(usage) with the nearest name.
-std::vector<const GroundTruthPreset*> find_presets(const std::string& text);
 
 /// The ground truth of a preset, with the other options of `argument`. Throws Error(usage) if the
 /// tolerance of `argument` contradicts the preset.

@@ -88,7 +88,6 @@ vpr-tune fastable s.vprdb --dataset DATA --c-l 1,5,10,20 --t-r 0.2:0.8:0.1 --plo
 vpr-query s.vprdb --query world/query --c-l 1 --t-r 0.3 --save-matrix all.npy -o all.json
 vpr-eval matrix all.npy --distance --ground-truth aligned --recall-at 1,5,10 --html matrix.html --plot plots-matrix
 vpr-eval compare reports/filter.json reports/windows.json reports/frames.json --html compare.html --plot plots-compare
-vpr-eval report reports --html methods.html
 vpr-eval loops loops.csv --poses path.txt --radius 2 --gap 20s --similarity --html loops.html --plot plots-loops
 """
 

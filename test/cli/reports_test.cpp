@@ -1,7 +1,4 @@
-// Outputs of vpr-eval for other programs: expectations, XML, trajectories and pages of whole data
-// sets.
-#include <algorithm>
-
+// Outputs of vpr-eval for other programs: expectations, XML and trajectories.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -12,9 +9,9 @@ using namespace vpr::test;
 
 namespace {
 
-/// Writes a result of the world's query, with single frames or longer windows.
-void query(const std::string& name, const std::string& length = "1") {
-  run_ok("vpr-query $db --dataset $dataset --t-r 0.3 --quiet --c-l " + length + " -o " + name);
+/// Writes a result of the world's query.
+void query(const std::string& name) {
+  run_ok("vpr-query $db --dataset $dataset --t-r 0.3 --quiet --c-l 1 -o " + name);
 }
 
 const std::string kEval = "vpr-eval r.json --dataset $dataset ";
@@ -71,38 +68,7 @@ TEST_CASE(
   CHECK(lines_of(read_text("p.txt")).size() > 5);
 }
 
-TEST_CASE("a folder of results and reports becomes one table and one page") {
-  std::filesystem::create_directories("all/more");
-  query("all/first.json");
-  query("all/more/second.json", "3");
-  run_ok("vpr-eval all/first.json --dataset $dataset -o all/first.report.json --name mine");
-  write_text("all/other.json", R"({"schema": "another"})");
-  const std::string report = "vpr-eval report all --dataset $dataset ";
-  const auto outcome = run_ok(report + "--html all.html -o all.json");
-  CHECK(has(outcome.out, ": over "));
-  CHECK(has(outcome.out, "\nmine "));  // a result with a report is listed once
-  CHECK(has(outcome.out, "\nfastable, c_l 3"));
-  const Json json = file_json("all.json");
-  CHECK(json["schema"] == "vpr.reports/4");
-  REQUIRE(json["reports"].size() == 2);
-  const Json written = comparable(file_json("all/first.report.json"));
-  CHECK(json["reports"][0]["report"].dump() == written.dump());  // as it was read
-  const std::string page = read_text("all.html");
-  CHECK(has(page, "2 methods on 1 query"));
-  CHECK(page.find("<svg class=\"lanes wide\"") < page.find("recognized correctly"));
-  CHECK_FALSE(has(page, "All queries"));  // there is one
-  const std::string csv = run_ok(report + "--format csv").out;
-  CHECK(csv.starts_with("method,query,metric,value,frames,oracle\n"));
-  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 5);
-  // Without ground truth, only reports.
-  const auto alone = run_ok("vpr-eval report all");
-  CHECK_FALSE(has(alone.out, "c_l 3"));
-  std::filesystem::copy("all/first.report.json", "all/again.json");
-  check_failure("vpr-eval report all", 2, "are both of mine on");
-}
-
 TEST_CASE("a method that answers few frames does not win by them") {
-  std::filesystem::create_directory("all");
   // Ten frames: windows of 5 end at 6 frames and are all correct; single frames are correct in 9 of
   // 10.
   const auto report = [&](const std::string& name, size_t size, size_t mistakes,
@@ -111,36 +77,13 @@ TEST_CASE("a method that answers few frames does not win by them") {
     for (size_t q = 0; q < size; ++q) scores[q * size + (q < mistakes ? size - 1 : q)] = float(q);
     write_array((name + ".npy"), scores, {size, size});
     run_ok("vpr-eval matrix " + name + ".npy --distance --rows-are-windows-of " + window +
-           " --ground-truth aligned --name " + name + " -o all/" + name + ".json --quiet");
+           " --ground-truth aligned -o " + name + ".json --quiet");
   };
   report("frames", 10, 1, "1");
   report("windows", 6, 0, "5");
-  const Json json = printed_json("vpr-eval report all --html all.html --json");
-  CHECK(json["reports"][1]["report"]["metrics"]["recall_at"]["1"] == 0.6);
-  CHECK(json["reports"][1]["report"]["localization"]["frames_with_match"] == 10);
-  const std::string brief = run("vpr-eval report all").out;
-  CHECK(brief.starts_with("queries: over 10 frames with a match\n"));
-  CHECK(has(brief, "\nframes   0.9000*"));
-  CHECK(has(brief, "\nwindows  0.6000 "));
-  const std::string text = run("vpr-eval report all -v").out;
-  CHECK(text.starts_with(brief));
-  CHECK(has(text, "frames   0.9000 (9 of 10)*"));
-  CHECK(has(text, "windows  0.6000 (6 of 10)\n"));
-  CHECK(has(text, "over all frames with a match"));
-  CHECK(has(text, "0.6000 (6 of 10, oracle)"));
-  CHECK(has(read_text("all.html"), "correct: frames, R@1 0.9000 (9 of 10)."));
-}
-
-TEST_CASE("a folder's table never replaces its reports and results") {
-  std::filesystem::create_directories("all");
-  query("all/first.json");
-  run_ok("vpr-eval all/first.json --dataset $dataset -o all/report.json");
-  const std::string report = "vpr-eval report all --force -o ";
-  for (const std::string name :
-       {"all/report.json", "all/first.json", "all/first.recognitions.npy"}) {
-    const std::string before = read_text(name);
-    check_failure(report + name, 2, "is an input of this run");
-    CHECK(read_text(name) == before);
-  }
-  for (int i = 0; i < 2; ++i) run_ok(report + "all/table.json");  // an earlier one is not an input
+  CHECK(file_json("windows.json")["localization"]["frames_with_match"] == 10);
+  const std::string text = run_ok("vpr-eval compare frames.json windows.json").out;
+  CHECK(text.starts_with("queries: over 10 frames with a match\n"));
+  CHECK(has(text, "\nframes   0.9000*"));
+  CHECK(has(text, "\nwindows  0.6000 "));
 }

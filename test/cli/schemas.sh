@@ -29,11 +29,9 @@ vpr-eval rw.json --dataset DATA -o ew.json
 vpr-eval matrix s.npy --distance --rows-are-windows-of 5 --ground-truth aligned -o es.json
 vpr-eval matrix s.npy --distance --rows-are-windows-of 5 --speed reversed --query-frames 104 --ground-truth aligned -o esw.json
 vpr-eval r.json r2.json --dataset DATA --name a --name b -o several.json
-vpr-eval r2.json --protocol nordland-all -o p.json
 vpr-eval r.json --dataset DATA --expect x.json
 vpr-eval compare e.json em.json -o cmp.json
 vpr-eval compare e.json ew.json -o cmpw.json
-mkdir all && cp e.json ew.json all && vpr-eval report all -o grid.json
 vpr-eval loops loops.csv --poses poses.csv --radius 2 --gap 2 --similarity -o lo.json
 vpr-eval loops loops.csv --poses poses.csv --radius 2 --gap 2 --distance -o lo2.json
 vpr-eval check building/query.ground_truth.csv -o c.json

@@ -48,9 +48,6 @@ INPUTS = [  # inputs of the commands, made once, in this order
     "vpr-query in/f.vprdb --query in/walks/back --t-p 0.3 -o in/f.json",
     "vpr-eval in/r.json --dataset in/walks/dataset.json -o in/e.json",
     "vpr-eval in/r2.json --dataset in/walks/dataset.json -o in/e2.json",
-    "vpr-eval in/r.json --dataset in/walks/dataset.json --name 0.6 -o in/both/e.json",
-    "vpr-eval in/r2.json --dataset in/walks/dataset.json --name 0.4 -o in/both/e2.json",
-    "vpr-eval in/r2.json --dataset in/walks/dataset.json --name 0.4 -o in/alone/e.json",
     "vpr-bench describe --frames 1 --features orb --seconds 0.001 -o in/b.json",
     "vpr-bench describe --frames 2 --features orb --seconds 0.001 -o in/b2.json",
 ]
@@ -168,11 +165,7 @@ WRITERS = [
     Writer("eval --loops", "vpr-eval loops {loops} --poses in/walks/one/poses.csv --radius 2 "
            "--gap 3 --similarity -o out/l.json --plot out/plots --html out/l.html", "l.json",
            {"loops": ("in/loops1.csv", "in/loops2.csv")}),
-    Writer("eval report", "vpr-eval report {folder} -o out/t.json --html out/t.html", "t.json",
-           {"folder": ("in/alone", "in/both")}),
-    Writer("eval --protocol", "vpr-eval {result} --protocol nordland-exact,nordland-vpr-bench "
-           "-o out/e.json", "e.json", {"result": ("in/n2.json", "in/n.json")}),
-    Writer("eval compare", "vpr-eval compare {reports} -o out/c.json", "c.json",
+    Writer("eval compare", "vpr-eval compare {reports} -o out/c.json --html out/c.html", "c.json",
            {"reports": ("in/e2.json in/e.json", "in/e.json in/e2.json")}),
     *[Writer(f"eval convert to {name}", f"vpr-eval convert aligned --to {kind} --tolerance "
              f"{{tolerance}} --query in/walks/two --train in/walks/one -o out/{name}", name,
@@ -202,8 +195,6 @@ def make_inputs(folder, run):
     (inputs / "tiny2.json").write_text(TINY_WORLD % ("second", "b"))
     for name, content in LISTS.items():
         (inputs / name).write_text(content)
-    for name in ("both", "alone"):
-        (inputs / name).mkdir()
     for line in INPUTS:
         done = run(line)
         if done.status != 0:

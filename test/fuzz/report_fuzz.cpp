@@ -23,9 +23,9 @@ void compare(std::vector<Report> reports) {
       comparison.settings = {3, 5, 1, only_common, only_common};
       compare_reports(comparison, {});
       comparison_json(comparison);
-      render_table(comparison_table(comparison), TableFormat::text);
-      render_table(paper_table(comparison), TableFormat::latex);
-      render_table(comparison_rows(comparison), TableFormat::csv);
+      comparison_text(comparison);
+      for (const TableFormat format : {TableFormat::text, TableFormat::csv, TableFormat::latex})
+        comparison_tables(comparison, format);
       comparison_page(comparison);
     });
   }

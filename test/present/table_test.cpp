@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "present/evaluation_text.h"
 #include "support.h"
 
 using namespace vpr;
@@ -20,13 +19,12 @@ TEST_CASE("a text table aligns numbers to the right, by characters") {
         "\xc3\xa4       123\n");
 }
 
-TEST_CASE("tables are combined with every column of any of them") {
-  const Table first = {"same", {"a", "b"}, {{"1", "2"}}};
-  const Table second = {"same", {"b", "c"}, {{"3", "4"}, {"5", "6"}}};
-  const Table stacked = stack_tables({first, second}, "name", {"x", "y"});
-  CHECK(stacked.title == "same");
-  CHECK(render_table(stacked, TableFormat::csv) == "name,a,b,c\nx,1,2,\ny,,3,4\ny,,5,6\n");
-  CHECK(stack_tables({first, {"other", {"a"}, {}}}, "name", {"x", "y"}).title.empty());
+TEST_CASE("notes are lines below a table, comments in LaTeX, and not in CSV") {
+  const Table table = {"", {"n"}, {{"7"}}, {}, {}, {"a: this\nthat"}};
+  CHECK(render_table(table, TableFormat::text) == "n\n-\n7\na: this\\x0athat\n");
+  CHECK(render_table(table, TableFormat::markdown).ends_with("| 7 |\n\na: this\\x0athat\n"));
+  CHECK(test::has(render_table(table, TableFormat::latex), "\n% a: this\\x0athat\n\\begin{table}"));
+  CHECK(render_table(table, TableFormat::csv) == "n\n7\n");
 }
 
 TEST_CASE("a name in a table can neither control a terminal nor leave its cell") {
@@ -39,12 +37,6 @@ TEST_CASE("a name in a table can neither control a terminal nor leave its cell")
   for (const TableFormat format : {TableFormat::markdown, TableFormat::latex})
     CHECK_FALSE(test::has(render_table(hostile, format), "\x1b"));
   CHECK(render_table(hostile, TableFormat::csv) == "\"na\nme\"\n\"a\x1b[31m\nb\"\n");
-}
-
-TEST_CASE("long names are cut between letters") {
-  const std::string begin(18, 'x');
-  CHECK(
-      short_text({"", {"name"}, {{begin + "\xc3\xa4 and more"}}}, true).ends_with(begin + "...\n"));
 }
 
 TEST_CASE("CSV quotes fields if necessary and has no title") {

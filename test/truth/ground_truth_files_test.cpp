@@ -63,10 +63,6 @@ TEST_CASE("presets are aligned within their tolerance, with the step of their da
   CHECK(draw(alike, 3, 4) == "SS.. SSS. .SSS");
   CHECK(test::has(tenth.protocol, "10 i"));
   CHECK(test::has(alike.protocol, "training frame i,"));
-  CHECK(find_presets("nordland-all").size() == ground_truth_presets().size());
-  CHECK(find_presets("nordland-25m,nordland-exact").size() == 2);
-  CHECK(test::error_kind([] { find_presets("nordland-25m,"); }) == ErrorKind::usage);
-  CHECK(test::error_kind([] { find_presets("-all"); }) == ErrorKind::usage);
 }
 
 TEST_CASE("an unknown format, or an option without effect, is a usage error") {
