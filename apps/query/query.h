@@ -44,9 +44,9 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 
-/// The query of --query, --query-npy or --dataset, with its rate and selection. An endless source
-/// is not selected. Throws Error(usage) without a query; also throws as selected.
-NamedSequence find_query(const QueryOptions& options, bool is_endless, const Session& session);
+/// The query of --query, --query-npy or --dataset, with its rate and selection, except a camera.
+/// Throws Error(usage) without a query; also throws as selected.
+NamedSequence find_query(const QueryOptions& options, const Session& session);
 
 QueryResources resources_of(const QueryOptions& options, const Session& session);
 

@@ -38,7 +38,7 @@ WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database
     query.words = selected(std::move(rows), selection);
     return query;
   }
-  const NamedSequence source = find_query(options, false, session);
+  const NamedSequence source = find_query(options, session);
   query.name = source.name;
   query.recorded = {source.sequence.path, source.sequence.range};
   query.words =

@@ -138,8 +138,9 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings) {
   command.add_option("DB", options.database, "database of vpr-train").required();
   command.add_option("--query", options.query,
-                     "growing folder, camera (/dev/video0), video, list, or - for image paths on "
-                     "standard input; with --dataset, the name of one of its queries");
+                     "folder, list, video, camera (/dev/video0), or - for image paths on standard "
+                     "input, one per line; new images of a folder come from inotifywait (example "
+                     "below); with --dataset, the name of one of its queries");
   command.add_option("--dataset", options.dataset, "data set description with the query",
                      kQueryGroup);
   add_method_flag(command, settings, true,
@@ -174,7 +175,7 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
   add_fabmap_flags(command, options, settings.fabmap);
 }
 
-NamedSequence find_query(const QueryOptions& options, bool is_endless, const Session& session) {
+NamedSequence find_query(const QueryOptions& options, const Session& session) {
   NamedSequence named;
   std::optional<Dataset> dataset;
   std::filesystem::path times = options.query_times;
@@ -190,7 +191,7 @@ NamedSequence find_query(const QueryOptions& options, bool is_endless, const Ses
     if (times.empty() && query.sequence_ground_truth)
       times = query.sequence_ground_truth->options.query.times;
   }
-  if (!is_endless || std::filesystem::is_regular_file(named.sequence.path))
+  if (!is_camera(named.sequence.path))
     named.sequence =
         selected(named.sequence, options.selection, times, dataset ? &*dataset : nullptr, session);
   return named;

@@ -18,6 +18,7 @@
 #include "run/advice.h"
 #include "run/open.h"
 #include "sequence/live_source.h"
+#include "sequence/sequence_source.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -27,7 +28,7 @@ constexpr size_t kMatrixPixels = 2000;  // per side
 
 QueryInputs inputs_of(const QueryOptions& options, const ResolvedSettings& settings,
                       const Session& session) {
-  const NamedSequence query = find_query(options, false, session);
+  const NamedSequence query = find_query(options, session);
   QueryInputs inputs{{query.name, query.sequence}, nullptr, options.frame_times};
   if (!settings->loop)
     inputs.database = std::make_shared<SequenceDatabase>(
@@ -93,38 +94,38 @@ std::string advice_text(const QueryData& data, const Result& result,
       filter_advice(*data.database, data.query, settings, resources, session.monitor));
 }
 
-// From the flags or the data set.
-std::optional<double> recorded_fps(const QueryOptions& options) {
-  if (options.selection.recorded_fps || options.dataset.empty())
-    return options.selection.recorded_fps;
-  const double fps = read_dataset(options.dataset).frames_per_second;
-  return fps > 0 ? std::optional(fps) : std::nullopt;
-}
-
 struct NamedSource {
   std::string name;
   std::optional<double> fps;
   LiveSource source;
 };
 
-// Selects frames of an endless source as they arrive; those of other sources are selected already.
-LiveSource resampled_source(LiveSource source, const QueryOptions& options) {
-  check_rates(options.selection);
-  if (!options.selection.fps) return source;
-  return open_resampled_source(std::move(source), *options.selection.fps, recorded_fps(options));
+// Selects frames of an endless source as they arrive.
+NamedSource endless_source(const std::string& name, LiveSource source,
+                           const SelectionSettings& selection) {
+  check_rates(selection);
+  const auto& fps = selection.fps;
+  if (!fps) return {name, selection.recorded_fps, std::move(source)};
+  return {name, fps, open_resampled_source(std::move(source), *fps, selection.recorded_fps)};
 }
 
 NamedSource open_source(const QueryOptions& options, Unreadable unreadable,
                         const Session& session) {
   if (options.dataset.empty() && options.query == "-")
-    return {"standard input", options.selection.fps,
-            resampled_source(open_live_pipe(STDIN_FILENO), options)};
-  const NamedSequence query = find_query(options, true, session);
-  auto source = open_live_source(query.sequence, unreadable);
-  if (std::filesystem::is_regular_file(query.sequence.path))
-    return {query.name, query.sequence.sequence.fps, std::move(source)};
-  const auto fps = options.selection.fps ? options.selection.fps : recorded_fps(options);
-  return {query.name, fps, resampled_source(std::move(source), options)};
+    return endless_source("standard input", open_live_pipe(STDIN_FILENO), options.selection);
+  const std::string path = options.dataset.empty() ? options.query.value_or("") : "";
+  std::error_code ignored;
+  if (!session.options.quiet && std::filesystem::is_directory(path, ignored))
+    write_to_stderr(fmt::format(
+        "{}: matches the images that exist now. To match new images as they arrive, use\n"
+        "  inotifywait -m -q -e close_write -e moved_to --format '%w%f' {} | vpr-query live {} "
+        "--query -\n",
+        path, shell_word(path), shell_word(options.database)));
+  const NamedSequence query = find_query(options, session);
+  LiveSource source = open_live_source(query.sequence, unreadable);
+  if (is_camera(query.sequence.path))
+    return endless_source(query.name, std::move(source), options.selection);
+  return {query.name, query.sequence.sequence.fps, std::move(source)};
 }
 
 // `times_ms`: from the arrival of a frame to its printed line.
@@ -181,7 +182,9 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   try {
     while (const auto frame = query.source.next(silent)) {
       const Stopwatch watch;
-      session.print_line(lines.take(*frame, silent));
+      const std::optional<Json> line = lines.take(*frame, silent);
+      if (!line) continue;
+      session.print_line(*line);
       times_ms.push_back(1e3 * watch.elapsed_s());
     }
     finish();

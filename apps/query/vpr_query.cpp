@@ -32,9 +32,10 @@ constexpr std::array<QueryCommand, 3> kCommands = {
       "Match each frame as it arrives, and print one line of JSON per frame.", add_live_flags,
       "  vpr-query live corridor.vprdb --query tuesday.txt\n"
       "  vpr-query live corridor.vprdb --query /dev/video0@30::4\n"
-      "  vpr-query live corridor.vprdb --query growing_folder --c-l 20 --score zscore --decide "
-      "margin\n"
-      "  find images | vpr-query live corridor.vprdb --query -"},
+      "  ls images/*.jpg | vpr-query live corridor.vprdb --query - --c-l 20 --score zscore "
+      "--decide margin\n"
+      "  inotifywait -m -q -e close_write -e moved_to --format '%w%f' images | vpr-query live "
+      "corridor.vprdb --query -"},
      {"loops", Feature::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
       "  vpr-query loops --query laps --gap 60 --c-l 10 --save-loops loops.csv\n"
       "  vpr-query loops --query laps.mp4 --gap 30s --score zscore -o loops.json\n"

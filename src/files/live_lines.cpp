@@ -46,7 +46,7 @@ LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_
       skip_unreadable_(settings->skip_unreadable),
       query_(database, query_name, settings, resources, monitor) {}
 
-Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
+std::optional<Json> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
   std::optional<DescriptorSet> described;
   try {
     if (frame.is_unreadable)
@@ -55,7 +55,13 @@ Json LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
     if (!frame.is_missing())
       described = describe_frames(frame.sequence(), database_, false, monitor);
   } catch (const Error& error) {
-    if (!skip_unreadable_ || error.kind() != ErrorKind::input) throw;
+    if (error.kind() != ErrorKind::input) throw;
+    if (std::error_code ignored;
+        frame.may_be_gone && !std::filesystem::exists(frame.file, ignored)) {
+      warn(monitor, "{}: does not exist, and is omitted", frame.file.string());
+      return std::nullopt;
+    }
+    if (!skip_unreadable_) throw;
     warn(monitor, error.what());
   }
   if (described) check_descriptors(database_.descriptors, described->descriptors);

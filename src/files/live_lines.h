@@ -29,8 +29,9 @@ class LiveLines {
             const Monitor& monitor);
 
   /// Describes and matches the next frame. One that cannot be decoded throws Error(input); with
-  /// skip_unreadable, it is a warning, and the frame is missing.
-  Json take(const LiveFrame& frame, const Monitor& monitor);
+  /// skip_unreadable, it is a warning, and the frame is missing. Nullopt, with a warning, for a
+  /// frame that may be gone and is.
+  std::optional<Json> take(const LiveFrame& frame, const Monitor& monitor);
   /// The decisions at the end of the query; nullopt if there are none.
   std::optional<Json> finish();
 

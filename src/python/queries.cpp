@@ -193,7 +193,7 @@ struct Live {
         image.picture = picture_of(values);
     }
     Json line;
-    call.run([&](const Monitor& monitor) { line = lines->take(image, monitor); });
+    call.run([&](const Monitor& monitor) { line = *lines->take(image, monitor); });
     return fields_of(line);
   }
 

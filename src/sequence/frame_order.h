@@ -30,8 +30,7 @@ bool is_frame_order_used();
 using NameOrder = bool (*)(std::string_view, std::string_view);
 
 /// The order of these files of a folder, as set_frame_order says. Null: natural_less, which on
-/// these names is also the order by value, so that further names may change it. Throws Error(usage)
-/// if it is unclear.
+/// these names is also the order by value. Throws Error(usage) if it is unclear.
 NameOrder name_order(std::vector<std::string> names, const std::filesystem::path& folder);
 
 }  // namespace vpr

@@ -1,7 +1,6 @@
-// Live frames: from a growing folder, a camera, a video, a list, or a pipe of paths.
+// Live frames: from a recording, a camera, or a pipe of paths.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -22,6 +21,7 @@ struct LiveFrame {
   std::filesystem::path file;
   std::shared_ptr<const cv::Mat> picture;      ///< of a video or camera; null: not decoded yet
   bool is_unreadable = false;                  ///< the image of a video cannot be decoded
+  bool may_be_gone = false;                    ///< omitted if the file does not exist
   std::shared_ptr<const NpyArray> array = {};  ///< a descriptor in memory, 1 x d; null: an image
 
   bool is_missing() const { return file.empty() && !picture && !array; }
@@ -36,15 +36,16 @@ struct LiveSource {
   std::function<std::optional<LiveFrame>(const Monitor& monitor)> next;
 };
 
-/// Opens a source. A folder has no end: first its existing files, then new ones (follow_folder). A
-/// character device has no end either: it must be a camera of Video4Linux (follow_camera). A list
-/// and a video end. `unreadable`: for a video that ends too early, as in for_each_frame. Throws as
-/// open_sequence does, Error(input) for a device that is busy or not a camera, and Error(usage) for
-/// its frames if they are too large, and for a range of a folder.
+/// Opens a source. A folder, a list and a video end. A device has no end: it must be a camera of
+/// Video4Linux (follow_camera). `unreadable`: for a video that ends too early, as in
+/// for_each_frame. Throws as open_sequence does, Error(input) for a device that is busy or not a
+/// camera, and Error(usage) for its frames if they are too large.
 LiveSource open_live_source(const SequenceArgument& argument, Unreadable unreadable);
 
 /// Image paths, one per line, from a file descriptor that stays open: relative to the working
-/// directory; empty lines and those that start with # are skipped. Ends at the end of the input.
+/// directory. Ignores empty lines, those that start with #, and names that a folder ignores
+/// (is_frame_name), with a warning for the first one that is not hidden. Ends at the end of the
+/// input.
 LiveSource open_live_pipe(int descriptor);
 
 /// A source for an open capture of any kind. Frames are counted as they arrive: a range skips the
@@ -53,17 +54,5 @@ LiveSource open_live_pipe(int descriptor);
 /// camera was unplugged, or did not respond for the ten seconds that OpenCV waits.
 LiveSource follow_camera(std::unique_ptr<cv::VideoCapture> capture,
                          const SequenceArgument& argument);
-
-/// The images of a folder in the order of name_order, each as soon as it is complete: it was
-/// renamed into the folder, or it can be decoded after its writer closed it or after it has not
-/// changed for some time (a file that existed before, or a file system without events, which is
-/// read every second). Later images wait for an incomplete one until it has not changed for ten
-/// times that time. An image that arrives after a later one was returned is omitted, with a warning
-/// if there are events.
-/// `rest`: how long a size must be stable. next() waits without a time limit; it throws
-/// Error(input) once the folder no longer exists, and Error(usage) for an unclear order. Throws
-/// Error(input) for an unreadable folder.
-LiveSource follow_folder(const std::filesystem::path& folder,
-                         std::chrono::milliseconds rest = std::chrono::seconds(1));
 
 }  // namespace vpr

@@ -246,6 +246,11 @@ bool is_frame_name(const fs::path& path) {
   return !is_hidden(path) && has_extension(path, kImageExtensions);
 }
 
+bool is_camera(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_character_file(path, ignored);
+}
+
 SequenceSource open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;
   if (argument.array) return {argument, SequenceKind::descriptors, {path}};
@@ -281,7 +286,7 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
     return sequence;
   } else if (!fs::is_regular_file(status)) {
     throw Error(ErrorKind::input, "{}: is neither a folder nor a regular file{}", path.string(),
-                fs::is_character_file(status) ? ". To follow a camera, use vpr-query live" : "");
+                is_camera(path) ? ". To follow a camera, use vpr-query live" : "");
   } else if (fs::is_empty(path, error)) {  // a file in /proc, which would never end, has size 0
     throw Error(ErrorKind::input, "{}: is an empty file", path.string());
   } else {

@@ -83,6 +83,9 @@ SequenceSource open_sequence(const SequenceArgument& argument);
 /// format, and is not hidden.
 bool is_frame_name(const std::filesystem::path& path);
 
+/// Whether a path is a device, which live queries open as a camera.
+bool is_camera(const std::filesystem::path& path);
+
 /// The frames of each subfolder of `folder` that is not hidden, in natural order. Throws
 /// Error(input) if there is none.
 std::vector<SequenceArgument> subfolder_arguments(const std::filesystem::path& folder);

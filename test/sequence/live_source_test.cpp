@@ -1,21 +1,19 @@
-// Live frames: from a camera, with simulated captures instead of hardware, and a growing folder.
+// Live frames: from a camera, with simulated captures instead of hardware, a folder, and a pipe.
 #include "sequence/live_source.h"
 
+#include <array>
 #include <chrono>
-#include <fstream>
-#include <future>
 #include <thread>
 
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio/registry.hpp>
+#include <unistd.h>
 
 #include "support.h"
 
 using namespace vpr;
 using namespace vpr::test;
-using namespace std::chrono_literals;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -56,12 +54,6 @@ SequenceArgument argument(const std::string& range = "") {
   return parse_sequence_argument("camera" + range);
 }
 
-// The bytes of an image; the hidden file that it writes is not a frame.
-std::string image_bytes(const TemporaryFolder& folder) {
-  write_image(folder / ".whole.png", 1);
-  return read_text(folder / ".whole.png");
-}
-
 std::vector<std::string> names_of(const LiveSource& source, size_t most) {
   std::vector<std::string> names;
   while (names.size() < most) {
@@ -70,20 +62,6 @@ std::vector<std::string> names_of(const LiveSource& source, size_t most) {
     names.push_back(frame->name);
   }
   return names;
-}
-
-// Writes a file under another name and renames it, as other programs do.
-void put(const fs::path& folder, const std::string& name) {
-  write_image(folder / ".part.png", 1);
-  fs::rename(folder / ".part.png", folder / name);
-}
-
-fs::path next_file(const LiveSource& source, const Monitor& monitor = {}) {
-  return source.next(monitor)->file;
-}
-
-std::future<fs::path> next_of(const LiveSource& folder) {
-  return std::async(std::launch::async, [&] { return next_file(folder); });
 }
 
 }  // namespace
@@ -159,140 +137,33 @@ TEST_CASE("a device that is not a camera is refused with a sentence") {
   CHECK(std::find(backends.begin(), backends.end(), cv::CAP_V4L2) != backends.end());
 }
 
-TEST_CASE("images arrive in natural order, as soon as they are renamed into a folder") {
+TEST_CASE("a folder is read to its end") {
   const TemporaryFolder folder;
-  put(folder.path(), "10.png");
-  put(folder.path(), "9.png");
-  put(folder.path(), "notes.txt");
-  put(folder.path(), ".hidden.png");
-  const LiveSource growing = follow_folder(folder.path(), 20ms);
-  CHECK(next_file(growing) == folder / "9.png");  // it existed, and has not changed
-  CHECK(next_file(growing) == folder / "10.png");
-  put(folder.path(), "11.png");
-  CHECK(next_file(growing) == folder / "11.png");  // renamed: returned at once
-  for (int i = 12; i < 40; ++i) {
-    auto next = next_of(growing);
-    put(folder.path(), std::to_string(i) + ".png");
-    CHECK(next.get() == folder / (std::to_string(i) + ".png"));
+  for (const char* name : {"10.png", "9.png", ".hidden.png"}) write_image(folder / name, 1);
+  write_text(folder / "notes.txt", "x");
+  CHECK(names_of(open_live_source({folder.path(), {}}, Unreadable::fail), 9) ==
+        std::vector<std::string>{"9.png", "10.png"});
+  CHECK(names_of(open_live_source({folder.path(), {1}}, Unreadable::fail), 9) ==
+        std::vector<std::string>{"10.png"});
+}
+
+TEST_CASE("a pipe has the images of its lines, and one warning for other names") {
+  std::array<int, 2> ends;
+  REQUIRE(::pipe(ends.data()) == 0);
+  const std::string lines =
+      "\xEF\xBB\xBF"
+      "a/1.png\n\n# a note\n.part.png\nnotes\n0.png.tmp\r\nb/0.JPG\r\n2.png";
+  REQUIRE(::write(ends[1], lines.data(), lines.size()) == ssize_t(lines.size()));
+  ::close(ends[1]);
+  const LiveSource pipe = open_live_pipe(ends[0]);
+  Warnings warnings;
+  std::vector<std::string> files;
+  while (const auto frame = pipe.next(warnings.monitor)) {
+    CHECK(frame->may_be_gone);
+    files.push_back(frame->file.string());
   }
-}
-
-TEST_CASE("decimal names in a growing folder have the order of folders") {
-  const TemporaryFolder folder;
-  for (const char* name : {"1.5.png", "1.png", "0.5.png"}) put(folder.path(), name);
-  const LiveSource growing = follow_folder(folder.path(), 0ms);
-  for (const char* name : {"0.5.png", "1.png", "1.5.png", "2.png", "2.25.png", "10.png"}) {
-    if (!fs::exists(folder / name)) put(folder.path(), name);
-    CHECK(next_file(growing) == folder / name);
-  }
-  const TemporaryFolder unclear;
-  for (const char* name : {"1.9.png", "1.10.png", "2.05.png"}) put(unclear.path(), name);
-  CHECK(has(error_text([&] { next_file(follow_folder(unclear.path())); }), "--order natural"));
-}
-
-TEST_CASE("an unfinished file is awaited") {
-  const TemporaryFolder folder;
-  const LiveSource growing = follow_folder(folder.path(), 1h);
-  const std::string image = image_bytes(folder);
-  std::ofstream file(folder / "1.png", std::ios::binary);
-  file << image.substr(0, 50) << std::flush;
-  auto next = std::async(std::launch::async, [&] { return fs::file_size(next_file(growing)); });
-  file << image.substr(50) << std::flush;
-  file.close();
-  CHECK(next.get() == image.size());
-}
-
-TEST_CASE("an image whose writer pauses is awaited, and a warning names it once") {
-  const TemporaryFolder folder;
-  const std::string image = image_bytes(folder);
-  const bool is_closed = GENERATE(false, true);  // between the parts
-  const LiveSource growing = follow_folder(folder.path(), 0ms);
-  std::ofstream file(folder / "1.png", std::ios::binary);
-  file << image.substr(0, 50) << std::flush;
-  if (is_closed) file.close();
-  std::promise<void> was_incomplete;
-  int warnings = 0;
-  Monitor monitor;
-  monitor.warn = [&](const std::string& sentence) {
-    CHECK(has(sentence, "1.png: is incomplete"));
-    if (warnings++ == 0) was_incomplete.set_value();
-  };
-  auto next =
-      std::async(std::launch::async, [&] { return fs::file_size(next_file(growing, monitor)); });
-  was_incomplete.get_future().wait();
-  if (is_closed) file.open(folder / "1.png", std::ios::binary | std::ios::app);
-  file << image.substr(50) << std::flush;
-  file.close();
-  CHECK(next.get() == image.size());
-  CHECK(warnings == 1);
-}
-
-TEST_CASE("later images wait for an incomplete one, for a bounded time") {
-  const TemporaryFolder folder;
-  const LiveSource growing = follow_folder(folder.path(), 50ms);
-  const std::string image = image_bytes(folder);
-  std::ofstream file(folder / "1.png", std::ios::binary);
-  file << image.substr(0, 50) << std::flush;
-  put(folder.path(), "2.png");
-  auto next = next_of(growing);
-  CHECK(next.wait_for(150ms) == std::future_status::timeout);
-  file << image.substr(50) << std::flush;
-  file.close();
-  CHECK(next.get() == folder / "1.png");
-  CHECK(next_file(growing) == folder / "2.png");
-  write_text(folder / "3.png", "x");  // never complete
-  put(folder.path(), "4.png");
-  CHECK(next_file(growing) == folder / "3.png");
-  CHECK(next_file(growing) == folder / "4.png");
-}
-
-TEST_CASE("a broken image with a late name does not make earlier ones be used too soon") {
-  const TemporaryFolder folder;
-  write_text(folder / "9999.png", "x");
-  const LiveSource growing = follow_folder(folder.path(), 20ms);
-  put(folder.path(), "1.png");
-  CHECK(next_file(growing) == folder / "1.png");
-  auto next = next_of(growing);
-  CHECK(next.wait_for(300ms) == std::future_status::timeout);
-  put(folder.path(), "2.png");
-  CHECK(next.get() == folder / "2.png");
-}
-
-TEST_CASE("an existing file is returned when its size is stable, an open one when it is closed") {
-  const TemporaryFolder folder;
-  write_image(folder / "1.png", 1);
-  const LiveSource growing = follow_folder(folder.path(), 0ms);
-  CHECK(next_file(growing) == folder / "1.png");
-  std::ofstream file(folder / "2.png", std::ios::binary);
-  file << read_text(folder / "1.png") << std::flush;
-  auto next = next_of(growing);
-  CHECK(next.wait_for(100ms) == std::future_status::timeout);
-  file.close();
-  CHECK(next.get() == folder / "2.png");
-}
-
-TEST_CASE("an image that arrives too late is omitted with a warning") {
-  const TemporaryFolder folder;
-  const LiveSource growing = follow_folder(folder.path(), 1h);
-  put(folder.path(), "5.png");
-  CHECK(next_file(growing) == folder / "5.png");
-  put(folder.path(), "3.png");
-  put(folder.path(), "6.png");
-  Monitor monitor;
-  std::string said;
-  monitor.warn = [&](const std::string& sentence) { said += sentence; };
-  CHECK(next_file(growing, monitor) == folder / "6.png");
-  CHECK(has(said, "3.png: arrived after 5.png"));
-}
-
-TEST_CASE("waiting ends on a stop and when the folder is removed") {
-  fs::create_directory("f");
-  const LiveSource growing = follow_folder("f", 1h);
-  std::atomic<bool> stop = true;
-  Monitor monitor;
-  monitor.stop = &stop;
-  CHECK(error_kind([&] { next_file(growing, monitor); }) == ErrorKind::interrupted);
-  fs::remove("f");
-  CHECK(error_kind([&] { next_file(growing); }) == ErrorKind::input);
-  CHECK(error_kind([&] { follow_folder("f"); }) == ErrorKind::input);
+  ::close(ends[0]);
+  CHECK(files == std::vector<std::string>{"a/1.png", "b/0.JPG", "2.png"});
+  CHECK(warnings.said ==
+        std::vector<std::string>{"notes: is not the name of an image. Such lines are ignored"});
 }
