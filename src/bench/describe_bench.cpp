@@ -68,7 +68,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   BenchResult result{"describe", value_to_json(settings)};
   const Frames frames = load_frames(images, settings.frames, seed);
   size_t next = 0;
-  StepCounter counter(monitor, "measure", 7 + kinds.size());
+  StepCounter counter(monitor, "measure", 5 + kinds.size());
   const auto add = [&](const std::string& work, auto&& run) {
     const auto run_next = [&] {
       run(next);
@@ -89,8 +89,6 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   });
   add("ldb", [&](size_t i) { describe_ldb(frames.gray[i]); });
   add("thumbnail", [&](size_t i) { describe_thumbnail(frames.gray[i]); });
-  add("brief", [&](size_t i) { describe_brief(frames.gray[i]); });
-  add("orb of the center", [&](size_t i) { describe_orb(frames.gray[i]); });
   add("hog", [&](size_t i) { describe_hog(frames.gray[i]); });
   for (const FeatureKind kind : kinds) {
     FeatureSettings feature = settings.feature_settings;

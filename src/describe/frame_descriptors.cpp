@@ -55,7 +55,7 @@ constexpr DescriptorKind imported(std::string_view name, std::string_view summar
   return {name, summary, {element, 0}, import_kind, true};
 }
 
-constexpr std::array<DescriptorKind, 11> kKinds = {{
+constexpr std::array<DescriptorKind, 9> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
      "the frame in 64x32 gray levels, normalized in squares, as in SeqSLAM",
@@ -65,14 +65,6 @@ constexpr std::array<DescriptorKind, 11> kKinds = {{
      describe_by<describe_hog>},
     {"ldb+hog", "both, for z-scores and the filter; other methods use ldb", kLdbHogShape,
      describe_by<describe_ldb_hog>},
-    {"brief",
-     "a binary code of the whole frame from pairs of pixels, of 256 bits",
-     {ElementType::bits, kCenterBits},
-     describe_by<describe_brief>},
-    {"orb",
-     "OpenCV's ORB at the center of the frame, without rotation, of 256 bits",
-     {ElementType::bits, kCenterBits},
-     describe_by<describe_orb>},
     imported(kVectorKind, "vectors from files, as 16-bit integers", ElementType::int16),
     imported(kNarrowVectorKind, "vectors from files, as 8-bit integers", ElementType::int8),
     imported(kPointKind, "vectors from files with their lengths, as 16-bit integers",

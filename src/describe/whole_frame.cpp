@@ -9,10 +9,8 @@
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
-#include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/random.h"
 #include "describe/imported.h"
 
 namespace vpr {
@@ -65,10 +63,6 @@ void normalize_square(const cv::Mat& small, int left, int top, Thumbnail64& out)
 }
 
 constexpr double kAlpha = 0.47;
-
-constexpr int kBriefSide = 64;
-constexpr int kBriefPatch = 48;
-constexpr int kOrbSide = 128;
 
 cv::Mat resized(const cv::Mat& gray, int side) {
   assert(gray.type() == CV_8UC1 && !gray.empty());
@@ -153,14 +147,6 @@ std::vector<double> normalized_blocks(const HogCells& cells) {
       normalize(block);
     }
   return blocks;
-}
-
-// The sum of twelve uniform integers: no mathematical library can round it differently.
-int normal_offset(RandomEngine& engine) {
-  double sum = -6;
-  for (int i = 0; i < 12; ++i) sum += uniform_unit(engine);
-  const double offset = std::round(sum * kBriefPatch / 5);
-  return static_cast<int>(std::clamp(offset, -kBriefPatch / 2.0, kBriefPatch / 2.0 - 1));
 }
 
 }  // namespace
@@ -279,47 +265,6 @@ cv::Mat illumination_invariant(const cv::Mat& bgr) {
       gray.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(std::nearbyint(value * 255));
     }
   return gray;
-}
-
-const std::array<BriefPair, kCenterBits>& brief_pairs() {
-  static const auto kPairs = [] {
-    RandomEngine engine = named_engine(1, "brief");
-    std::array<BriefPair, kCenterBits> pairs;
-    for (BriefPair& pair : pairs)
-      for (int* offset : {&pair.first_x, &pair.first_y, &pair.second_x, &pair.second_y})
-        *offset = normal_offset(engine);
-    return pairs;
-  }();
-  return kPairs;
-}
-
-CenterCode describe_brief(const cv::Mat& gray) {
-  cv::Mat smooth;
-  cv::GaussianBlur(resized(gray, kBriefSide), smooth, {9, 9}, 2, 2, cv::BORDER_REFLECT_101);
-  const auto pixel = [&](int x, int y) {
-    return smooth.at<uint8_t>(kBriefSide / 2 + y, kBriefSide / 2 + x);
-  };
-  CenterCode code{};
-  for (size_t bit = 0; bit < kCenterBits; ++bit) {
-    const BriefPair& pair = brief_pairs()[bit];
-    const bool is_darker = pixel(pair.first_x, pair.first_y) < pixel(pair.second_x, pair.second_y);
-    code[bit / 8] = static_cast<uint8_t>(code[bit / 8] | int{is_darker} << bit % 8);
-  }
-  return code;
-}
-
-// OpenCV uses only the octave of the keypoint: there is only one level.
-CenterCode describe_orb(const cv::Mat& gray) {
-  constexpr int kBorder = 30;
-  const auto orb = cv::ORB::create(1, 1.2F, 1, kBorder, 0, 2, cv::ORB::HARRIS_SCORE, 31);
-  std::vector<cv::KeyPoint> keypoints = {
-      cv::KeyPoint(kOrbSide / 2 + 1, kOrbSide / 2 + 1, 1, /*angle=*/0, 0, /*octave=*/0)};
-  cv::Mat descriptor;
-  orb->compute(resized(gray, kOrbSide), keypoints, descriptor);
-  assert(descriptor.rows == 1 && descriptor.cols == static_cast<int>(kCenterBits / 8));
-  CenterCode code;
-  std::memcpy(code.data(), descriptor.ptr(), code.size());
-  return code;
 }
 
 }  // namespace vpr

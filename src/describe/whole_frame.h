@@ -1,5 +1,4 @@
-// Built-in descriptors of whole frames: LDB, thumbnail, HOG, and BRIEF and ORB of the center; and
-// image preprocessing.
+// Built-in descriptors of whole frames: LDB, thumbnail and HOG; and image preprocessing.
 #pragma once
 
 #include <array>
@@ -61,35 +60,5 @@ LdbHogRow describe_ldb_hog(const cv::Mat& gray);
 /// I = 0.5 + ln G - a ln B - (1 - a) ln R on channels in [0, 1], a = 0.47, ln 0 taken as 0; I below
 /// 0 becomes 1; times 255, rounded half to even, saturated to 8 bits.
 cv::Mat illumination_invariant(const cv::Mat& bgr);
-
-/// Binary codes of the center of the frame, as for a local feature: one keypoint in the middle of
-/// the frame, which is shrunk until the patch covers nearly all of it (OpenABLE, Arroyo et al.
-/// 2016).
-inline constexpr size_t kCenterBits = 256;
-
-/// Bit b is in byte b / 8, least significant first.
-using CenterCode = std::array<uint8_t, kCenterBits / 8>;
-
-/// Two pixels that one bit of BRIEF compares, relative to the center of the frame.
-struct BriefPair {
-  int first_x = 0;
-  int first_y = 0;
-  int second_x = 0;
-  int second_y = 0;
-};
-
-/// The pairs, drawn once with a fixed seed: all four coordinates from a normal distribution of
-/// variance S^2 / 25, where S = 48 is the side of the patch, and clamped to its border.
-const std::array<BriefPair, kCenterBits>& brief_pairs();
-
-/// `gray`: 8 bits, one channel, at least 1x1. BRIEF (Calonder et al. 2010, test geometry II) of the
-/// frame resized to 64x64 (bilinear, bit-exact) and blurred (9x9, sigma 2): a bit is set if the
-/// first pixel of its pair is darker. Integer arithmetic only.
-CenterCode describe_brief(const cv::Mat& gray);
-
-/// OpenCV's ORB (Rublee et al. 2011) of the frame resized to 128x128 (bilinear, bit-exact), with
-/// the keypoint at (65, 65), in the first octave and without rotation, as in OpenABLE; each bit
-/// compares two pixels within 31x31.
-CenterCode describe_orb(const cv::Mat& gray);
 
 }  // namespace vpr

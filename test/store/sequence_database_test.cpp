@@ -202,7 +202,7 @@ TEST_CASE("the manifest names the descriptor of its frames") {
 
 TEST_CASE("an unknown descriptor is refused with a list of the known ones") {
   CHECK(error_text([] { descriptor_kind("surf"); }) ==
-        "unknown descriptor \"surf\"; choose one of ldb, thumbnail, hog, ldb+hog, brief, orb");
+        "unknown descriptor \"surf\"; choose one of ldb, thumbnail, hog, ldb+hog");
   CHECK(&descriptor_kind("ldb") == &descriptor_kinds().front());
   CHECK(find_descriptor_kind("") == nullptr);
 }
