@@ -154,7 +154,6 @@ void visit_fields(ResultContent& content, Visitor&& visit) {
   if (result.clusters)  // not for a reader, which finds them again
     visit("clusters", Derived{clusters_json(*result.clusters, result.window_length())});
   visit("matrix", IfSet{context.matrix});
-  visit("explanation", IfSet{context.explanation});
   visit_context(context, visit);
 }
 

@@ -33,7 +33,8 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
                 const SequenceQuerySettings& settings, const QueryResources& resources,
                 const Monitor& monitor) {
   const Monitor unwarned = {monitor.progress, {}, monitor.stop};
-  return run_query(plan_query(database, query, "", filter, resources, unwarned), {}, unwarned)
+  return run_query(plan_query(database, query, "", default_filter(settings), resources, unwarned),
+                   {}, unwarned)
       .result;
 }
 

@@ -59,7 +59,7 @@ void check_cells(const fs::path& query, const Figure& figure) {
   settings.score = enum_value<Score>(figure.score).value();
   settings.distance_threshold = 0;
   const ResolvedSettings resolved(settings);
-  const SequenceDatabase database = open_database("d.vprdb", resolved, "", {});
+  const SequenceDatabase database = open_database("d.vprdb", resolved, {});
   const DescriptorSet frames = describe_query({query, {}}, database, resolved, {});
   run_verified(plan_query(database, frames, "query", resolved, {}, {}), 100);
 }

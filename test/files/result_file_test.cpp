@@ -189,7 +189,6 @@ TEST_CASE("everything about a run is read back") {
   context.run.frame_names = {{"query", "xxh3:1"}};
   context.database_fingerprint = "xxh3:2";
   context.matrix = {4, 5, {{"a", 0}}};
-  context.explanation = {3, 0.25, {{{}, "hall", "a: 1.png", 1.5, {{2, true, false, 0.5}}, {}}}};
   context.files["matrix"] = {4, "xxh3:4"};
   Result result = example_result();
   result.recall = SearchRecall{4, 3, 2, 1};
@@ -208,7 +207,6 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.run.frame_names == context.run.frame_names);
   CHECK(read.database_fingerprint == "xxh3:2");
   CHECK(read.matrix->sequences.at(0).sequence == "a");
-  CHECK(read.explanation->places.at(0).for_it.at(0).log_odds == 0.5);
   CHECK(read.files.at("matrix") == FileEntry{4, "xxh3:4"});
   CHECK(read.files.at("best").rows == 4);
   CHECK(read.companions.size() == 1);
