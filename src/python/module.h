@@ -19,9 +19,9 @@
 #include "base/npy.h"
 #include "base/output.h"
 #include "evaluate/score_matrix.h"
+#include "fabmap/database.h"
 #include "files/run_info.h"
 #include "sequence/frames.h"
-#include "words/database.h"
 
 namespace vpr {
 

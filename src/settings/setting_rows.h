@@ -98,7 +98,6 @@ inline constexpr std::array<std::string_view, 18> kFacetNames = {
 /// Headings of flags in the help.
 inline constexpr const char* kQueryGroup = "Query";
 inline constexpr const char* kWindowGroup = "Windows (FastABLE and OpenABLE) and the filter";
-inline constexpr const char* kFabmapGroup = "FAB-MAP";
 
 /// The commands of a flag, as bits of Feature.
 template <class... Commands>
@@ -124,9 +123,8 @@ struct SettingRow {
 
 std::string flag_of(std::string_view key);
 
-/// The settings of sequence methods and of FAB-MAP that have flags. A key has several rows if its
-/// help differs between commands.
+/// The settings of sequence methods that have flags. A key has several rows if its help differs
+/// between commands.
 std::span<const SettingRow> sequence_setting_rows();
-std::span<const SettingRow> fabmap_setting_rows();
 
 }  // namespace vpr
