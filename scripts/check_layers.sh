@@ -2,7 +2,7 @@
 # Includes must go from a later stage to an earlier one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-stages=(base sequence truth synth describe store words match settings decide run evaluate files
+stages=(base sequence truth synth describe store match settings decide run evaluate files
   chart present fabmap tune loops bench python)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done

@@ -3,10 +3,10 @@
 
 #include "base/random.h"
 #include "decide/result.h"
+#include "fabmap/vocabulary.h"
 #include "run/plan.h"
 #include "run/query.h"
 #include "truth/ground_truth.h"
-#include "words/database.h"
 
 namespace vpr::test {
 

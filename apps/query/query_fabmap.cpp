@@ -5,11 +5,11 @@
 #include "base/stopwatch.h"
 #include "decide/clustering.h"
 #include "fabmap/place_query.h"
+#include "fabmap/word_training.h"
 #include "files/matrix_file.h"
 #include "query.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
-#include "words/word_training.h"
 
 namespace vpr {
 namespace {

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/text.h"
+#include "fabmap/place_query.h"
 #include "loops/loops.h"
 #include "match/match.h"
 #include "present/result_text.h"
@@ -13,7 +14,6 @@
 #include "sequence/sequence.h"
 #include "sequence/sequence_source.h"
 #include "truth/times.h"
-#include "words/model.h"
 
 namespace vpr {
 namespace {

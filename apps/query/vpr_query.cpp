@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "fabmap/place_query.h"
 #include "match/match.h"
 #include "query.h"
 #include "store/archive.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/flags.h"
-#include "words/database.h"
-#include "words/word_training.h"
+#include "fabmap/database.h"
+#include "fabmap/word_training.h"
 
 namespace vpr {
 

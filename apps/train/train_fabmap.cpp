@@ -1,9 +1,9 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of all views.
 
 #include "base/error.h"
+#include "fabmap/word_training.h"
 #include "sequence/sequence_source.h"
 #include "train.h"
-#include "words/word_training.h"
 
 namespace vpr {
 namespace {

@@ -7,10 +7,10 @@
 
 #include "base/json_fwd.h"
 #include "bench/bench_result.h"
+#include "fabmap/local_features.h"
 #include "match/match.h"
 #include "run/live_query.h"
 #include "sequence/sequence_source.h"
-#include "words/local_features.h"
 
 namespace vpr {
 

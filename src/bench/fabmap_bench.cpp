@@ -9,8 +9,8 @@
 #include "base/stopwatch.h"
 #include "bench/benches.h"
 #include "bench/generated.h"
-#include "words/model.h"
-#include "words/word_clustering.h"
+#include "fabmap/model.h"
+#include "fabmap/word_clustering.h"
 
 namespace vpr {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "describe/descriptor_rows.h"
-#include "words/vocabulary.h"
+#include "fabmap/vocabulary.h"
 
 namespace cv {
 class Mat;

@@ -8,7 +8,6 @@
 #include "decide/clustering.h"
 #include "sequence/sequence.h"
 #include "settings/query_settings.h"
-#include "words/model.h"
 
 namespace vpr {
 

@@ -9,14 +9,46 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/named_table.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
-#include "words/model.h"
 
 namespace vpr {
 
 namespace {
+
+constexpr uint32_t kPlaces = in(Feature::query, Feature::loops);
+
+constexpr std::array kFabmapRows = {
+    SettingRow{.key = "t_p",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "probability threshold t_p of a recognition (default: {})"},
+    SettingRow{.key = "c_w",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "consecutive frames c_w that must exceed t_p (default: {})"},
+    SettingRow{.key = "variant",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "computation of likelihoods (default: {})",
+               .value = "VARIANT",
+               .choices = [] { return names_of(fabmap_variants()); }},
+    SettingRow{.key = "word_model",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "dependencies of words (default: {})"},
+    SettingRow{.key = "new_place",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "likelihood of a new place: average over the pretraining frames, or mean "
+                       "field (default: {})"},
+    SettingRow{.key = "new_place_samples",
+               .group = kFabmapGroup,
+               .commands = kPlaces,
+               .help = "random pretraining frames for it; 0: all (default: {})"},
+};
 
 constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values in memory at the same time
 constexpr size_t kMostFramesAtOnce = 64;
@@ -87,6 +119,8 @@ ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySetti
 }
 
 }  // namespace
+
+std::span<const SettingRow> fabmap_setting_rows() { return kFabmapRows; }
 
 void check_query_settings(const FabmapQuerySettings& settings) {
   require_range("t_p", settings.place_threshold, 0, 1);

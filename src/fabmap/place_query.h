@@ -8,11 +8,12 @@
 
 #include "base/monitor.h"
 #include "decide/result.h"
+#include "fabmap/database.h"
+#include "fabmap/model.h"
+#include "fabmap/word_training.h"
 #include "run/query.h"
-#include "settings/query_settings.h"
-#include "words/database.h"
-#include "words/model.h"
-#include "words/word_training.h"
+#include "settings/fabmap_settings.h"
+#include "settings/setting_rows.h"
 
 namespace vpr {
 
@@ -20,6 +21,12 @@ namespace vpr {
 /// unreadable frame. With `loop` it grows: the views of query frames follow in the order of frames,
 /// each once it may be matched.
 using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
+
+/// The heading of FAB-MAP's flags in the help.
+inline constexpr const char* kFabmapGroup = "FAB-MAP";
+
+/// The settings of FAB-MAP that have flags.
+std::span<const SettingRow> fabmap_setting_rows();
 
 /// Throws Error(usage) for a setting out of range.
 void check_query_settings(const FabmapQuerySettings& settings);

@@ -1,7 +1,6 @@
 #include "present/database_report.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -90,19 +89,6 @@ Json database_json(const SequenceDatabase& database, const RunInfo& run) {
   return json;
 }
 
-Json database_json(const FabmapDatabase& database, const RunInfo& run) {
-  const std::vector<size_t> featureless = featureless_frames(database);
-  return {{"schema", schema_name("database-info")},
-          {"method", enum_name(DatabaseFamily::fabmap)},
-          {"settings", value_to_json(database.settings)},
-          {"words", database.tree.words()},
-          {"pretraining_frames", database.pretrain.views()},
-          {"views", database.views.views()},
-          {"featureless_views", std::accumulate(featureless.begin(), featureless.end(), size_t{0})},
-          {"places", database.place_names()},
-          {"provenance", provenance_json(run)}};
-}
-
 std::string database_text(const SequenceDatabase& database, const std::string& name) {
   Table table;
   table.columns = {"sequence", "frames", "unreadable"};
@@ -123,28 +109,6 @@ std::string database_text(const SequenceDatabase& database, const std::string& n
   }
   table.title = fmt::format("{}: {}, {}{}", name, counted(database.sequences.size(), "sequence"),
                             counted(frames, "frame"), descriptor_text(database.descriptors));
-  return render_table(table, TableFormat::text);
-}
-
-std::string database_text(const FabmapDatabase& database, const std::string& name) {
-  Table table;
-  table.title = fmt::format(
-      "{}: {}, {} of {}, {}, {}", name, enum_name(DatabaseFamily::fabmap),
-      counted(database.tree.words(), "word"), enum_name(database.settings.features.kind),
-      counted(database.place_names().size(), "place"), counted(database.views.views(), "view"));
-  table.columns = {"group", "frames", "places", "words per frame", "featureless"};
-  const std::vector<size_t> featureless = featureless_frames(database);
-  size_t view = 0;
-  for (const ViewGroup& group : database.groups) {
-    const size_t first = view;
-    view += group.sequence.frames;
-    const auto words =
-        static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
-    add_row(table, group.sequence.name, group.sequence.frames,
-            group.is_place ? "one" : "each frame",
-            fmt::format("{:.1f}", words / static_cast<double>(view - first)),
-            featureless[table.rows.size()]);
-  }
   return render_table(table, TableFormat::text);
 }
 

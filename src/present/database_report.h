@@ -10,16 +10,13 @@
 #include "files/run_info.h"
 #include "present/table.h"
 #include "run/thresholds.h"
-#include "words/database.h"
 
 namespace vpr {
 
 Json database_json(const SequenceDatabase& database, const RunInfo& run);
-Json database_json(const FabmapDatabase& database, const RunInfo& run);
 
-/// A table of sequences or, for FAB-MAP, groups.
+/// A table of sequences.
 std::string database_text(const SequenceDatabase& database, const std::string& name);
-std::string database_text(const FabmapDatabase& database, const std::string& name);
 
 /// Thresholds by window length and sequence, with the frames that determine them.
 Json thresholds_json(std::span<const TrainSequence> sequences,

@@ -14,10 +14,10 @@
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "describe/imported.h"
+#include "fabmap/word_training.h"
 #include "run/train_sequences.h"
 #include "store/archive.h"
 #include "truth/times.h"
-#include "words/word_training.h"
 
 namespace py = pybind11;
 

@@ -18,9 +18,9 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/output.h"
+#include "fabmap/database.h"
 #include "files/run_info.h"
 #include "sequence/frames.h"
-#include "words/database.h"
 
 namespace vpr {
 

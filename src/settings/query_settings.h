@@ -14,8 +14,8 @@
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "match/match.h"
+#include "settings/fabmap_settings.h"
 #include "settings/scores.h"
-#include "words/model.h"
 
 namespace vpr {
 
@@ -93,42 +93,6 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("loop_gap", settings.loop_gap);
   visit("loop_gap_s", settings.loop_gap_s);
   visit("descriptor", settings.descriptor);
-}
-
-/// The settings of FAB-MAP.
-struct FabmapQuerySettings {
-  std::string method = "fabmap";
-  std::string variant = "fabmap2";
-  double place_threshold = 0.99;  ///< t_p; the probability of a recognized view is above (strict)
-  uint64_t window = 1;            ///< c_w: for this number of consecutive frames
-  WordModel word_model = WordModel::tree;
-  NewPlaceModel new_place = NewPlaceModel::pretrain;
-  uint64_t new_place_samples = 0;  ///< pretraining frames drawn with the seed; 0: all
-  double p_seen_if_there = 0.39;
-  double p_seen_if_not = 0;
-  int64_t lut_digits = 6;
-  bool loop = false;       ///< frames of the query are places for later frames
-  uint64_t loop_gap = 10;  ///< except for this number of frames directly after them
-  bool skip_unreadable = false;
-  PosteriorSettings posterior;
-};
-
-template <class Visitor>
-void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
-  visit("method", settings.method);
-  visit("variant", settings.variant);
-  visit("t_p", settings.place_threshold);
-  visit("c_w", settings.window);
-  visit("word_model", settings.word_model);
-  visit("new_place", settings.new_place);
-  visit("new_place_samples", settings.new_place_samples);
-  visit("p_seen_if_there", settings.p_seen_if_there);
-  visit("p_seen_if_not", settings.p_seen_if_not);
-  visit("lut_digits", settings.lut_digits);
-  visit("loop", settings.loop);
-  visit("loop_gap", settings.loop_gap);
-  visit("skip_unreadable", settings.skip_unreadable);
-  visit("posterior", settings.posterior);
 }
 
 /// The settings of any method.

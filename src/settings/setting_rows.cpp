@@ -2,15 +2,11 @@
 
 #include <algorithm>
 
-#include "base/named_table.h"
-#include "words/model.h"
-
 namespace vpr {
 namespace {
 
 constexpr uint32_t kQuery = in(Feature::query);
 constexpr uint32_t kOnline = in(Feature::live, Feature::loops);
-constexpr uint32_t kPlaces = in(Feature::query, Feature::loops);
 
 constexpr std::array kSequenceRows = {
     SettingRow{.key = "c_l",
@@ -104,36 +100,6 @@ constexpr std::array kSequenceRows = {
                .instead = "Use it with vpr-query loops and without a database."},
 };
 
-constexpr std::array kFabmapRows = {
-    SettingRow{.key = "t_p",
-               .group = kFabmapGroup,
-               .commands = kPlaces,
-               .help = "probability threshold t_p of a recognition (default: {})"},
-    SettingRow{.key = "c_w",
-               .group = kFabmapGroup,
-               .commands = kPlaces,
-               .help = "consecutive frames c_w that must exceed t_p (default: {})"},
-    SettingRow{.key = "variant",
-               .group = kFabmapGroup,
-               .commands = kPlaces,
-               .help = "computation of likelihoods (default: {})",
-               .value = "VARIANT",
-               .choices = [] { return names_of(fabmap_variants()); }},
-    SettingRow{.key = "word_model",
-               .group = kFabmapGroup,
-               .commands = kPlaces,
-               .help = "dependencies of words (default: {})"},
-    SettingRow{.key = "new_place",
-               .group = kFabmapGroup,
-               .commands = kPlaces,
-               .help = "likelihood of a new place: average over the pretraining frames, or mean "
-                       "field (default: {})"},
-    SettingRow{.key = "new_place_samples",
-               .group = kFabmapGroup,
-               .commands = kPlaces,
-               .help = "random pretraining frames for it; 0: all (default: {})"},
-};
-
 }  // namespace
 
 std::string flag_of(std::string_view key) {
@@ -143,6 +109,5 @@ std::string flag_of(std::string_view key) {
 }
 
 std::span<const SettingRow> sequence_setting_rows() { return kSequenceRows; }
-std::span<const SettingRow> fabmap_setting_rows() { return kFabmapRows; }
 
 }  // namespace vpr

@@ -76,7 +76,6 @@ inline constexpr std::array<std::string_view, 14> kFacetNames = {
 /// Headings of flags in the help.
 inline constexpr const char* kQueryGroup = "Query";
 inline constexpr const char* kWindowGroup = "Windows (FastABLE and OpenABLE) and the filter";
-inline constexpr const char* kFabmapGroup = "FAB-MAP";
 
 /// The commands of a flag, as bits of Feature.
 template <class... Commands>
@@ -101,9 +100,8 @@ struct SettingRow {
 
 std::string flag_of(std::string_view key);
 
-/// The settings of sequence methods and of FAB-MAP that have flags. A key has several rows if its
-/// help differs between commands.
+/// The settings of sequence methods that have flags. A key has several rows if its help differs
+/// between commands.
 std::span<const SettingRow> sequence_setting_rows();
-std::span<const SettingRow> fabmap_setting_rows();
 
 }  // namespace vpr

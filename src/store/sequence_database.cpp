@@ -287,6 +287,12 @@ std::string database_fingerprint(const SequenceDatabase& database) {
   return write_content(database, ArchiveWriter(nullptr));
 }
 
+std::vector<std::string> names_of(const SequenceDatabase& database) {
+  std::vector<std::string> names;
+  for (const TrainSequence& train : database.sequences) names.push_back(train.sequence.name);
+  return names;
+}
+
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables,
                                       size_t window_length) {
   for (const ThresholdTable& table : tables)

@@ -83,6 +83,9 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
 /// The fingerprint that the database has once it is written.
 std::string database_fingerprint(const SequenceDatabase& database);
 
+/// The names of the training sequences.
+std::vector<std::string> names_of(const SequenceDatabase& database);
+
 /// The table for this window length, or null.
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables, size_t window_length);
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "words/database.h"
+#include "fabmap/database.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -17,12 +17,12 @@
 #include "bench/benches.h"
 #include "common/command.h"
 #include "evaluate/metrics.h"
+#include "fabmap/place_query.h"
 #include "present/table.h"
 #include "run/train_sequences.h"
 #include "settings/query_settings.h"
 #include "settings/setting_rows.h"
 #include "support.h"
-#include "words/database.h"
 
 using namespace vpr;
 using namespace vpr::test;

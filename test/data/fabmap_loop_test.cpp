@@ -4,11 +4,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "fabmap/model.h"
 #include "fabmap/place_query.h"
+#include "fabmap/word_training.h"
 #include "printed.h"
 #include "reference/reference_words.h"
-#include "words/model.h"
-#include "words/word_training.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -10,15 +10,15 @@
 
 #include "base/parallel.h"
 #include "describe/whole_frame.h"
+#include "fabmap/chow_liu.h"
+#include "fabmap/model.h"
 #include "fabmap/place_query.h"
+#include "fabmap/vocabulary.h"
 #include "golden/checksums.h"
 #include "golden/recording.h"
 #include "run/open.h"
 #include "run/query.h"
 #include "support.h"
-#include "words/chow_liu.h"
-#include "words/model.h"
-#include "words/vocabulary.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "words/word_clustering.h"
+#include "fabmap/word_clustering.h"
 
 namespace vpr {
 namespace {

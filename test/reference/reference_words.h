@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "words/chow_liu.h"
+#include "fabmap/chow_liu.h"
 
 namespace cv {
 class Mat;

@@ -11,10 +11,10 @@
 #include "base/statistics.h"
 #include "cli/building.h"
 #include "describe/whole_frame.h"
+#include "fabmap/local_features.h"
 #include "support.h"
 #include "synth/scene.h"
 #include "truth/ground_truth.h"
-#include "words/local_features.h"
 
 using namespace vpr;
 using namespace vpr::test;

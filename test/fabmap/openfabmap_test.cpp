@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "fabmap/word_training.h"
 #include "support.h"
-#include "words/word_training.h"
 
 using namespace vpr;
 using namespace vpr::test;

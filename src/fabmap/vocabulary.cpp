@@ -1,5 +1,5 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "words/vocabulary.h"
+#include "fabmap/vocabulary.h"
 
 #include <algorithm>
 #include <cassert>
@@ -12,7 +12,7 @@
 #include <opencv2/core/mat.hpp>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "words/vocabulary.cpp"
+#define HWY_TARGET_INCLUDE "fabmap/vocabulary.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 

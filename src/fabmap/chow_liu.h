@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "words/vocabulary.h"
+#include "fabmap/vocabulary.h"
 
 namespace vpr {
 

@@ -1,4 +1,4 @@
-#include "words/word_training.h"
+#include "fabmap/word_training.h"
 
 #include <algorithm>
 #include <mutex>
@@ -13,9 +13,9 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "describe/imported.h"
+#include "fabmap/word_clustering.h"
 #include "sequence/frames.h"
 #include "sequence/sequence_source.h"
-#include "words/word_clustering.h"
 
 namespace vpr {
 namespace {

@@ -8,24 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "base/enum_names.h"
-#include "base/json_fwd.h"
-#include "words/chow_liu.h"
-#include "words/vocabulary.h"
+#include "fabmap/chow_liu.h"
+#include "fabmap/vocabulary.h"
+#include "settings/fabmap_settings.h"
 
 namespace vpr {
-
-/// Whether a word depends on its parent in the Chow-Liu tree or on no other word.
-enum class WordModel { tree, naive_bayes };
-template <>
-inline constexpr std::array<std::string_view, 2> kEnumNames<WordModel> = {"tree", "naive-bayes"};
-
-/// The likelihood of an unknown place: from the marginals of the words, or averaged over
-/// pretraining frames.
-enum class NewPlaceModel { mean_field, pretrain };
-template <>
-inline constexpr std::array<std::string_view, 2> kEnumNames<NewPlaceModel> = {"mean-field",
-                                                                              "pretrain"};
 
 /// FAB-MAP's detector: how reliably a word is seen (z) if its cause exists (e).
 struct DetectorModel {
@@ -124,15 +111,6 @@ double new_place_mean_field(const FabmapModel& model, std::span<const uint32_t> 
 
 /// The log-likelihood of the new place: the logarithm of the mean likelihood over views.
 double log_mean_exp(std::span<const double> log_values);
-
-/// Settings of the conversion from likelihoods to probabilities.
-struct PosteriorSettings {
-  double smoothing = 0.99;       ///< p becomes smoothing * p + (1 - smoothing) / (views + 1)
-  bool motion_model = false;     ///< neighbors of previously likely views get a higher prior
-  double motion_bias = 0.5;      ///< b: 0 forward only, 1 backward only
-  double new_place_prior = 0.9;  ///< with the motion model
-};
-VPR_FIELDS(PosteriorSettings, smoothing, motion_model, motion_bias, new_place_prior)
 
 /// Posterior of the new place (first) and of each view, from log-likelihoods, normalized by
 /// log-sum-exp. `previous`: the posterior of the previous frame, for the motion model; empty for

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "fabmap/database.h"
 #include "sequence/sequence_source.h"
-#include "words/database.h"
 
 namespace vpr {
 

@@ -1,18 +1,21 @@
-#include "words/database.h"
+#include "fabmap/database.h"
 
 #include <algorithm>
 #include <cassert>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
 #include "base/json.h"
 #include "base/provenance.h"
+#include "base/text.h"
+#include "fabmap/chow_liu.h"
+#include "present/table.h"
 #include "sequence/sequence_json.h"
 #include "store/archive.h"
-#include "words/chow_liu.h"
 
 namespace vpr {
 
@@ -244,16 +247,45 @@ void write_database(const std::filesystem::path& path, const AnyDatabase& databa
                   ArchiveWriter(&outputs.folder(path, is_database_folder)));
 }
 
-std::vector<std::string> names_of(const SequenceDatabase& database) {
-  std::vector<std::string> names;
-  for (const TrainSequence& train : database.sequences) names.push_back(train.sequence.name);
-  return names;
-}
-
 std::vector<std::string> names_of(const FabmapDatabase& database) {
   std::vector<std::string> names;
   for (const ViewGroup& group : database.groups) names.push_back(group.sequence.name);
   return names;
+}
+
+Json database_json(const FabmapDatabase& database, const RunInfo& run) {
+  const std::vector<size_t> featureless = featureless_frames(database);
+  return {{"schema", schema_name("database-info")},
+          {"method", enum_name(DatabaseFamily::fabmap)},
+          {"settings", value_to_json(database.settings)},
+          {"words", database.tree.words()},
+          {"pretraining_frames", database.pretrain.views()},
+          {"views", database.views.views()},
+          {"featureless_views", std::accumulate(featureless.begin(), featureless.end(), size_t{0})},
+          {"places", database.place_names()},
+          {"provenance", provenance_json(run)}};
+}
+
+std::string database_text(const FabmapDatabase& database, const std::string& name) {
+  Table table;
+  table.title = fmt::format(
+      "{}: {}, {} of {}, {}, {}", name, enum_name(DatabaseFamily::fabmap),
+      counted(database.tree.words(), "word"), enum_name(database.settings.features.kind),
+      counted(database.place_names().size(), "place"), counted(database.views.views(), "view"));
+  table.columns = {"group", "frames", "places", "words per frame", "featureless"};
+  const std::vector<size_t> featureless = featureless_frames(database);
+  size_t view = 0;
+  for (const ViewGroup& group : database.groups) {
+    const size_t first = view;
+    view += group.sequence.frames;
+    const auto words =
+        static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
+    add_row(table, group.sequence.name, group.sequence.frames,
+            group.is_place ? "one" : "each frame",
+            fmt::format("{:.1f}", words / static_cast<double>(view - first)),
+            featureless[table.rows.size()]);
+  }
+  return render_table(table, TableFormat::text);
 }
 
 }  // namespace vpr

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 #include "base/output.h"
+#include "fabmap/chow_liu.h"
+#include "fabmap/local_features.h"
+#include "fabmap/vocabulary.h"
+#include "files/run_info.h"
 #include "sequence/sequence.h"
 #include "store/sequence_database.h"
-#include "words/chow_liu.h"
-#include "words/local_features.h"
-#include "words/vocabulary.h"
 
 namespace vpr {
 
@@ -79,8 +81,7 @@ AnyDatabase read_database(const std::filesystem::path& path);
 void write_database(const std::filesystem::path& path, const AnyDatabase& database,
                     Outputs& outputs);
 
-/// The names of the training sequences.
-std::vector<std::string> names_of(const SequenceDatabase& database);
+/// The names of the groups.
 std::vector<std::string> names_of(const FabmapDatabase& database);
 
 /// For each group, the number of frames that were decoded but show no word.
@@ -98,5 +99,11 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
 /// The fingerprint that the database has once it is stored.
 std::string database_fingerprint(const FabmapDatabase& database);
+
+/// The report of vpr-train info (vpr.database-info/3).
+Json database_json(const FabmapDatabase& database, const RunInfo& run);
+
+/// A table of groups.
+std::string database_text(const FabmapDatabase& database, const std::string& name);
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-#include "words/model.h"
+#include "fabmap/model.h"
 
 #include <algorithm>
 #include <array>

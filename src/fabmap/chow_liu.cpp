@@ -1,5 +1,5 @@
 // Compiled once per SIMD target: see Highway's foreach_target.h.
-#include "words/chow_liu.h"
+#include "fabmap/chow_liu.h"
 
 #include <algorithm>
 #include <cassert>
@@ -12,7 +12,7 @@
 #include "base/error.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "words/chow_liu.cpp"
+#define HWY_TARGET_INCLUDE "fabmap/chow_liu.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 

@@ -1,4 +1,4 @@
-#include "words/local_features.h"
+#include "fabmap/local_features.h"
 
 #include <algorithm>
 

@@ -8,11 +8,11 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "fabmap/chow_liu.h"
+#include "fabmap/vocabulary.h"
+#include "fabmap/word_clustering.h"
 #include "reference/reference_words.h"
 #include "support.h"
-#include "words/chow_liu.h"
-#include "words/vocabulary.h"
-#include "words/word_clustering.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -5,8 +5,8 @@
 
 #include "base/exponentials.h"
 #include "base/random.h"
+#include "fabmap/model.h"
 #include "support.h"
-#include "words/model.h"
 
 using namespace vpr;
 

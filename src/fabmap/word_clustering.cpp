@@ -1,4 +1,4 @@
-#include "words/word_clustering.h"
+#include "fabmap/word_clustering.h"
 
 #include <algorithm>
 #include <array>
