@@ -270,6 +270,7 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
     if (sequence.kind != SequenceKind::images)
       builder.fail("is not a folder or list of images named @east@north@...");
     Poses poses;
+    bool is_unzoned = false;
     for (const auto& file : sequence.files) {
       const std::string text = file.filename().string();
       const auto pose = parse_utm_name(text);
@@ -278,9 +279,16 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
             "{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
             "positions of JPEG images",
             text);
+      const auto fields = utm_fields(text);
+      if (pose->area.empty() && fields.size() > kZone && !is_missing(fields[kZone]) &&
+          !std::exchange(is_unzoned, true))
+        warn(builder.monitor(),
+             "{}: \"{}\" in {} is not a UTM zone, 1 to 60, so its zone is unknown and fits any "
+             "other",
+             sequence.argument.path.string(), fields[kZone], text);
       if (!pose->area.empty()) {
         const double zone = *parse_real(pose->area);
-        const std::pair own(zone, is_southern(utm_fields(text)));
+        const std::pair own(zone, is_southern(fields));
         zones.emplace(own, text);
         for (const double next :
              {zone, zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})

@@ -143,7 +143,7 @@ TEST_CASE("a folder is read to its end") {
   write_text(folder / "notes.txt", "x");
   CHECK(names_of(open_live_source({folder.path(), {}}, Unreadable::fail), 9) ==
         std::vector<std::string>{"9.png", "10.png"});
-  CHECK(names_of(open_live_source({folder.path(), {1}}, Unreadable::fail), 9) ==
+  CHECK(names_of(open_live_source({folder.path(), {1, std::nullopt}}, Unreadable::fail), 9) ==
         std::vector<std::string>{"10.png"});
 }
 
