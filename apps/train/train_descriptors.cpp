@@ -70,7 +70,7 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
   if (options.arrays.size() != 1)
     throw Error(ErrorKind::usage, "--names needs a single --npy, with one line per row");
   const std::string file = read_whole_file(options.names);
-  const auto names = split_lines(without_byte_order_mark(file));
+  const auto names = split_lines(file);
   const SequenceArgument array = parse_sequence_argument(options.arrays.front());
   const size_t rows = ArrayRows(open_sequence({array.path, {}})).count();
   if (names.size() != rows)

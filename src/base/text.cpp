@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "base/json.h"
 
 namespace vpr {
@@ -54,97 +53,6 @@ int compare_values(std::string_view a, std::string_view b) {
   return a.compare(b);
 }
 
-class CsvParser {
- public:
-  CsvParser(std::string_view text, const std::string& where) : text_(text), where_(where) {}
-
-  std::vector<CsvRow> parse() {
-    std::vector<CsvRow> rows;
-    skip_comments();
-    while (at_ < text_.size()) {
-      CsvRow row{line_, {}};
-      if (rows.empty()) find_separator();
-      do row.fields.push_back(field());
-      while (take(separator_));
-      take('\r');
-      if (at_ < text_.size() && !take('\n'))
-        fail(text_[at_] == '"' ? "a quote is inside an unquoted field"
-                               : "expected a separator or a line feed after a field");
-      ++line_;
-      if (row.fields.size() > 1 || !row.fields.front().empty()) rows.push_back(std::move(row));
-    }
-    return rows;
-  }
-
- private:
-  // Lines before the first row that begin with # or name the separator.
-  void skip_comments() {
-    while (at_ < text_.size() && (text_[at_] == '#' || names_separator(text_.substr(at_)))) {
-      at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
-      ++line_;
-    }
-  }
-
-  // A comma or, if the first row has none, a semicolon or a tab.
-  void find_separator() {
-    const std::string_view line = text_.substr(at_, text_.find('\n', at_) - at_);
-    for (const char c : {',', ';', '\t'})
-      if (line.find(c) != std::string_view::npos) {
-        separator_ = c;
-        return;
-      }
-  }
-
-  bool take(char c) {
-    if (at_ >= text_.size() || text_[at_] != c) return false;
-    ++at_;
-    return true;
-  }
-
-  void skip_blanks() {
-    while (take(' ') || (separator_ != '\t' && take('\t'))) {
-    }
-  }
-
-  std::string field() {
-    skip_blanks();
-    if (take('"')) {
-      std::string value = quoted_field();
-      skip_blanks();
-      return value;
-    }
-    size_t end = at_;
-    while (end < text_.size() && text_[end] != separator_ &&
-           std::string_view("\r\n\"").find(text_[end]) == std::string_view::npos)
-      ++end;
-    std::string_view value = text_.substr(at_, end - at_);
-    while (value.ends_with(' ') || value.ends_with('\t')) value.remove_suffix(1);
-    at_ = end;
-    return std::string(value);
-  }
-
-  std::string quoted_field() {
-    std::string value;
-    for (;;) {
-      if (at_ >= text_.size()) fail("a quote is not closed");
-      const char c = text_[at_++];
-      if (c == '"' && !take('"')) return value;
-      if (c == '\n') ++line_;
-      value += c;
-    }
-  }
-
-  [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::data, "{}, line {}: {}", where_, line_, what);
-  }
-
-  std::string_view text_;
-  const std::string& where_;
-  size_t at_ = 0;
-  size_t line_ = 1;
-  char separator_ = ',';
-};
-
 }  // namespace
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -158,6 +66,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 std::vector<std::string_view> split_lines(std::string_view text) {
+  text = without_byte_order_mark(text);
   if (text.ends_with('\n'))
     text.remove_suffix(1);
   else if (text.empty())
@@ -166,17 +75,6 @@ std::vector<std::string_view> split_lines(std::string_view text) {
   for (std::string_view& line : lines)
     if (line.ends_with('\r')) line.remove_suffix(1);
   return lines;
-}
-
-std::vector<std::string_view> split_words(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  std::vector<std::string_view> words;
-  for (size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const size_t end = std::min(text.find_first_of(kBlank, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kBlank, end);
-  }
-  return words;
 }
 
 std::string shell_word(const std::string& word) {
@@ -303,14 +201,9 @@ bool natural_less(std::string_view a, std::string_view b) {
   return a.empty();
 }
 
-bool names_separator(std::string_view line) { return line.starts_with("sep="); }
-
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where) {
-  return CsvParser(without_byte_order_mark(text), where).parse();
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos && !text.starts_with('#')) return text;
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos && !text.starts_with('#'))
+    return std::string(text);
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
   return quoted + "\"";

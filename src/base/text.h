@@ -1,4 +1,4 @@
-// Functions that split, quote, escape, compare and print strings, and CSV.
+// Functions that split, quote, escape, compare and print strings.
 #pragma once
 
 #include <charconv>
@@ -17,12 +17,9 @@ namespace vpr {
 /// parts are views of `text`.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
-/// The lines of a text without their ends, \n or \r\n. The end of the last line does not start
-/// another line; an empty text has no lines.
+/// The lines of a text without their ends, \n or \r\n, and without a byte order mark. The end of
+/// the last line does not start another line; an empty text has no lines.
 std::vector<std::string_view> split_lines(std::string_view text);
-
-/// The words between blanks (spaces, tabs and carriage returns); consecutive blanks count as one.
-std::vector<std::string_view> split_words(std::string_view text);
 
 /// A word of a shell command line, quoted if necessary.
 std::string shell_word(const std::string& word);
@@ -82,24 +79,8 @@ std::string wrapped_command(const std::vector<std::string>& words);
 /// strings.
 bool natural_less(std::string_view a, std::string_view b);
 
-/// Whether a line of a CSV names its separator, as Excel writes it before the first row.
-bool names_separator(std::string_view line);
-
-/// One row of a CSV file: its fields as text, without quotes.
-struct CsvRow {
-  size_t line = 0;  ///< one-based, where the row starts
-  std::vector<std::string> fields;
-};
-
-/// Parses comma-separated values (RFC 4180): quoted fields, \n or \r\n. If the first row has no
-/// comma, semicolons or tabs separate. Skips empty lines, blanks around fields, a byte order mark,
-/// and lines before the first row that begin with # or name the separator. `where` names the file
-/// in errors. Throws Error(data) for an unterminated quote, and for a field without a comma or line
-/// end after it.
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
-
 /// A field of CSV, quoted if necessary.
-std::string csv_field(const std::string& text);
+std::string csv_field(std::string_view text);
 
 /// A string for element content and quoted attributes: & < > " ' become references; bytes that are
 /// not UTF-8 and control characters become U+FFFD.

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "truth/positions.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 namespace {
@@ -289,7 +289,7 @@ std::string answer_row(const Result& result, size_t cluster) {
 std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path,
                                            const Result& result) {
   require_places(result);
-  NamedRows rows(path, path.string(), {"place", "query", "sequence", "train", "same"});
+  Rows rows(path, path.string(), {{"place", "query", "sequence", "train", "same"}, 5});
   if (rows.size() == 0)
     rows.fail("has no answers. Answer the page of vpr-eval --ask-places and save it again");
   const size_t places = result.clusters->all.size();
@@ -305,7 +305,7 @@ std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path,
           "this one",
           found);
     PlaceLabel& label = labels[place->value - 1];
-    const std::string& answer = rows.text("same");
+    const std::string_view answer = rows.text("same");
     if (label != PlaceLabel::ignore)
       rows.fail("place {} has two answers. Remove one", place->value);
     if (answer != "yes" && answer != "no")

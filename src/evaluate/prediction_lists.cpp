@@ -16,8 +16,9 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "base/parallel.h"
+#include "base/rows.h"
 #include "base/text.h"
-#include "truth/text_file.h"
+#include "truth/frame_cells.h"
 
 namespace vpr {
 namespace {
@@ -43,94 +44,81 @@ struct ScoredLists {
   bool has_names = false;
 };
 
-// Also "nan" and "inf", which no score may be.
-bool is_number(const std::string& field) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  return error != std::errc::invalid_argument && end == field.data() + field.size();
-}
-
-/// The names of the second and the third column; others are those of a ranking.
-constexpr std::array<std::string_view, 5> kPairColumns = {"reference", "score", "distance",
-                                                          "similarity", "rank"};
-
 struct PredictionList {
   std::vector<Prediction> all = {};
   bool are_rankings = false;
   bool has_queries = true;  ///< surely, not only references
 };
 
-// Whether the first field of a line cannot be a reference like the other ones.
-bool begins_with_query(const std::vector<std::string>& fields) {
-  const auto folder = [](const std::string& path) { return path.substr(0, path.rfind('/') + 1); };
-  return std::ranges::count(fields, fields[0]) > 1 ||
-         (fields.size() > 1 && folder(fields[0]) != folder(fields[1]));
+// Whether the first cell of a line cannot be a reference like the other ones.
+bool begins_with_query(std::span<const std::string_view> cells) {
+  const auto folder = [](std::string_view path) { return path.substr(0, path.rfind('/') + 1); };
+  return std::ranges::count(cells, cells[0]) > 1 ||
+         (cells.size() > 1 && folder(cells[0]) != folder(cells[1]));
 }
 
-// Whether the lines below a header are pairs with a score. Throws for other columns than those of
-// pairs and rankings.
-bool has_score_column(std::vector<std::string> names, const FileLocation& location) {
-  std::ranges::transform(names, names.begin(), lower_case);
-  const auto known = std::ranges::count_if(names, [](const std::string& name) {
-    return std::ranges::find(kPairColumns, name) != kPairColumns.end();
-  });
-  const bool are_pairs =
-      names.size() > 1 && names[1] == "reference" && std::cmp_equal(names.size(), 1 + known);
-  if (names[0] != "query" || (names.size() > 3 ? known > 0 : !are_pairs))
-    location.fail(
-        "the columns are query, reference and optionally score, in this order. Name the columns "
-        "of a ranking query,reference, however many references follow");
-  return names.size() == 3;
+// Whether lines have more references than one. Throws for a header that fits neither pairs nor
+// rankings.
+bool are_rankings(Rows& rows) {
+  const size_t named = rows.header().size();
+  const bool has_score = rows.has("score");
+  bool found = !rows.has("reference");
+  while (rows.next()) {
+    const auto cells = rows.cells();
+    const bool is_score =
+        named > 0 ? has_score : cells.size() == 3 && (parse_real(cells[2]) || is_missing(cells[2]));
+    found = found || cells.size() > (is_score ? 3 : 2);
+  }
+  const bool fits = rows.has("reference") ? named == (has_score ? 3 : 2) : named > 3 && !has_score;
+  if (named > 0 && (!fits || (found && lower_case(rows.header()[0]) != "query")))
+    rows.fail(
+        "the columns are query, reference and optionally score. Name the columns of a ranking "
+        "query,reference, however many references follow");
+  return found;
 }
 
 // Pairs with or without a score, or one line per query: its name and its references, best first.
 PredictionList read_list(const fs::path& path) {
-  std::vector<CsvRow> lines = read_list_rows(path);
-  FileLocation location{path.string()};
+  Rows rows(path, path.string(),
+            {{"query", "reference", "score"},
+             1,
+             /*needs_header=*/false,
+             kListSeparators,
+             /*has_others=*/true,
+             /*is_ragged=*/true});
   PredictionList list;
-  list.has_queries = !lines.empty() && std::ranges::count(lines[0].fields, "query", lower_case) > 0;
-  bool are_pairs = false;
-  if (list.has_queries) {
-    are_pairs = has_score_column(lines[0].fields, location);
-    lines.erase(lines.begin());
-  }
-  for (CsvRow& line : lines)  // a ranking as a table has empty cells after a short line
-    while (line.fields.size() > 2 && line.fields.back().empty()) line.fields.pop_back();
-  list.are_rankings = std::ranges::any_of(lines, [&](const CsvRow& line) {
-    const auto& fields = line.fields;
-    return fields.size() > 3 ||
-           (fields.size() == 3 && !are_pairs && (list.has_queries || !is_number(fields[2])));
-  });
+  list.has_queries = !rows.header().empty();
+  list.are_rankings = are_rankings(rows);
   std::set<std::string_view> queries;
-  for (const auto& [number, fields] : lines) {
-    location.at("line", number);
-    list.has_queries = list.has_queries || begins_with_query(fields);
-    if (list.are_rankings && fields.size() > 1) {
-      if (std::set<std::string_view>(fields.begin() + 1, fields.end()).size() + 1 < fields.size())
-        location.fail(
+  while (rows.next()) {
+    const auto cells = rows.cells();
+    list.has_queries = list.has_queries || begins_with_query(cells);
+    if (list.are_rankings && cells.size() > 1) {
+      if (std::set<std::string_view>(cells.begin() + 1, cells.end()).size() + 1 < cells.size())
+        rows.fail(
             "a reference is listed twice. If these are scores, save them as .npy; names with "
             "blanks need commas between the fields");
-      if (!queries.insert(fields[0]).second)
-        location.fail(
+      if (!queries.insert(cells[0]).second)
+        rows.fail(
             "{} has a line before this one, but rankings have one line per query, which begins "
             "with it",
-            fields[0]);
-      for (size_t i = 1; i < fields.size(); ++i)
-        list.all.push_back({fields[0], fields[i], std::nullopt, location});
+            cells[0]);
+      for (const std::string_view reference : cells.subspan(1))
+        list.all.push_back(
+            {std::string(cells[0]), std::string(reference), std::nullopt, rows.location()});
       continue;
     }
-    if (fields.size() != 2 && fields.size() != 3)
-      location.fail(
+    if (cells.size() != 2 && cells.size() != 3)
+      rows.fail(
           "expected a query, a reference and optionally a score; found {} fields. Names with "
           "blanks need commas between the fields",
-          fields.size());
-    Prediction prediction{fields[0], fields[1], std::nullopt, location};
-    if (fields.size() == 3) {
-      prediction.score = parse_real(fields[2]);
-      if (!prediction.score) location.fail("the score {} is not a finite number", fields[2]);
-    }
+          cells.size());
+    Prediction prediction{std::string(rows.text("query")), std::string(rows.text("reference")),
+                          rows.number("score"), rows.location()};
+    if (!prediction.score && !rows.text("score").empty())
+      rows.fail("the score {} is not a finite number", rows.text("score"));
     if (!list.all.empty() && list.all.front().score.has_value() != prediction.score.has_value())
-      location.fail("either all lines or none must have a score");
+      rows.fail("either all lines or none must have a score");
     list.all.push_back(std::move(prediction));
   }
   return list;
@@ -142,7 +130,7 @@ void read_query_file(std::vector<Prediction>& all, const fs::path& path) {
   std::string heading;
   std::optional<std::string> query;
   size_t number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
+  for (const std::string_view line : split_lines(file)) {
     location.at("line", ++number);
     if (line.empty()) continue;
     if (line == "Query path:" || line == "Predictions paths:" || line == "Positives paths:") {

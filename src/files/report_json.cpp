@@ -46,7 +46,7 @@ template <class T, class Set>
 void read_number_words(const Fields& fields, const std::string& key, Outcomes& outcomes,
                        const Set& set) {
   const std::string text = fields.text(key);
-  const auto words = split_words(text);
+  const auto words = text.empty() ? std::vector<std::string_view>() : split(text, ' ');
   if (words.size() != outcomes.queries.size()) fields.fail("its outcomes do not fit each other");
   for (size_t q = 0; q < words.size(); ++q) {
     if (words[q] == "-") continue;

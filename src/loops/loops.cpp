@@ -10,86 +10,43 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/rows.h"
 #include "base/text.h"
-#include "truth/text_file.h"
 #include "truth/times.h"
 
 namespace vpr {
 
 namespace {
 
-struct LoopLine {
-  std::string query;
-  std::string match;
-  std::optional<std::string> score;
-  size_t number = 0;
-};
-
-std::vector<LoopLine> read_lines(const std::filesystem::path& path, FileLocation& location) {
-  std::vector<CsvRow> rows = read_list_rows(path);
-  if (rows.empty()) return {};
-  std::vector<std::string> names = {"query", "match", "score"};  // of columns
-  const auto column = [&](std::string_view name) {
-    return static_cast<size_t>(std::ranges::find(names, name) - names.begin());
-  };
-  location.at("line", rows[0].line);
-  if (!parse_real(rows[0].fields[0])) {
-    names.resize(rows[0].fields.size());
-    std::ranges::transform(rows[0].fields, names.begin(), lower_case);
-    const bool is_known = std::ranges::all_of(names, [&](const std::string& name) {
-      return std::ranges::count(names, name) == 1 &&
-             (name == "query" || name == "match" || name == "score");
-    });
-    if (!is_known || std::max(column("query"), column("match")) == names.size())
-      location.fail("expected the header query,match[,score] without other columns, or numbers");
-    rows.erase(rows.begin());
-  } else if (rows[0].fields.size() != 2 && rows[0].fields.size() != 3) {
-    location.fail("expected query, match and optionally a score; found {} columns",
-                  rows[0].fields.size());
-  } else {
-    names.resize(rows[0].fields.size());
-  }
-  std::vector<LoopLine> lines;
-  for (const auto& [number, cells] : rows) {
-    location.at("line", number);
-    if (cells.size() != names.size())
-      location.fail("expected {} columns, found {}", names.size(), cells.size());
-    lines.push_back({cells[column("query")], cells[column("match")], {}, number});
-    if (column("score") < cells.size()) lines.back().score = cells[column("score")];
-  }
-  return lines;
-}
-
-bool is_by_time(const std::vector<LoopLine>& lines, const Trajectory& trajectory,
-                LoopFrames frames) {
+bool is_by_time(Rows& rows, const Trajectory& trajectory, LoopFrames frames) {
   if (frames != LoopFrames::automatic) return frames == LoopFrames::time;
-  bool are_beyond = !lines.empty() && !trajectory.times_ns.empty();
-  for (const LoopLine& line : lines)
-    for (const std::string& text : {line.query, line.match}) {
-      if (text.find_first_of(".eE") != std::string::npos) return true;
+  bool is_time = false;
+  bool are_beyond = rows.size() > 0 && !trajectory.times_ns.empty();
+  while (rows.next())
+    for (const std::string_view text : {rows.text("query"), rows.text("match")}) {
+      is_time = is_time || (parse_real(text) && text.find_first_of(".eE") < text.size());
       const auto frame = parse_frame(text);
       if (frame && frame->in_range && frame->value < trajectory.poses.size()) are_beyond = false;
     }
-  return are_beyond;
+  return is_time || are_beyond;
 }
 
-size_t frame_of_index(const FileLocation& location, std::string_view text, size_t frames) {
-  const auto frame = parse_frame(text);
-  if (!frame) location.fail("\"{}\" is not a frame number{}", text, no_number_hint(text));
-  if (!frame->in_range || frame->value >= frames)
-    location.fail("there is no frame {}; the trajectory has {} (0 to {})", text, frames,
-                  frames == 0 ? 0 : frames - 1);
-  return frame->value;
+size_t frame_of_index(const Rows& rows, std::string_view column, size_t frames) {
+  const size_t frame = rows.frame(column);
+  if (frame >= frames)
+    rows.fail("there is no frame {}; the trajectory has {} (0 to {})", frame, frames,
+              frames == 0 ? 0 : frames - 1);
+  return frame;
 }
 
-size_t frame_of_time(const FileLocation& location, std::string_view text, TimeReader& times,
+size_t frame_of_time(const Rows& rows, std::string_view column, TimeReader& times,
                      const Trajectory& trajectory, int64_t max_difference_ns) {
-  const int64_t time = times.read(location, text);
+  const int64_t time = times.read(rows.location(), rows.text(column));
   const size_t frame = nearest_time(trajectory.times_ns, time);
   const int64_t difference = std::abs(trajectory.times_ns[frame] - time);
   if (difference > max_difference_ns)
-    location.fail("the pose nearest to the time {} is {} s away, but --max-difference is {} s",
-                  text, time_text(difference), time_text(max_difference_ns));
+    rows.fail("the pose nearest to the time {} is {} s away, but --max-difference is {} s",
+              rows.text(column), time_text(difference), time_text(max_difference_ns));
   return frame;
 }
 
@@ -139,35 +96,29 @@ PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
 
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
                         const LoopListRules& rules) {
-  FileLocation location{path.string()};
-  const std::vector<LoopLine> lines = read_lines(path, location);
+  Rows rows(path, path.string(),
+            {{"query", "match", "score"}, 2, /*needs_header=*/false, kListSeparators});
   LoopList list;
-  const bool are_times = is_by_time(lines, trajectory, rules.frames);
+  list.has_scores = rows.size() > 0 && rows.has("score");
+  const bool are_times = is_by_time(rows, trajectory, rules.frames);
   if (are_times && trajectory.times_ns.empty())
     throw Error(ErrorKind::usage,
                 "{}: names frames by time stamps, but {} has none; pass them with --pose-times",
                 path.string(), trajectory.name);
   TimeReader times;
-  for (const LoopLine& line : lines) {
-    location.at("line", line.number);
-    const auto frame = [&](std::string_view text) {
-      return are_times ? frame_of_time(location, text, times, trajectory, rules.max_difference_ns)
-                       : frame_of_index(location, text, trajectory.poses.size());
-    };
-    ListedLoop loop{frame(line.query), frame(line.match), {}, line.number};
-    if (line.score) {
-      loop.score = parse_real(*line.score);
-      if (!loop.score) location.fail("the score \"{}\" is not a number", *line.score);
-    }
+  const auto frame = [&](std::string_view column) {
+    return are_times ? frame_of_time(rows, column, times, trajectory, rules.max_difference_ns)
+                     : frame_of_index(rows, column, trajectory.poses.size());
+  };
+  while (rows.next()) {
+    ListedLoop loop{frame("query"), frame("match"), {}, rows.line()};
+    if (list.has_scores) loop.score = rows.real("score");
     for (const size_t end : {loop.query, loop.match})
-      if (!trajectory.poses[end])
-        location.fail("{} has no pose for frame {}", trajectory.name, end);
-    if (loop.match == loop.query)
-      location.fail("frame {} cannot close a loop with itself", loop.query);
+      if (!trajectory.poses[end]) rows.fail("{} has no pose for frame {}", trajectory.name, end);
+    if (loop.match == loop.query) rows.fail("frame {} cannot close a loop with itself", loop.query);
     if (loop.match > loop.query)
-      location.fail("frame {} closes a loop with the later frame {}; list the later frame as query",
-                    loop.query, loop.match);
-    list.has_scores = loop.score.has_value();
+      rows.fail("frame {} closes a loop with the later frame {}; list the later frame as query",
+                loop.query, loop.match);
     list.loops.push_back(loop);
   }
   return list;

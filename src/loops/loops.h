@@ -45,12 +45,11 @@ struct LoopListRules {
   int64_t max_difference_ns = 20'000'000;
 };
 
-/// One loop per line: query, match and optionally a score, separated by commas or blanks. A header
-/// may name the columns query, match and score in any order; other columns and lines that start
-/// with # are skipped. Indices count the poses of `trajectory` from 0; a time stamp refers to the
-/// nearest pose. Throws Error(input) if the file cannot be read; Error(data), with the line, for a
-/// frame that does not exist or has no pose, a time stamp without a pose nearby, a match that is
-/// not before its query, and a score in only some of the lines.
+/// One loop per row: query, match and optionally a score, in this order or as a header names them.
+/// Indices count the poses of `trajectory` from 0; a time stamp refers to the nearest pose. Throws
+/// Error(input) if the file cannot be read; Error(data), with the line, for a frame that does not
+/// exist or has no pose, a time stamp without a pose nearby, a match that is not before its query,
+/// and a score in only some of the lines.
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
                         const LoopListRules& rules);
 

@@ -105,7 +105,7 @@ bool is_array(const fs::path& path) { return has_extension(path, kArrayExtension
 std::vector<std::string> read_list(const fs::path& list) {
   std::vector<std::string> names;
   const std::string file = read_whole_file(list);
-  for (std::string_view line : split_lines(without_byte_order_mark(file))) {
+  for (std::string_view line : split_lines(file)) {
     line = line.substr(0, line.find_last_not_of(" \t") + 1);
     if (line.empty() || line.starts_with('#')) continue;
     if (line.find('\0') != std::string_view::npos)

@@ -50,7 +50,7 @@ GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument, std:
   pairs_.resize(query_.frames);
 }
 
-size_t GroundTruthBuilder::find_sequence(const std::string& name) {
+size_t GroundTruthBuilder::find_sequence(std::string_view name) {
   if (name.empty()) fail("has no sequence. Name it, or omit the column sequence in all rows");
   for (size_t s = 0; s < scope_.sequences.size(); ++s)
     if (scope_.sequences[s].sequence.name == name) return s;
@@ -60,7 +60,7 @@ size_t GroundTruthBuilder::find_sequence(const std::string& name) {
     if (is_first) {
       scope_.sequences.front().sequence.name = name;
     } else {
-      scope_.sequences.push_back({{name, kUnknownFrames}});
+      scope_.sequences.push_back({{std::string(name), kUnknownFrames}});
       train_.push_back({0, true});
     }
     return scope_.sequences.size() - 1;

@@ -10,10 +10,10 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/named_table.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "truth/positions.h"
 #include "truth/readers.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 namespace {
@@ -44,16 +44,10 @@ uint32_t step_for(const GroundTruthPreset& preset, const GroundTruthScope& scope
 
 // Two or three integers, as in a list of pairs without a header.
 bool has_only_numbers(std::string_view line) {
-  const std::vector<std::string> cells = header_names(line);
+  const std::vector<std::string> cells = first_row(std::string(line));
   return (cells.size() == 2 || cells.size() == 3) &&
          std::ranges::all_of(cells,
                              [](const std::string& cell) { return parse_frame(cell).has_value(); });
-}
-
-std::string first_line_of(std::string_view text) {
-  for (const std::string_view line : split_lines(without_byte_order_mark(text)))
-    if (!line.empty() && !line.starts_with('#') && !names_separator(line)) return std::string(line);
-  return "";
 }
 
 }  // namespace
@@ -66,7 +60,7 @@ FileStart open_start(const std::filesystem::path& path) {
   if (start.is_folder) return start;
   start.bytes = read_file_start(start.path, kStartBytes);
   start.first_line = first_line_of(start.bytes);
-  start.header = first_line_of(with_header(start.bytes));
+  start.header = first_row(start.bytes);
   return start;
 }
 
@@ -177,7 +171,7 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
         "{}: its header \"{}\" has no columns query,reference (pairs), query,anchor, frame,x,y "
         "(poses) or lat,lon (gps), between commas, semicolons or tabs. Rename its columns; "
         "trajectories of TUM, KITTI and EuRoC have no header, or one after #",
-        path.string(), shortened(start.header));
+        path.string(), shortened(fmt::format("{}", fmt::join(start.header, ","))));
   throw Error(
       ErrorKind::usage,
       "{}: cannot detect the format of this ground truth. Pass --ground-truth-format, one of {}",

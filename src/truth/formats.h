@@ -23,7 +23,7 @@ struct FileStart {
   std::string bytes;  ///< the first 64 KiB
   /// the first line that is neither empty nor a comment (#), without its end
   std::string first_line;
-  std::string header;  ///< of a CSV: the first line of with_header
+  std::vector<std::string> header;  ///< of a table
 };
 
 /// `path` may end in a range. Throws Error(input) if the file cannot be read.

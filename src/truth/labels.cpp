@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "truth/readers.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 namespace {
@@ -53,7 +53,7 @@ std::string read_labels(GroundTruthBuilder& builder) {
                 name);
   const SequenceArgument source = parse_sequence_argument(name);
   builder.set_query_range(source);
-  NamedRows rows(source.path, name, {"query", "reference", "label", "tolerance"});
+  Rows rows(source.path, name, {{"query", "reference", "label", "tolerance", "sequence"}, 4});
   if (rows.size() == 0)
     rows.fail("has no labels. Answer the page of vpr-eval --ask-frames and save it again");
   const size_t only = rows.has("sequence") ? 0 : builder.only_searched(name);
@@ -63,8 +63,8 @@ std::string read_labels(GroundTruthBuilder& builder) {
     builder.at("line", rows.line());
     const size_t sequence =
         rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
-    const auto query = frame_in_range(source.range, rows.frame("query"));
-    const size_t reference = rows.frame("reference");
+    const auto query = frame_in_range(source.range, rows.frame("query", kMaxGrownFrames));
+    const size_t reference = rows.frame("reference", kMaxGrownFrames);
     const size_t frames = builder.train(sequence).frames;
     if (!query) continue;
     if (*query >= asked.size())
@@ -72,8 +72,8 @@ std::string read_labels(GroundTruthBuilder& builder) {
     if (reference >= frames)
       builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
     if (*query >= asked.size() || reference >= frames) continue;
-    const size_t reach = rows.frame("tolerance");
-    const std::string& label = rows.text("label");
+    const size_t reach = rows.frame("tolerance", kMaxGrownFrames);
+    const std::string_view label = rows.text("label");
     LabelStretch run{reference, reference, PlaceLabel::different};
     if (label == "same")
       run = {reference - std::min(reach, reference), std::min(reference + reach, frames - 1),

@@ -17,7 +17,6 @@
 #include "base/text.h"
 #include "base/zip_file.h"
 #include "truth/readers.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 

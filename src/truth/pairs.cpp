@@ -8,11 +8,12 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "sequence/sequence_source.h"
+#include "truth/frame_cells.h"
 #include "truth/ground_truth.h"
 #include "truth/readers.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 
@@ -54,7 +55,7 @@ void read_names(FrameColumn& column, const NameReader& reader) {
 }
 
 size_t find_name(const GroundTruthBuilder& builder, const FrameColumn& column,
-                 const std::string& text) {
+                 std::string_view text) {
   if (column.cells.names == nullptr)
     builder.fail("{} \"{}\" is not a frame number{}{}", column.cells.what, shortened(text),
                  no_number_hint(text), column.unnamed);
@@ -68,7 +69,7 @@ size_t find_name(const GroundTruthBuilder& builder, const FrameColumn& column,
 
 // Nullopt if the frame is out of range, which is reported, or outside `range`, which applies to
 // numbers only.
-std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
+std::optional<size_t> read_frame(GroundTruthBuilder& builder, std::string_view text,
                                  const FrameColumn& column, const FrameRange& range) {
   const auto frame = parse_frame(text);
   if (!frame || column.cells.are_names) return find_name(builder, column, text);
@@ -95,11 +96,11 @@ void warn_of_lost_names(const GroundTruthBuilder& builder,
 }
 
 // Whether the query frame of the current row is in the range.
-bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, const FrameRange& range,
+bool read_row(GroundTruthBuilder& builder, const Rows& rows, const FrameRange& range,
               const FrameColumn& queries, size_t sequence, const FrameColumn& references) {
   const auto query = read_frame(builder, rows.text("query"), queries, range);
   const auto reference = read_frame(builder, rows.text("reference"), references, {});
-  const std::string& label = rows.text("label");
+  const std::string_view label = rows.text("label");
   if (label != "same" && label != "ignore" && !label.empty())
     builder.fail("label \"{}\" is neither same nor ignore", label);
   if (query && reference)
@@ -109,7 +110,7 @@ bool read_row(GroundTruthBuilder& builder, const NamedRows& rows, const FrameRan
 }
 
 // Anchors have the same header as pairs, but a different meaning for the frames between them.
-void warn_of_anchors(const GroundTruthBuilder& builder, NamedRows& rows) {
+void warn_of_anchors(const GroundTruthBuilder& builder, Rows& rows) {
   constexpr size_t kFramesPerPair = 10;  // with fewer frames per pair, the pairs are dense
   if (rows.has("label") || rows.size() < 2 || builder.query().grows ||
       rows.size() * kFramesPerPair > builder.query().frames)
@@ -138,9 +139,8 @@ using Anchors = std::map<size_t, std::vector<Anchor>>;
 
 Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path) {
   const std::string name = builder.argument().path.string();
-  NamedRows rows(path, name, {"query"});
-  rows.allow({"query", "sequence", "reference", "anchor"});
-  const char* column = rows.has("anchor") ? "anchor" : "reference";
+  Rows rows(path, name, {{"query", "anchor", "reference", "sequence"}, 1});
+  const std::string_view column = rows.has("anchor") ? "anchor" : "reference";
   if (!rows.has(column)) rows.fail("its header has no column anchor");
   const bool has_sequences = rows.has("sequence");
   const size_t only = has_sequences ? 0 : builder.only_searched(name);
@@ -149,7 +149,8 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
   while (rows.next()) {
     builder.at("line", rows.line());
     const size_t sequence = has_sequences ? builder.find_sequence(rows.text("sequence")) : only;
-    const Anchor anchor{rows.frame("query"), rows.frame(column), rows.line()};
+    const Anchor anchor{rows.frame("query", kMaxGrownFrames), rows.frame(column, kMaxGrownFrames),
+                        rows.line()};
     const FrameCount& train = builder.train(sequence);
     if (!train.grows && anchor.reference >= train.frames)
       rows.fail("{} {} is out of range; there are {} frames", column, anchor.reference,
@@ -248,11 +249,8 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
 std::string read_pairs_csv(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
   const SequenceArgument source = parse_sequence_argument(path.string());
-  NamedRows rows(source.path, path.string(), {});
+  Rows rows(source.path, path.string(), {{"query", "reference", "sequence", "label"}, 2});
   builder.set_query_range(source);
-  if (!rows.has("query") || !rows.has("reference"))
-    rows.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
-  rows.allow({"query", "sequence", "reference", "label"});
   const size_t only_sequence =
       rows.has("sequence")
           ? 0

@@ -13,7 +13,6 @@
 #include "truth/formats.h"
 #include "truth/positions.h"
 #include "truth/readers.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 

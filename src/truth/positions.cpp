@@ -10,10 +10,10 @@
 
 #include "base/converters.h"
 #include "base/error.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "sequence/sequence_source.h"
 #include "truth/formats.h"
-#include "truth/text_file.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -30,47 +30,22 @@ constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
 /// The number of frames is at most this times the number of lines, unless it is known.
 constexpr size_t kFramesPerLine = 1000;
 
-/// The names of the columns in a header.
-struct GpsColumns {
-  std::string latitude;
-  std::string longitude;
-};
-
-// The first column with one of the names; empty if there is none.
-std::string find_column(const std::vector<std::string>& header,
-                        const std::vector<std::string>& names) {
-  const auto found = std::ranges::find_first_of(header, names);
-  return found == header.end() ? "" : *found;
-}
-
-std::string find_time_column(const NamedRows& rows) {
-  return find_column(rows.header(), {"time", "timestamp"});
-}
-
-// Nullopt if a column is missing.
-std::optional<GpsColumns> find_gps_columns(const std::vector<std::string>& header) {
-  const GpsColumns columns{find_column(header, {"lat", "latitude"}),
-                           find_column(header, {"lon", "lng", "long", "longitude"})};
-  if (columns.latitude.empty() || columns.longitude.empty()) return std::nullopt;
-  return columns;
-}
-
-double read_degrees(const NamedRows& rows, const char* what, const std::string& column) {
-  const auto value = parse_real(rows.text(column));
+double read_degrees(const Rows& rows, std::string_view column, std::string_view what) {
+  const auto value = rows.number(column);
   if (!value)
     rows.fail("the {} \"{}\" is not a number in degrees. Leave both empty if there is no fix", what,
               rows.text(column));
   return *value;
 }
 
-// Nullopt if both fields are missing, or 0: the receiver had no fix.
-std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& columns) {
-  const std::string& latitude = rows.text(columns.latitude);
-  const std::string& longitude = rows.text(columns.longitude);
+// Nullopt if both cells are missing, or 0: the receiver had no fix.
+std::optional<Geographic> read_fix(const Rows& rows) {
+  const std::string_view latitude = rows.text("lat");
+  const std::string_view longitude = rows.text("lon");
   if (is_missing(latitude) && is_missing(longitude)) return std::nullopt;
-  if (parse_real(latitude) == 0 && parse_real(longitude) == 0) return std::nullopt;
-  const Geographic place{read_degrees(rows, "latitude", columns.latitude),
-                         read_degrees(rows, "longitude", columns.longitude)};
+  const Geographic place{read_degrees(rows, "lat", "latitude"),
+                         read_degrees(rows, "lon", "longitude")};
+  if (place.latitude_deg == 0 && place.longitude_deg == 0) return std::nullopt;
   if (std::abs(place.latitude_deg) > 90)
     rows.fail("the latitude {} is beyond 90 degrees{}", latitude,
               std::abs(place.longitude_deg) <= 90 ? "; are latitude and longitude swapped?" : "");
@@ -80,18 +55,18 @@ std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& colu
 }
 
 // Equal numbers are one floor, however they are written. Empty if unknown.
-std::string floor_of(const NamedRows& rows) {
-  const std::string& text = rows.text("floor");
+std::string floor_of(const Rows& rows) {
+  const std::string_view text = rows.text("floor");
   if (is_missing(text)) return "";
   const auto number = parse_real(text);
-  return number ? fmt::format("{}", *number + 0.0) : text;
+  return number ? fmt::format("{}", *number + 0.0) : std::string(text);
 }
 
-// The pose of the current row: x and y without `gps`. A heading may be empty in a file of fixes.
-std::optional<Pose> read_pose(const NamedRows& rows, const std::optional<GpsColumns>& gps) {
+// The pose of the current row: a fix, or x and y. A heading may be empty.
+std::optional<Pose> read_pose(const Rows& rows, bool is_fix) {
   Pose pose;
-  if (gps) {
-    const auto place = read_fix(rows, *gps);
+  if (is_fix) {
+    const auto place = read_fix(rows);
     if (!place) return std::nullopt;
     pose.position = earth_position(*place);
   } else {
@@ -113,36 +88,27 @@ FrameNames names_of_images(const fs::path& images) {
   return FrameNames(file_names(sequence));
 }
 
-void read_fixes_by_name(NamedRows& rows, const GpsColumns& columns, const std::string& name_column,
-                        const fs::path& images, Trajectory& found) {
+void read_fixes_by_name(Rows& rows, const fs::path& images, Trajectory& found) {
   const FrameNames names = names_of_images(images);
   found.poses.resize(names.count().value_or(0));
   std::set<size_t> named;
   while (rows.next()) {
-    const std::string& name = rows.text(name_column);
+    const std::string_view name = rows.text("image");
     const auto frame = names.find(name);
     if (!frame) rows.fail("{} has no image {}, or several", images.string(), name);
     if (!named.insert(*frame).second) rows.fail("the image {} is listed twice", name);
-    found.poses[*frame] = read_pose(rows, columns);
+    found.poses[*frame] = read_pose(rows, /*is_fix=*/true);
   }
 }
 
-// Times are numbers, all in the unit of the first one, or dates.
-int64_t read_time(const NamedRows& rows, const std::string& column, TimeReader& times) {
-  const std::string& text = rows.text(column);
-  const auto date = parse_calendar_time(text);
-  return date ? *date : times.read(rows.location(), text);
-}
-
-void read_fixes_in_order(NamedRows& rows, const GpsColumns& columns, const std::string& time_column,
-                         const FrameRange& range, Trajectory& found) {
-  TimeReader times;
+void read_fixes_in_order(Rows& rows, const FrameRange& range, Trajectory& found) {
+  TimeReader times(rows.time_unit("time"));
   for (size_t row = 0; rows.next(); ++row) {
-    const auto pose = read_pose(rows, columns);
+    const auto pose = read_pose(rows, /*is_fix=*/true);
     if (!frame_in_range(range, row)) continue;
     found.poses.push_back(pose);
     found.lines.push_back(rows.line());
-    if (!time_column.empty()) found.times_ns.push_back(read_time(rows, time_column, times));
+    if (rows.has("time")) found.times_ns.push_back(times.read(rows.location(), rows.text("time")));
   }
 }
 
@@ -189,54 +155,52 @@ void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane) {
   }
 }
 
-bool is_pose_header(std::string_view line) { return has_columns(line, {"frame", "x", "y"}); }
+bool is_pose_header(const std::vector<std::string>& header) {
+  return has_columns(header, {"frame", "x", "y"});
+}
 
-bool is_gps_header(std::string_view line) {
-  return find_gps_columns(header_names(line)).has_value();
+bool is_gps_header(const std::vector<std::string>& header) {
+  return has_columns(header, {"lat", "lon"});
 }
 
 Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, size_t most_frames,
                          bool with_times) {
   const SequenceArgument source = parse_sequence_argument(path.string());
-  NamedRows rows(source.path, path.string(), {"frame"});
-  std::optional<GpsColumns> gps;
-  if (!rows.has("x") || !rows.has("y")) {
-    gps = find_gps_columns(rows.header());
-    if (!gps) rows.fail("its header has no column {} (or lat and lon)", rows.has("x") ? "y" : "x");
-  } else {
-    rows.allow({"frame", "time", "timestamp", "x", "y", "z", "heading", "floor"});
-  }
+  const std::vector<std::string> header = open_start(source.path).header;
+  const bool are_fixes = is_gps_header(header) && !is_pose_header(header);
+  Rows rows(source.path, path.string(),
+            are_fixes ? RowRules{.columns = {"frame", "lat", "lon", "time", "heading", "floor"},
+                                 .needed = 3,
+                                 .has_others = true}
+                      : RowRules{{"frame", "x", "y", "z", "time", "heading", "floor"}, 3});
   const auto in_range = frame_count(source.range);
   if (in_range && frames && *in_range != *frames)
     rows.fail("its range has {}, but the sequence has {}", counted(*in_range, "frame"), *frames);
   Trajectory found;
   found.name = path.string();
-  found.is_on_earth = gps.has_value();
+  found.is_on_earth = are_fixes;
   found.has_heights = rows.has("z");
   found.has_floors = rows.has("floor");
   found.poses.resize(frames.value_or(0));
-  const std::string time_column = with_times ? find_time_column(rows) : "";
-  TimeReader times;
+  with_times = with_times && rows.has("time");
+  TimeReader times(rows.time_unit("time"));
   std::set<size_t> listed;
   while (rows.next()) {
-    const std::string& text = rows.text("frame");
-    const auto number = parse_frame(text);
-    if (!number || !number->in_range)
-      rows.fail("\"{}\" is not a frame number{}", text, no_number_hint(text));
-    const auto frame = frame_in_range(source.range, number->value);
+    const size_t number = rows.frame("frame");
+    const auto frame = frame_in_range(source.range, number);
     if (!frame) continue;
     if (!frames && *frame >= std::min(most_frames, kFramesPerLine * (rows.size() + 1)))
-      rows.fail("frame {} is too large for {}; pass the number of frames", text,
+      rows.fail("frame {} is too large for {}; pass the number of frames", number,
                 counted(rows.size(), "line"));
     if (frames && *frame >= *frames)
-      rows.fail("frame {} is out of range; there are {} frames{}", text, *frames,
+      rows.fail("frame {} is out of range; there are {} frames{}", number, *frames,
                 source.range.is_all() ? range_hint(source.path) : "");
-    if (!listed.insert(*frame).second) rows.fail("frame {} is listed twice", text);
+    if (!listed.insert(*frame).second) rows.fail("frame {} is listed twice", number);
     found.poses.resize(std::max<size_t>(found.poses.size(), *frame + 1));
-    found.poses[*frame] = read_pose(rows, gps);
-    if (time_column.empty()) continue;
+    found.poses[*frame] = read_pose(rows, are_fixes);
+    if (!with_times) continue;
     found.times_ns.resize(found.poses.size());
-    found.times_ns[*frame] = read_time(rows, time_column, times);
+    found.times_ns[*frame] = times.read(rows.location(), rows.text("time"));
   }
   if (listed.size() < found.poses.size()) found.times_ns.clear();
   return found;
@@ -255,35 +219,34 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
                 is_pose_header(start.header) ? "; its positions are in meters" : "");
   }
   const SequenceArgument source = parse_sequence_argument(path.string());
-  NamedRows rows(source.path, path.string(), {});
-  const auto columns = find_gps_columns(rows.header());
-  if (!columns) rows.fail("its header has no columns lat and lon");
+  Rows rows(source.path, path.string(),
+            {.columns = {"lat", "lon", "frame", "image", "time", "heading", "floor"},
+             .needed = 2,
+             .has_others = true});
   if (rows.has("frame")) {
-    if (rows.has("x") && rows.has("y"))
+    if (is_pose_header(rows.header()))
       rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
     if (!images.empty()) rows.fail("has frame numbers (frame), so it needs no folder of images");
     return read_pose_csv(path, frames);
   }
-  const std::string name_column = find_column(rows.header(), {"image", "name", "file", "filename"});
-  const std::string time_column = find_time_column(rows);
   Trajectory found;
   found.name = path.string();
   found.is_on_earth = true;
   found.has_floors = rows.has("floor");
   if (images.empty()) {
-    if (!name_column.empty() && time_column.empty())
+    if (rows.has("image") && !rows.has("time"))
       throw Error(ErrorKind::usage,
                   "{}: has fixes by image names. Pass the images with --query-images FOLDER "
                   "(--train-images for the training side)",
                   path.string());
-    read_fixes_in_order(rows, *columns, time_column, source.range, found);
+    read_fixes_in_order(rows, source.range, found);
     return found;
   }
-  if (name_column.empty()) rows.fail("has no column image with the names of images");
+  if (!rows.has("image")) rows.fail("has no column image with the names of images");
   if (!source.range.is_all())
     throw Error(ErrorKind::usage, "{}: its lines are selected by image names. Add the range to {}",
                 path.string(), images.string());
-  read_fixes_by_name(rows, *columns, name_column, images, found);
+  read_fixes_by_name(rows, images, found);
   return found;
 }
 
@@ -312,10 +275,9 @@ Routes read_routes(const std::vector<fs::path>& paths) {
 }
 
 std::vector<RoutePoint> read_place_positions(const fs::path& path) {
-  NamedRows rows(path, path.string(), {"place", "x", "y"});
-  rows.allow({"place", "view", "x", "y", "heading", "floor"});
+  Rows rows(path, path.string(), {{"place", "x", "y", "view", "heading", "floor"}, 3});
   std::vector<RoutePoint> places;
-  std::set<std::string> seen;
+  std::set<std::string_view> seen;
   while (rows.next()) {
     if (seen.insert(rows.text("place")).second)
       places.push_back({rows.real("x"), rows.real("y"), floor_of(rows)});
@@ -324,8 +286,7 @@ std::vector<RoutePoint> read_place_positions(const fs::path& path) {
 }
 
 std::vector<WallLine> read_walls(const fs::path& path) {
-  NamedRows rows(path, path.string(), {"x0", "y0", "x1", "y1"});
-  rows.allow({"x0", "y0", "x1", "y1", "floor", "kind"});
+  Rows rows(path, path.string(), {{"x0", "y0", "x1", "y1", "floor", "kind"}, 4});
   std::vector<WallLine> walls;
   while (rows.next()) {
     const std::string floor = floor_of(rows);

@@ -46,10 +46,10 @@ class LocalPlane {
 /// is set. Others stay.
 void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane);
 
-/// Whether the first line of a file is a CSV header with frame, x and y.
-bool is_pose_header(std::string_view line);
-/// Whether it is a CSV header with lat or latitude, and lon, lng, long or longitude, in any case.
-bool is_gps_header(std::string_view line);
+/// Whether the header of a table has frame, x and y.
+bool is_pose_header(const std::vector<std::string>& header);
+/// Whether it has lat or latitude, and lon, lng, long or longitude.
+bool is_gps_header(const std::vector<std::string>& header);
 
 /// A CSV with a column `frame`, x and y or latitude and longitude, and optionally z, heading and
 /// floor. Columns other than these and time are refused, except next to latitudes. One pose per

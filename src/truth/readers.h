@@ -14,9 +14,9 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
+#include "base/rows.h"
 #include "truth/formats.h"
 #include "truth/ground_truth.h"
-#include "truth/text_file.h"
 #include "truth/trajectory.h"
 
 namespace vpr {
@@ -56,7 +56,7 @@ class GroundTruthBuilder {
   /// As only_searched_sequence.
   size_t only_searched(std::string_view what) const { return only_searched_sequence(scope_, what); }
   /// Throws Error(data) if the name is empty, or if no sequence has it.
-  size_t find_sequence(const std::string& name);
+  size_t find_sequence(std::string_view name);
   /// Checks the number of frames that the file states. Throws Error(data) if it differs.
   void require_query_frames(size_t frames);
   void require_train_frames(size_t sequence, size_t frames) {

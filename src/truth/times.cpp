@@ -1,7 +1,6 @@
 #include "truth/times.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <regex>
@@ -31,44 +30,6 @@ constexpr size_t kDigitsOfClock = 10;  // seconds since 1970
 // Digits as an integer; 0 if empty. Nullopt if there are too many.
 std::optional<int64_t> parse_digits(std::string_view digits) {
   return digits.empty() ? 0 : parse_number<int64_t>(digits);
-}
-
-/// The column of times in a file.
-struct TimeColumn {
-  size_t index = 0;
-  std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
-};
-
-// The only column that is named like a time, such as "time", "Timestamp [ns]" or "seconds". Blanks
-// may have split a name from its unit: then the header has more than `columns` words.
-TimeColumn time_column(const FileLocation& location, const std::vector<std::string>& words,
-                       size_t columns) {
-  static const std::regex kName(
-      R"((?:time|time[ _]?stamp|stamp)(?:[ _]*[\[(]?(s|sec|ms|us|ns)[\])]?)?|(seconds|nanoseconds))",
-      std::regex::icase);
-  std::vector<std::string> header;
-  for (size_t i = 0; i < words.size(); ++i) {
-    const std::string whole = header.empty() ? words[i] : header.back() + " " + words[i];
-    const bool is_unit = words[i].starts_with('[') || words[i].starts_with('(') ||
-                         (whole.size() <= kMaxDate && std::regex_match(whole, kName));
-    if (!header.empty() && header.size() + words.size() - i > columns && is_unit)
-      header.back() = whole;
-    else
-      header.push_back(words[i]);
-  }
-  std::vector<TimeColumn> found;
-  for (size_t i = 0; i < header.size(); ++i) {
-    std::smatch parts;
-    if (header[i].size() > kMaxDate || !std::regex_match(header[i], parts, kName)) continue;
-    found.push_back({i});
-    if (const std::string unit = lower_case(parts.str(1) + parts.str(2)); !unit.empty())
-      found.back().unit = TimeUnit(std::string_view("smun").find(unit[0]));
-  }
-  if (found.size() != 1)
-    location.fail(
-        "its first line is neither a time nor a header with exactly one column of times, such as "
-        "\"time\" or \"time_ms\"");
-  return found.front();
 }
 
 // The times that are the names of a sequence's images.
@@ -159,10 +120,9 @@ std::optional<TimeUnit> unit_of_time(std::string_view text) {
 }
 
 std::optional<int64_t> parse_time(std::string_view text, TimeUnit unit) {
-  constexpr std::array<int64_t, 4> kNanoseconds = {kSecond, 1'000'000, 1000, 1};
   const auto value = parse_real(text);
   if (!value) return std::nullopt;
-  const int64_t scale = kNanoseconds[static_cast<size_t>(unit)];
+  const int64_t scale = static_cast<int64_t>(unit);
   if (text.find_first_of("eE") != std::string_view::npos) {
     const double rounded = *value * static_cast<double>(scale);
     if (!(rounded >= static_cast<double>(kMinTime) && rounded <= static_cast<double>(kMaxTime)))
@@ -238,7 +198,8 @@ void refuse_time_order(const FileLocation& location, int64_t before, int64_t tim
 
 int64_t TimeReader::read(const FileLocation& location, std::string_view text) {
   if (!unit_) unit_ = unit_of_time(text);
-  const auto time = unit_ ? parse_time(text, *unit_) : std::nullopt;
+  auto time = unit_ ? parse_time(text, *unit_) : std::nullopt;
+  if (!time) time = parse_calendar_time(text);
   if (!time) location.fail("\"{}\" is not a valid time", text);
   return *time;
 }
@@ -251,35 +212,38 @@ int64_t TimeReader::read_next(const FileLocation& location, std::string_view tex
 
 std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   const SequenceArgument source = parse_sequence_argument(path.string());
-  const std::vector<CsvRow> rows = read_list_rows(source.path);
-  FileLocation location{path.string()};
-  TimeColumn column;
-  const bool has_header = !rows.empty() && !unit_of_time(rows[0].fields[0]);
-  if (has_header)
-    column = time_column(location, rows[0].fields,
-                         rows[std::min<size_t>(1, rows.size() - 1)].fields.size());
-  TimeReader reader(column.unit);
+  Rows rows(source.path, path.string(),
+            {{"time"},
+             1,
+             /*needs_header=*/false,
+             kListSeparators,
+             /*has_others=*/true,
+             /*is_ragged=*/true});
+  TimeReader reader(rows.time_unit("time"));
   std::vector<int64_t> times;
-  bool are_frames = !has_header;    // the first of two columns counts them
-  bool are_integers = !has_header;  // of two columns, the first one in seconds
-  for (size_t i = has_header ? 1 : 0; i < rows.size(); ++i) {
-    const std::vector<std::string>& cells = rows[i].fields;
-    location.at("line", rows[i].line);
-    if (column.index >= cells.size()) location.fail("has no time");
+  bool are_frames = rows.header().empty();    // the first of two columns counts them
+  bool are_integers = rows.header().empty();  // of two columns, the first one in seconds
+  for (size_t i = 0; rows.next(); ++i) {
+    const auto cells = rows.cells();
+    const std::string_view text = rows.text("time");
+    if (i == 0 && rows.header().empty() && !unit_of_time(text) && !parse_calendar_time(text))
+      rows.fail(
+          "its first line is neither a time nor a header with a column of times, such as \"time\" "
+          "or \"time_ms\"");
     are_frames =
         are_frames && cells.size() == 2 && cells[0] == std::to_string(i) && unit_of_time(cells[1]);
     are_integers = are_integers && cells.size() == 2 && parse_number<int64_t>(cells[0]) &&
                    parse_number<int64_t>(cells[1]) && unit_of_time(cells[0]) == TimeUnit::seconds;
-    const int64_t time = reader.read_next(location, cells[column.index]);
-    if (frame_in_range(source.range, has_header ? i - 1 : i)) times.push_back(time);
+    const int64_t time = reader.read_next(rows.location(), text);
+    if (frame_in_range(source.range, i)) times.push_back(time);
   }
-  if (times.empty()) location.fail("has no times");
+  if (times.empty()) rows.fail("has no times");
   if (are_frames && rows.size() > 1)
-    FileLocation{path.string()}.fail(
+    rows.fail(
         "its first column counts 0, 1, 2, ... Add a first line that names the columns, such as "
         "frame,time");
   if (are_integers)
-    FileLocation{path.string()}.fail(
+    rows.fail(
         "its second column may be a fraction of the first one. Use a decimal point, or add a first "
         "line that names the columns, such as time,frame");
   return times;

@@ -12,8 +12,8 @@
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
+#include "base/rows.h"
 #include "sequence/sequence_source.h"
-#include "truth/text_file.h"
 
 namespace vpr {
 
@@ -21,8 +21,6 @@ struct LiveSource;
 
 /// Nanoseconds per second.
 inline constexpr int64_t kSecond = 1'000'000'000;
-
-enum class TimeUnit { seconds, milliseconds, microseconds, nanoseconds };
 
 /// The unit of a number by its size, for clocks that count from 1970: seconds below 10^11,
 /// milliseconds below 10^14, microseconds below 10^17, otherwise nanoseconds. Nullopt if `text` is
@@ -49,7 +47,8 @@ std::optional<int64_t> parse_calendar_time(std::string_view text);
 /// Throws Error(data): times must increase, but `time` is not after `before`.
 [[noreturn]] void refuse_time_order(const FileLocation& location, int64_t before, int64_t time);
 
-/// Reads the times of one file in nanoseconds. Without `unit`, the first valid time determines it.
+/// Reads the times of one file in nanoseconds: numbers or dates (parse_calendar_time). Without
+/// `unit`, the first number determines it.
 class TimeReader {
  public:
   explicit TimeReader(std::optional<TimeUnit> unit = {}) : unit_(unit) {}
@@ -64,13 +63,11 @@ class TimeReader {
   std::optional<int64_t> last_;
 };
 
-/// Times in nanoseconds, one per line in the order of the frames: the first column of a CSV, or the
-/// first word of a line, as in KITTI's times.txt and TUM's rgb.txt; with a header, the column
-/// `time`, `timestamp` or `seconds`, in upper or lower case, and perhaps with a unit, as in
-/// `time_ms`. Lines that start with # are skipped. A range after the path selects frames. Throws
-/// Error(input) if it cannot be read; Error(data), with the line, for invalid times, times that do
-/// not increase, a header without exactly one such column, and two columns without a header of
-/// which the first counts frames.
+/// Times in nanoseconds, one per row in the order of the frames: the first cell, as in KITTI's
+/// times.txt and TUM's rgb.txt, or the column `time` of a header. A range after the
+/// path selects frames. Throws Error(input) if it cannot be read; Error(data), with the line, for
+/// invalid times, times that do not increase, a first line that is neither a time nor such a
+/// header, and two columns without a header of which the first counts frames.
 std::vector<int64_t> read_time_list(const std::filesystem::path& path);
 
 /// Times in nanoseconds, one per frame: from a list (read_time_list), from the names of the images

@@ -12,12 +12,11 @@
 
 #include "base/converters.h"
 #include "base/error.h"
-#include "base/mapped_file.h"
 #include "base/named_table.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "truth/formats.h"
 #include "truth/positions.h"
-#include "truth/text_file.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -33,10 +32,10 @@ constexpr double kEvoDifference = 0.02;
 constexpr double kFixDifference = 1;
 
 // A quaternion x, y, z, w as a matrix.
-std::array<double, 9> rotation_of(const FileLocation& location, std::array<double, 4> q) {
+std::array<double, 9> rotation_of(const Rows& rows, std::array<double, 4> q) {
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (!(norm > 1e-6) || !std::isfinite(norm))
-    location.fail(
+    rows.fail(
         "its quaternion is not a rotation. Write nan for an unknown pose; for an unknown "
         "orientation, 0 0 0 1 is enough unless --angle is used");
   const double x = q[0] / norm;
@@ -58,30 +57,44 @@ bool is_rotation(const std::array<double, 9>& m) {
 /// A format with one pose per line.
 struct LineFormat {
   std::string_view name;
-  size_t columns = 0;
-  Pose (*pose)(const FileLocation& location, std::span<const double> values) = nullptr;
-  bool may_have_more = false;         ///< columns, separated by commas
-  bool has_times = true;              ///< in the first column
+  RowRules rules;
   std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
+
+  bool has_times() const { return rules.columns.front() == "time"; }
 };
 
-constexpr LineFormat kLineFormats[] = {
-    {"tum", 8,
-     [](const FileLocation& location, std::span<const double> v) {
-       return Pose{{v[1], v[2], v[3]}, {}, rotation_of(location, {v[4], v[5], v[6], v[7]})};
-     }},
-    {"kitti", 12,
-     [](const FileLocation& location, std::span<const double> v) {
-       const std::array rotation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
-       if (!is_rotation(rotation)) location.fail("its matrix is not a rotation");
-       return Pose{{v[3], v[7], v[11]}, {}, rotation};
-     },
-     false, false},
-    {"euroc", 8,
-     [](const FileLocation& location, std::span<const double> v) {
-       return Pose{{v[1], v[2], v[3]}, {}, rotation_of(location, {v[5], v[6], v[7], v[4]})};
-     },
-     true, true, TimeUnit::nanoseconds}};
+const std::vector<LineFormat>& line_formats() {
+  static const std::vector<LineFormat> kFormats = {
+      {"tum", {{"time", "x", "y", "z", "qx", "qy", "qz", "qw"}, 8, false, " "}},
+      {"kitti",
+       {{"m0", "m1", "m2", "x", "m3", "m4", "m5", "y", "m6", "m7", "m8", "z"}, 12, false, " "}},
+      {"euroc",
+       {{"time", "x", "y", "z", "qw", "qx", "qy", "qz"}, 8, false, ",", /*has_others=*/true},
+       TimeUnit::nanoseconds}};
+  return kFormats;
+}
+
+// The pose of the current row; nullopt if a cell other than the time is missing.
+std::optional<Pose> read_pose(const Rows& rows, const RowRules& rules) {
+  bool is_known = true;
+  for (const std::string_view column : rules.columns)
+    if (column != "time" && is_missing(rows.text(column)))
+      is_known = false;
+    else
+      rows.real(column);
+  if (!is_known) return std::nullopt;
+  Pose pose;
+  pose.position = {rows.real("x"), rows.real("y"), rows.real("z")};
+  auto& rotation = pose.orientation.emplace();
+  if (rows.has("qw")) {
+    rotation =
+        rotation_of(rows, {rows.real("qx"), rows.real("qy"), rows.real("qz"), rows.real("qw")});
+    return pose;
+  }
+  for (size_t i = 0; i < rotation.size(); ++i) rotation[i] = rows.real(fmt::format("m{}", i));
+  if (!is_rotation(rotation)) rows.fail("its matrix is not a rotation");
+  return pose;
+}
 
 // Reads any format, with fixes as positions on the earth.
 Trajectory read_any(const std::filesystem::path& path) {
@@ -287,15 +300,13 @@ std::optional<PlaceLabel> label_of(const Pose& a, const Pose& b, const Nearness&
 }
 
 std::string_view pose_line_format(std::string_view first_line) {
-  const auto cells = cells_of(first_line);
-  for (const LineFormat& format : kLineFormats) {
-    if (format.may_have_more
-            ? cells.size() < format.columns
-            : cells.size() != format.columns || first_line.find(',') != std::string_view::npos)
-      continue;
+  for (const LineFormat& format : line_formats()) {
+    const auto cells = first_row(std::string(first_line), format.rules.separators);
+    const size_t columns = format.rules.columns.size();
+    if (cells.size() < columns || (cells.size() > columns && !format.rules.has_others)) continue;
     const auto unit = unit_of_time(cells[0]);
-    if (format.has_times && (!unit || unit != format.unit.value_or(*unit))) continue;
-    if (std::ranges::all_of(std::span(cells).first(format.columns), [](std::string_view cell) {
+    if (format.has_times() && (!unit || unit != format.unit.value_or(*unit))) continue;
+    if (std::ranges::all_of(std::span(cells).first(columns), [](std::string_view cell) {
           return parse_real(cell) || is_missing(cell);
         }))
       return format.name;
@@ -305,35 +316,18 @@ std::string_view pose_line_format(std::string_view first_line) {
 
 Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view format_name,
                            bool with_times) {
-  const LineFormat& format = find_named(kLineFormats, "format of poses", format_name);
+  const LineFormat& format = find_named(line_formats(), "format of poses", format_name);
   const SequenceArgument source = parse_sequence_argument(path.string());
-  const std::string file = read_whole_file(source.path);
-  FileLocation location{path.string()};
+  Rows rows(source.path, path.string(), format.rules);
   Trajectory found;
   found.name = path.string();
   TimeReader times(format.unit);
-  size_t index = 0;
-  size_t line_number = 0;
-  for (const std::string_view line : split_lines(without_byte_order_mark(file))) {
-    ++line_number;
-    const auto words = cells_of(line);
-    if (words.empty() || words.front().starts_with('#')) continue;
-    location.at("line", line_number);
-    if (words.size() < format.columns || (!format.may_have_more && words.size() > format.columns))
-      location.fail("expected {} numbers, found {}", format.columns, words.size());
-    std::vector<double> values;
-    bool is_known = true;
-    for (const std::string_view word : std::span(words).first(format.columns)) {
-      const auto value = parse_real(word);
-      const bool is_time = format.has_times && values.empty();
-      if (!value && (is_time || !is_missing(word))) location.fail("\"{}\" is not a number", word);
-      is_known = is_known && value;
-      values.push_back(value.value_or(0));
-    }
-    if (!frame_in_range(source.range, index++)) continue;
-    found.poses.push_back(is_known ? std::optional(format.pose(location, values)) : std::nullopt);
-    found.lines.push_back(line_number);
-    if (with_times && format.has_times) found.times_ns.push_back(times.read(location, words[0]));
+  for (size_t index = 0; rows.next(); ++index) {
+    if (!frame_in_range(source.range, index)) continue;
+    found.poses.push_back(read_pose(rows, format.rules));
+    found.lines.push_back(rows.line());
+    if (with_times && format.has_times())
+      found.times_ns.push_back(times.read(rows.location(), rows.text("time")));
   }
   return found;
 }

@@ -91,7 +91,7 @@ struct Trajectory {
 ///   and optionally more, separated by commas.
 std::string_view pose_line_format(std::string_view first_line);
 
-/// Reads a file in a format of pose_line_format; lines that start with # are skipped. Without
+/// Reads a file in a format of pose_line_format. Without
 /// `with_times`, times may be any numbers and are ignored; otherwise they need not increase. As in
 /// all readers of this header, a range may follow the path (PATH@FIRST:LAST[:STEP]). Throws
 /// Error(input) if the file cannot be read and Error(data), with the line, if it is damaged.

@@ -36,12 +36,6 @@ TEST_CASE("lines lose their ends, and the last end does not start another line")
   CHECK(split_lines("a\rb\n") == Parts{"a\rb"});
 }
 
-TEST_CASE("words are separated by one or more blanks") {
-  CHECK(split_words("").empty());
-  CHECK(split_words(" \t ").empty());
-  CHECK(split_words("1  2\t3 \r") == Parts{"1", "2", "3"});
-}
-
 TEST_CASE("rows are selected by name, and the nearest name is suggested for an unknown one") {
   CHECK(find_named(kRows, "row", "second").value == 2);
   CHECK(find_named(kRows, "row", "first").value == 1);
@@ -85,30 +79,4 @@ TEST_CASE("bytes that are not valid UTF-8 are escaped") {
 TEST_CASE("a line feed is kept in text and escaped in names") {
   CHECK(printable("-\n-") == "-\n-");
   CHECK(printable_line("-\n-") == "-\\x0a-");
-}
-
-TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are skipped") {
-  const auto rows = parse_csv(
-      "\xef\xbb\xbf"
-      "a,b\r\n\r\n\"x,\"\"y\"\"\",2\n\n3,",
-      "t");
-  REQUIRE(rows.size() == 3);
-  CHECK(rows[0].fields == std::vector<std::string>{"a", "b"});
-  CHECK(rows[1].fields == std::vector<std::string>{"x,\"y\"", "2"});
-  CHECK(rows[1].line == 3);
-  CHECK(rows[2].fields == std::vector<std::string>{"3", ""});
-  CHECK(rows[2].line == 5);
-  CHECK(parse_csv("", "t").empty());
-}
-
-TEST_CASE("an unterminated quote, or one inside a field, is an error") {
-  const std::string text = GENERATE("a,\"b", "a\"b,c", "\"a\"b");
-  CHECK(error_kind([&] { parse_csv(text, "t"); }) == ErrorKind::data);
-  CHECK(
-      has(error_text([] { parse_csv("a,b\r1,2\r", "t"); }), "expected a separator or a line feed"));
-}
-
-TEST_CASE("a CSV field can be read back after writing") {
-  for (const std::string text : {"plain", "a,b", "say \"hi\"", "two\nlines", ""})
-    CHECK(parse_csv("x," + csv_field(text), "t")[0].fields[1] == text);
 }

@@ -87,7 +87,8 @@ def headers():
             "--query-frames", 5, "--train-frames", 5)
     (folder / "wide.csv").write_bytes("query,reference\n0,0\n".encode("utf-16"))
     refused(3, "wide.csv: is encoded in UTF-16", "vpr-eval", "check", "wide.csv")
-    refused(4, 'query "\\x001"', "vpr-eval", "check", write("nul.csv", "query,reference\n\x001,0\n"))
+    refused(4, 'query "\\x011"', "vpr-eval", "check", write("control.csv", "query,reference\n\x011,0\n"))
+    refused(4, "line 2: it is not text", "vpr-eval", "check", write("nul.csv", "query,reference\n\x001,0\n"))
 
 
 def images(name, seed, count=40, shift=0, size=(96, 72), start=0):
@@ -203,11 +204,12 @@ def lists():
     write("kapture.txt", "# kapture format: 1.0\n# query_image, map_image\n" + pair.replace("%s", ", "))
     write("ranking.txt", "".join(" ".join([f"q{i:03d}"] + [f"d{k:03d}" for k in best[i]]) + "\n" for i in range(20)))
     write("numbers.txt", "".join(f"{i} {k}\n" for i in range(20) for k in best[i]))
+    write("order.csv", "Rank,Reference,Query\n" + "".join(f"{n},{k},{i}\n" for i in range(20) for n, k in enumerate(best[i])))
     np.save(folder / "top5.npy", best)
     expected = (best[:, 0] == np.arange(20) + 3).mean(), (best == np.arange(20)[:, None] + 3).any(1).mean()
-    for name in ("blank.txt", "kapture.txt", "ranking.txt", "numbers.txt", "top5.npy"):
-        recall = printed_json("vpr-eval", "matrix", name, "--query", "q", "--train", "d", "--ground-truth",
-                              "gt.csv")["metrics"]["recall_at"]
+    for name in ("blank.txt", "kapture.txt", "ranking.txt", "numbers.txt", "order.csv", "top5.npy"):
+        recall = printed_json("vpr-eval", "matrix", name, "--query", "q", "--train", "d", "--ground-truth", "gt.csv",
+                              *(["--distance"] if name == "order.csv" else []))["metrics"]["recall_at"]
         assert np.allclose((recall["1"], recall["5"]), expected) and recall["10"] is None, (name, recall)
     stated = ("--query-frames", 20, "--train-frames", 30, "--ground-truth", "gt.csv")
     for name in ("numbers.txt", "top5.npy"):
@@ -221,8 +223,8 @@ def lists():
     np.savez(folder / "scores.npz", scores)
     np.savetxt(folder / "grid.csv", 9 * scores, "%d", ",")
     for part, name in {"it is not text": "scores.npz", "a reference is listed twice": "grid.csv",
-                       "in this order": write("order.csv", "reference,query\n3,0\n"),
-                       "the columns are": write("rank.csv", "query,rank,reference\n0,1,3\n")}.items():
+                       "query,reference, however": write("last.csv", "reference,query\n3,0,1\n"),
+                       "the columns are": write("rank.csv", "query,place,reference\n0,1,3\n")}.items():
         refused(4, part, "vpr-eval", "matrix", name, *stated)
     np.save(folder / "short.npy", best.astype(np.uint16))
     refused(2, "as indices of references are", "vpr-eval", "matrix", "short.npy", "--distance", *stated)

@@ -115,6 +115,15 @@ TEST_CASE("a route is read by column names") {
   CHECK(route[2]->floor == "b");
 }
 
+TEST_CASE("poses have the units that their columns name") {
+  test::write_text("p.csv",
+                   "Frame,Stamp [ms],x_mm,Y [m],heading (rad)\n0,200,1500,2.5,3.14159265\n");
+  const Trajectory found = read_pose_csv("p.csv", {}, 9, /*with_times=*/true);
+  CHECK(found.times_ns == std::vector<int64_t>{200'000'000});
+  CHECK(found.poses[0]->position == std::array<double, 3>{1.5, 2.5, 0});
+  CHECK(*found.poses[0]->heading_deg == Approx(180));
+}
+
 TEST_CASE("places and walls are read, with the first view of each place") {
   test::write_text("p.csv", "place,view,x,y\nb,0.jpg,1,2\nb,1.jpg,9,9\na,0.jpg,3,4\n");
   const auto places = read_place_positions("p.csv");

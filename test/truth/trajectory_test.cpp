@@ -117,7 +117,8 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
   for (const char* text : {"frame,Time\n0,1.5\n1,2.25\n", "\"frame\",\"time\"\n0,1.5\n1,2.25\n",
                            "frame;TIMESTAMP [s]\n0;1.5\n1;2.25\n", "frame,seconds\n0,1.5\n1,2.25\n",
                            "time_ms\n1500\n2250\n", "nanoseconds\n1500000000\n2250000000\n",
-                           "time [ms]\n1500\n2250\n", "x [m] time ms y\n7 1500 1\n7 2250 2\n"})
+                           "time [ms]\n1500\n2250\n", "x [m] time ms y\n7 1500 1\n7 2250 2\n",
+                           "1970-01-01T00:00:01.5\n1970-01-01T00:00:02.25Z\n"})
     CHECK(read_time_list(file("h.csv", text)) == both);
   for (const char* text :
        {"frame,clock\n0,1.5\n", "secs,nsecs\n0,5\n", "seconds,nanoseconds\n0,5\n",
@@ -161,14 +162,18 @@ TEST_CASE("unknown frames, loops to later frames and missing scores are refused 
     test::check_refused([&] { read_loops(file("l.csv", content), trajectory); }, words);
   };
   refused("2,0\n3,0\n", "l.csv, line 2: there is no frame 3; the trajectory has 3 (0 to 2)");
-  refused("1,-1\n", "line 1: there is no frame -1");
+  refused("1,-1\n", "line 1: match \"-1\" is not a frame number");
   refused("query,match\n0,2\n", "line 2: frame 0 closes a loop with the later frame 2");
   refused("1,1\n", "with itself");
   refused("100.2,100.05\n", "the pose nearest to the time 100.05 is 0.05 s away");
-  refused("query,match,score\n2,0,0.5\n2,1,\n", "line 3: the score \"\" is not a number");
+  refused("query,match,score\n2,0,0.5\n2,1,\n", "line 3: score \"\" is not a number");
   refused("2,0,0.5\n2,1\n", "line 2: expected 3 columns, found 2");
-  for (const std::string header : {"from,to", "query,match,match", "query,match,distance"})
-    refused(header + "\n1,0,0\n", "expected the header query,match");
+  refused("from,to\n1,0\n",
+          "line 1: query \"from\" is not a frame number. A header has the columns "
+          "query,match[,score]");
+  refused("query,match,match\n1,0,0\n", "two columns match");
+  refused("query,match,weight\n1,0,0\n", "unknown column \"weight\"");
+  refused("match\n0\n", "has no column query. Expected query,match[,score]");
   Trajectory gap = trajectory;
   gap.poses[1].reset();
   CHECK(test::has(test::error_text([&] { read_loops(file("g.csv", "2,1\n"), gap); }),

@@ -1,0 +1,29 @@
+// Cells that refer to frames by their number or their name.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/monitor.h"
+#include "base/rows.h"
+#include "sequence/sequence_source.h"
+
+namespace vpr {
+
+/// The cells of a column that refer to the frames of one side, each by its number or its name.
+struct FrameCells {
+  std::string_view what;              ///< such as "query"
+  const FrameNames* names = nullptr;  ///< null: unknown
+  std::vector<std::string_view> texts = {};
+  bool are_names = false;  ///< numbers as well; set by find_names
+};
+
+/// Decides for all columns of a file whether numbers are names. They are if every cell of the
+/// column is a name, and nothing shows that the file counts frames: a 0 that is not a name. Warns
+/// where both readings are possible. Throws Error(data) if columns or cells contradict each other;
+/// `advice` says how to state that they are numbers.
+void find_names(std::span<FrameCells> columns, const FileLocation& file, std::string_view advice,
+                const Monitor& monitor);
+
+}  // namespace vpr
