@@ -15,7 +15,7 @@ namespace vpr {
 
 namespace {
 
-/// What a column measures.
+/// The quantity in a column.
 enum class Quantity { none, time, length, angle };
 
 /// Columns with other names in headers, or with units.
@@ -91,8 +91,8 @@ bool names_separator(std::string_view line) { return line.starts_with("sep="); }
 /// Splits text into rows of cells, in place: cells lose their quotes.
 class Splitter {
  public:
-  /// `reads_header`: the last comment before numbers is the first row. Sets the line of `location`
-  /// to that of each row.
+  /// `reads_header`: the last comment before numbers is the first row. `location` always has the
+  /// line of the latest row.
   Splitter(std::string& text, std::string_view separators, bool reads_header,
            FileLocation& location)
       : text_(text),

@@ -66,7 +66,7 @@ inline constexpr std::string_view kTableSeparators = ",;\t";
 /// Without any, blanks separate the words of a list.
 inline constexpr std::string_view kListSeparators = ",;\t ";
 
-/// What a file of rows has.
+/// The rules of a file of rows.
 struct RowRules {
   /// Names in lower case. Without a header, columns are at the positions in this order.
   std::vector<std::string_view> columns = {};

@@ -71,7 +71,7 @@ std::vector<Cell> wrong_sums(std::span<const Cell> cells, size_t window_length,
     right[c] = reference_sum(std::ref(scores), window_length, cells[c]) * kScoreUnit +
                static_cast<double>(score_offset(window_length));
   });
-  // Of scores, each rounded by less than one unit.
+  // Each score is rounded by less than one unit.
   const double tolerance = basis == nullptr ? 0 : static_cast<double>(window_length);
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {

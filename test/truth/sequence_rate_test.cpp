@@ -113,11 +113,11 @@ TEST_CASE("a video is resampled by its own times, and frames keep their numbers"
   const std::string path = recording.folder / "walk.avi";
   test::write_video(path, 64, 48, std::vector<int>(12, 90), 20);
   const auto names = [&](const std::string& range, std::optional<double> fps) {
-    const SequenceArgument argument = selected(parse_sequence_argument(path + range),
-                                               {"", fps, {}, {}}, {}, 1, Monitor());
+    const SequenceArgument argument =
+        selected(parse_sequence_argument(path + range), {"", fps, {}, {}}, {}, 1, Monitor());
     const Sequence frames =
-        for_each_frame(open_sequence(argument), PixelFormat::gray, Unreadable::fail,
-                       Monitor(), [](size_t, const cv::Mat&) {});
+        for_each_frame(open_sequence(argument), PixelFormat::gray, Unreadable::fail, Monitor(),
+                       [](size_t, const cv::Mat&) {});
     if (fps) {
       REQUIRE_FALSE(frames.selection.is_all());
       CHECK(frames.selection.selected_fps == *fps);
