@@ -1,19 +1,27 @@
 // The flags of vpr-eval, and one function per job.
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/command.h"
 #include "common/flags.h"
 #include "evaluate/evaluation.h"
+#include "evaluate/expectation.h"
 #include "evaluate/score_matrix.h"
 #include "files/report.h"
 #include "files/result_file.h"
 #include "present/table.h"
 
 namespace vpr {
+
+inline constexpr const char* kPictureGroup = "Page and plots";
+inline constexpr const char* kFileGroup = "Other outputs";
+inline constexpr const char* kNeedsExpected = "needs --expect, the file of expected values";
 
 /// --ground-truth and --dataset, with the flags that describe a ground truth.
 struct TruthSource {
@@ -44,51 +52,44 @@ struct ScoreInputs {
   const std::string& source() const { return query_npy.empty() ? path : query_npy; }
 };
 
-/// The inputs of an evaluation: results, or scores. Empty strings: not given.
-struct EvalInputs {
+/// The flags of vpr-eval RESULT and of vpr-eval matrix, const after parsing. Empty strings: not
+/// given.
+struct EvalFlags {
   std::vector<std::string> results;
-  std::string result;    ///< the one to evaluate
-  std::string matrix;    ///< that was saved with the result
-  std::string row_name;  ///< its name in tables
-  std::string name;      ///< in tables, set by the user
-  std::vector<std::string> names;
+  std::string matrix;              ///< that was saved with the result
+  std::vector<std::string> names;  ///< in tables, set by the user
   TruthSource truth;
-  EvaluationSettings by;  ///< as set by flags; without the ground truth
+  EvaluationSettings by;  ///< without the ground truth
   TableFormat format = TableFormat::text;
   std::optional<std::string> query;  ///< a sequence, or the name of a query in the data set
   std::vector<std::string> train;
   ScoreInputs scores;
-  // Outputs
   std::string expected;
   bool update = false;
-  std::string junit;
-  std::string html;
-  std::string plots;
-  std::string map;
   std::string map_with;
-  std::string saved_trajectory;
-  std::string place_questions;  ///< the page that asks for them
-  std::string frame_questions;  ///< the page that asks for labels of frames
-  bool needs_truth = true;
-  std::string pairs;
   std::optional<uint64_t> top_k;
-  std::string outcomes_csv;
-  std::string recognitions_csv;
+  std::vector<std::string> outputs;  ///< paths by eval_outputs(); empty: not given
 
-  bool has_plots() const { return !html.empty() || !plots.empty(); }
-  bool has_csv() const { return !outcomes_csv.empty() || !recognitions_csv.empty(); }
-  bool has_expectation() const { return update || !expected.empty() || !junit.empty(); }
+  EvalFlags();
+  /// The path of an output by its flag.
+  const std::string& output(std::string_view flag) const;
 };
 
-/// The flags of vpr-eval RESULT, and of vpr-eval matrix.
-void add_result_flags(Program& program, const Command& command, EvalInputs& inputs);
-void add_matrix_flags(Program& program, const Command& command, EvalInputs& inputs);
+/// A result, or the scores of the flags.
+struct EvalRow {
+  std::string result = {};  ///< empty: scores
+  std::string matrix = {};  ///< that was saved with it; empty: none
+  std::string name = {};    ///< in tables
+  bool is_named = false;    ///< by the user
+  bool needs_truth = true;
+};
 
-/// Throws Error(usage) for flags that cannot be combined, and for values out of range.
-void check_inputs(const EvalInputs& inputs);
+void add_result_flags(Program& program, const Command& command, EvalFlags& flags);
+void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags);
 
-/// Throws Error(usage) for outputs that cannot be combined or lack an input, and claims the others.
-void claim_outputs(const Session& session, const EvalInputs& inputs);
+/// Throws Error(usage) for flags that cannot be combined or lack another one, and for values out of
+/// range.
+void check_flags(const EvalFlags& flags);
 
 /// Throws Error(data) if `rows` windows do not have the frames that --query-frames or
 /// `query_frames` states; if neither is known, if a window is longer than the matrix.
@@ -101,12 +102,12 @@ struct OpenedScores {
 
 /// Throws Error(usage) without a result or scores, and Error(data) if --matrix was not saved with
 /// the result.
-OpenedScores open_inputs(const Session& session, const EvalInputs& inputs);
+OpenedScores open_inputs(const Session& session, const EvalFlags& flags, const EvalRow& row);
 
 /// The names of query frames, and of training frames by sequence, from --query and --train or the
 /// data set; empty without them.
-std::vector<std::string> query_names(const EvalInputs& inputs);
-std::vector<std::vector<std::string>> train_names(const EvalInputs& inputs);
+std::vector<std::string> query_names(const EvalFlags& flags);
+std::vector<std::vector<std::string>> train_names(const EvalFlags& flags);
 
 struct Evaluated {
   Evaluation evaluation;
@@ -115,23 +116,64 @@ struct Evaluated {
   std::shared_ptr<const StoredResult> stored = {};  ///< null: scores
 };
 
-/// Evaluates the result, or scores without a result. Throws as open_inputs does, and Error(usage)
-/// without a ground truth if one is needed.
-Evaluated evaluate(Session& session, const EvalInputs& inputs);
+/// Throws as open_inputs does, and Error(usage) without a ground truth if one is needed.
+Evaluated evaluate(Session& session, const EvalFlags& flags, const EvalRow& row);
+
+/// The inputs of an output, next to the evaluation.
+struct EvalRun {
+  Session& session;
+  const EvalFlags& flags;
+  std::optional<double> frames_per_second;  ///< of the data set
+  std::string summary;
+  std::vector<CheckedValue> checked;  ///< by --expect
+};
+
+/// An output of vpr-eval: its flag, and one of two functions.
+struct EvalOutput {
+  std::string_view flag;
+  std::string_view help;
+  const char* group = nullptr;
+  bool of_scores = false;         ///< also of vpr-eval matrix
+  bool of_several = false;        ///< several results fill one file
+  bool needs_truth = true;        ///< if it is an output of scores
+  std::string_view answers = {};  ///< to the questions of a page: their flag and file
+  std::string_view header = {};   ///< of the file
+  /// The missing flag, in words; empty: none. Null: the output needs no other flag.
+  std::string_view (*lacks)(const EvalFlags& flags) = nullptr;
+  std::string (*text)(const EvalRun& run, const Evaluated& evaluated) = nullptr;  ///< of a file
+  void (*draw)(const EvalRun& run, const Evaluated& evaluated,
+               const std::filesystem::path& folder) = nullptr;
+};
+
+/// All outputs except the report, in the order of the help.
+std::span<const EvalOutput> eval_outputs();
+
+/// An output whose flag is given.
+struct GivenOutput {
+  const EvalOutput* output = nullptr;
+  std::string path;
+  std::string text = {};  ///< of the file, from all rows so far
+};
+
+std::vector<GivenOutput> given_outputs(const EvalFlags& flags);
+
+/// Claims the report and these outputs.
+void claim_outputs(const Session& session, const std::vector<GivenOutput>& given);
+
+/// Draws folders, and adds to the texts of files.
+void make_outputs(const EvalRun& run, const Evaluated& evaluated, std::vector<GivenOutput>& given);
+void write_files(const Session& session, const std::vector<GivenOutput>& given);
 
 /// `brief` as text, followed by `tables` with -v. Other formats are `tables`.
 std::string output_text(const Session& session, TableFormat format, const std::string& brief,
                         const std::string& tables);
 
-/// Each function writes an output if its flag is given.
-void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
-                 const std::string& summary);
-void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated);
-void write_questions(Session& session, const EvalInputs& inputs, const Evaluated& evaluated);
-void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
-                      std::optional<double> frames_per_second);
-/// Pairs of the matrix, or of the result if it is null. Returns their number.
-size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
+/// A list of pairs, and their number: of the matrix, or of the result if it is null.
+struct PairList {
+  size_t count = 0;
+  std::string text;
+};
+PairList pair_list(const Session& session, const EvalFlags& flags, const ScoreMatrix* matrix,
                    const ScoreLayout& layout, const Result* result);
 
 /// The subcommands, except matrix.

@@ -84,10 +84,9 @@ Report find_report(Session& session, const std::string& path, const TruthSource&
                 "{}: is a result. Add --ground-truth or --dataset to evaluate it, or pass its "
                 "report (vpr-eval {} -o REPORT)",
                 path, path);
-  EvalInputs inputs;
-  inputs.result = path;
-  inputs.truth = truth;
-  return evaluate(session, inputs).report;
+  EvalFlags flags;
+  flags.truth = truth;
+  return evaluate(session, flags, {.result = path}).report;
 }
 
 void claim_outputs(const Session& session, const CompareInputs& inputs) {

@@ -12,9 +12,9 @@ namespace vpr {
 
 /// The keys of a configuration file.
 template <class Visitor>
-void visit_fields(EvalInputs& inputs, Visitor&& visit) {
-  visit("tolerance", inputs.truth.flags.tolerance_frames);
-  visit("format", inputs.format);
+void visit_fields(EvalFlags& flags, Visitor&& visit) {
+  visit("tolerance", flags.truth.flags.tolerance_frames);
+  visit("format", flags.format);
 }
 
 namespace {
@@ -23,8 +23,6 @@ constexpr uint64_t kMaxWindow = 1'000'000;
 constexpr uint64_t kMaxFrames = 10'000'000;
 constexpr uint64_t kMaxPairs = 1'000'000;  // per query
 constexpr const char* kWindowFlag = "--rows-are-windows-of";
-constexpr const char* kPictureGroup = "Page and plots";
-constexpr const char* kFileGroup = "Other outputs";
 constexpr const char* kMetricGroup = "Metrics";
 
 void check_range(const char* flag, uint64_t value, uint64_t most) {
@@ -45,62 +43,51 @@ std::string metrics_help() {
   return text;
 }
 
-void add_file_flags(const Command& command, EvalInputs& inputs) {
-  command.add_option("--expect", inputs.expected,
+void add_file_flags(const Command& command, EvalFlags& flags) {
+  command.add_option("--expect", flags.expected,
                      "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" "
                      "and \"max\") or an earlier report; exit code 5 if they differ",
                      kFileGroup, "FILE");
-  command.add_flag("--update", inputs.update,
+  command.add_flag("--update", flags.update,
                    "replace the values in the file of --expect; tolerances and bounds that are met "
                    "stay. Without the file, write the report there",
                    kFileGroup);
-  command.add_option("--junit", inputs.junit,
-                     "JUnit XML file with the comparison of --expect, one test case per value",
-                     kFileGroup, "FILE");
-  command.add_option("--outcomes-csv", inputs.outcomes_csv,
-                     "CSV file with one row per query: its best match and the verdict", kFileGroup,
-                     "FILE");
-  command.add_option("--pairs", inputs.pairs,
-                     "list of the best references of each query, one \"query reference\" per line, "
-                     "as for hloc; needs no ground truth",
-                     kFileGroup, "FILE");
-  add_setting(command, "--top-k", inputs.top_k,
+  add_setting(command, "--top-k", flags.top_k,
               "references per query in --pairs (default: 1 for a result, 10 for scores)",
               kFileGroup, "K");
-  command.add_list("--name", inputs.names,
+  command.add_list("--name", flags.names,
                    "name in tables and comparisons (default: the name of the file); repeat it for "
                    "several results, in their order",
                    kFileGroup);
-  add_format_flag(command, inputs.format).group(kFileGroup);
+  add_format_flag(command, flags.format).group(kFileGroup);
 }
 
 // The flags that the evaluations of results and of scores share.
-void add_evaluation_flags(Program& program, const Command& command, EvalInputs& inputs) {
-  add_truth_flags(command, inputs.truth);
-  command.add_option("--html", inputs.html,
-                     "HTML page with charts and images; one file that opens without a network",
-                     kEssentialGroup, "FILE");
-  command.add_option("--plot", inputs.plots,
-                     "folder for curves, timeline and matrix with ground truth, as SVG and PNG",
-                     kPictureGroup, "FOLDER");
-  command.add_option("--query", inputs.query,
+void add_evaluation_flags(Program& program, const Command& command, EvalFlags& flags,
+                          bool of_scores) {
+  add_truth_flags(command, flags.truth);
+  for (size_t i = 0; i < flags.outputs.size(); ++i)
+    if (const EvalOutput& output = eval_outputs()[i]; output.of_scores || !of_scores)
+      command.add_option(std::string(output.flag), flags.outputs[i], std::string(output.help),
+                         output.group, output.draw != nullptr ? "FOLDER" : "FILE");
+  command.add_option("--query", flags.query,
                      "query, for its images and names: a sequence, or its name in the data set",
                      kPictureGroup, "SEQUENCE");
   command.add_list(
-      "--train", inputs.train,
+      "--train", flags.train,
       "training sequence, for its images and names; repeat it in the order of the database",
       kPictureGroup, "SEQUENCE");
-  command.add_option("--poses", inputs.by.poses,
+  command.add_option("--poses", flags.by.poses,
                      "positions of the query's frames (CSV frame,x,y in meters), for gaps in "
                      "meters (default: those of the data set)",
                      kMetricGroup, "FILE");
   add_setting(
-      command, "--stretch", inputs.by.stretch_frames,
+      command, "--stretch", flags.by.stretch_frames,
       fmt::format("frames per stretch of the path, for the recall achievement rate (default: {})",
                   kDefaultStretch),
       kMetricGroup);
-  add_file_flags(command, inputs);
-  program.add_config(command, inputs);
+  add_file_flags(command, flags);
+  program.add_config(command, flags);
   command.add_footer(metrics_help());
 }
 
@@ -149,53 +136,31 @@ void add_truth_flags(const Command& command, TruthSource& truth) {
                      kGroundTruthGroup, "FILE");
 }
 
-void add_result_flags(Program& program, const Command& command, EvalInputs& inputs) {
-  command.add_option("RESULT", inputs.results,
+void add_result_flags(Program& program, const Command& command, EvalFlags& flags) {
+  command.add_option("RESULT", flags.results,
                      "result of vpr-query; several make one table with one row per result");
-  add_evaluation_flags(program, command, inputs);
-  command.add_option("--places", inputs.by.places,
+  add_evaluation_flags(program, command, flags, false);
+  command.add_option("--places", flags.by.places,
                      "CSV file of the page of --ask-places: judge each place, and its "
                      "recognitions, by your answer instead of a ground truth",
                      kGroundTruthGroup, "FILE");
   command.add_option(
-      "--matrix", inputs.matrix,
+      "--matrix", flags.matrix,
       "matrix that was saved with RESULT (vpr-query --save-matrix), for ranks and all pairs",
       kMetricGroup, "FILE");
-  add_setting(command, "--confidence", inputs.by.confidence,
+  add_setting(command, "--confidence", flags.by.confidence,
               "value by which curves, metrics, plots and comparisons accept best matches: score, "
               "or margin, the difference from the best match outside the exclusion zone (default: "
               "as the result was decided); the other one is reported next to it",
               kMetricGroup);
   command.add_option(
-      "--ask-frames", inputs.frame_questions,
-      "HTML page that shows the images of frames and their best matches, asks whether they are the "
-      "same place, and saves labels for --ground-truth, by which any result can be judged",
-      kPictureGroup, "FILE");
-  command.add_option("--ask-places", inputs.place_questions,
-                     "HTML page that shows images of each recognized place, asks whether it is the "
-                     "same place, and saves the answers for --places",
-                     kPictureGroup, "FILE");
-  command.add_option("--map", inputs.map,
-                     "folder for a map with plan, training paths and recognitions along the "
-                     "query's path, as SVG and PNG; needs --dataset with poses",
-                     kPictureGroup, "FOLDER");
-  command.add_option(
-      "--map-with", inputs.map_with,
+      "--map-with", flags.map_with,
       "second result of the same query, on a map next to the first (such as FAB-MAP and FastABLE)",
       kPictureGroup, "RESULT");
-  command.add_option(
-      "--recognitions-csv", inputs.recognitions_csv,
-      "CSV file with one row per recognized place: frames, recognitions and the verdict",
-      kFileGroup, "FILE");
-  command.add_option(
-      "--save-trajectory", inputs.saved_trajectory,
-      "TUM trajectory of the positions of recognized frames (time x y z qx qy qz qw), as for evo; "
-      "needs poses of training frames: --dataset, or --ground-truth-train",
-      kFileGroup, "FILE");
 }
 
-void add_matrix_flags(Program& program, const Command& command, EvalInputs& inputs) {
-  ScoreInputs& scores = inputs.scores;
+void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags) {
+  ScoreInputs& scores = flags.scores;
   command.add_option("SCORES", scores.path,
                      "query x training matrix (.npy), or a list of matches; a list has one \"query "
                      "reference\" or \"query reference score\" per line, or is a folder preds of "
@@ -234,9 +199,9 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
   add_speed_flag(command, scores.speed,
                  "simulated speed of the query (below), with --seed and --query-frames")
       .group(rows);
-  add_evaluation_flags(program, command, inputs);
+  add_evaluation_flags(program, command, flags, true);
   command
-      .add_option("--recall-at", inputs.by.recall_at, "K of recall@K (default: 1,5,10,20)",
+      .add_option("--recall-at", flags.by.recall_at, "K of recall@K (default: 1,5,10,20)",
                   kMetricGroup, "K")
       .comma_separated();
   add_setting(command, "--threshold", scores.threshold,
@@ -245,14 +210,39 @@ void add_matrix_flags(Program& program, const Command& command, EvalInputs& inpu
               kMetricGroup);
 }
 
-void check_inputs(const EvalInputs& inputs) {
-  check_scores(inputs.scores);
-  check_evaluation(inputs.by);
-  refuse(!inputs.map_with.empty() && inputs.map.empty(), "--map-with", "needs --map FOLDER");
-  refuse(!inputs.by.places.empty() && !inputs.truth.path.empty(), "--places",
+EvalFlags::EvalFlags() : outputs(eval_outputs().size()) {}
+
+void check_flags(const EvalFlags& flags) {
+  constexpr const char* kTakesOne =
+      "takes one result. For a page of several, use vpr-eval compare --html FILE";
+  const bool is_one = flags.results.size() < 2;
+  check_scores(flags.scores);
+  check_evaluation(flags.by);
+  for (const auto& [is_given, flag] :
+       {std::pair(!flags.matrix.empty(), "--matrix"),
+        std::pair(!flags.by.places.empty(), "--places"),
+        std::pair(!flags.expected.empty(), "--expect"), std::pair(flags.update, "--update")})
+    refuse(is_given && !is_one, flag, kTakesOne);
+  for (const GivenOutput& given : given_outputs(flags)) {
+    const std::string flag(given.output->flag);
+    refuse(!is_one && !given.output->of_several, flag, kTakesOne);
+    if (given.output->lacks == nullptr) continue;
+    const std::string lacking(given.output->lacks(flags));
+    refuse(!lacking.empty(), flag, lacking);
+  }
+  refuse(flags.update && flags.expected.empty(), "--update", kNeedsExpected);
+  refuse(!flags.map_with.empty() && flags.output("--map").empty(), "--map-with",
+         "needs --map FOLDER");
+  refuse(!flags.by.places.empty() && !flags.truth.path.empty(), "--places",
          "replaces the ground truth. Omit --ground-truth");
-  refuse(!inputs.by.places.empty() && !inputs.map_with.empty(), "--places",
+  refuse(!flags.by.places.empty() && !flags.map_with.empty(), "--places",
          "has answers for one result. Omit --map-with");
+  refuse(flags.top_k && flags.output("--pairs").empty(), "--top-k", "needs --pairs FILE");
+  if (flags.top_k) check_range("--top-k", *flags.top_k, kMaxPairs);
+  if (!flags.results.empty() && flags.matrix.empty() && flags.top_k.value_or(1) > 1)
+    throw Error(ErrorKind::usage,
+                "a result has one best match per query. For more, pass the matrix that was saved "
+                "with it, as in --matrix D.npy (vpr-query --save-matrix)");
 }
 
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames) {
@@ -271,31 +261,6 @@ void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> qu
           : fmt::format("{}: its {} rows are fewer than the frames of one window, {}. Set the "
                         "number of query frames with --query-frames, or correct {}",
                         inputs.source(), rows, inputs.window_length, kWindowFlag));
-}
-
-void claim_outputs(const Session& session, const EvalInputs& inputs) {
-  check_inputs(inputs);
-  refuse(!inputs.map.empty() && inputs.truth.dataset.empty(), "--map",
-         "needs --dataset, whose \"poses\" have the positions of frames");
-  refuse(!inputs.saved_trajectory.empty() && inputs.truth.dataset.empty() &&
-             inputs.truth.flags.options.reference.empty(),
-         "--save-trajectory",
-         "needs the positions of training frames: --dataset with \"poses\", or "
-         "--ground-truth-train");
-  refuse(inputs.top_k && inputs.pairs.empty(), "--top-k", "needs --pairs FILE");
-  if (inputs.top_k) check_range("--top-k", *inputs.top_k, kMaxPairs);
-  if (!inputs.result.empty() && inputs.matrix.empty() && inputs.top_k.value_or(1) > 1)
-    throw Error(ErrorKind::usage,
-                "a result has one best match per query. For more, pass the matrix that was saved "
-                "with it, as in --matrix D.npy (vpr-query --save-matrix)");
-  if (inputs.expected.empty() && inputs.has_expectation())
-    throw Error(ErrorKind::usage, "{} needs --expect, the file of expected values",
-                inputs.update ? "--update" : "--junit");
-  session.claim_output(
-      {inputs.html, inputs.frame_questions, inputs.place_questions, inputs.outcomes_csv,
-       inputs.recognitions_csv, inputs.saved_trajectory, inputs.pairs, inputs.junit},
-      inputs.plots);
-  if (!inputs.map.empty()) session.outputs.claim_folder(inputs.map, is_marked_folder);
 }
 
 }  // namespace vpr

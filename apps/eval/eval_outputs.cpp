@@ -1,4 +1,4 @@
-// The files of vpr-eval, except reports and tables: trajectories, pairs, plots, maps and pages.
+// The outputs of vpr-eval, except reports and tables: trajectories, pairs, plots, maps and pages.
 #include <algorithm>
 #include <cassert>
 #include <iterator>
@@ -19,6 +19,8 @@
 
 namespace vpr {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Positions of training frames in meters, from the data set or else from the ground truth.
 TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluation,
@@ -110,26 +112,26 @@ std::vector<std::optional<SequenceSource>> open_references(const std::vector<Nam
   return references;
 }
 
-FrameSources find_frames(const EvalInputs& inputs, const Evaluated& evaluated) {
+FrameSources find_frames(const EvalFlags& flags, const Evaluated& evaluated) {
   const Evaluation& evaluation = evaluated.evaluation;
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   FrameSources sources;
   std::vector<NamedSequence> train;
-  if (!inputs.truth.dataset.empty()) {
-    const Dataset dataset = read_dataset(inputs.truth.dataset);
+  if (!flags.truth.dataset.empty()) {
+    const Dataset dataset = read_dataset(flags.truth.dataset);
     const std::string& name = evaluation.query().name;
     const bool is_named = std::ranges::any_of(
         dataset.queries, [&](const DatasetQuery& query) { return query.sequence.name == name; });
     sources.query = open_sequence(
-        select_query(dataset, is_named ? std::optional(name) : inputs.query).sequence.sequence);
+        select_query(dataset, is_named ? std::optional(name) : flags.query).sequence.sequence);
     // The references of FAB-MAP are places, not training sequences.
     if (!evaluated.report.has_places()) train = dataset.train;
-  } else if (inputs.query) {
-    sources.query = open_sequence(parse_sequence_argument(*inputs.query));
+  } else if (flags.query) {
+    sources.query = open_sequence(parse_sequence_argument(*flags.query));
   }
   if (sources.query) require_frames(*sources.query, scope.query.recorded_frames(), "the query");
-  if (!inputs.train.empty()) train.clear();
-  for (const std::string& text : inputs.train) train.push_back({"", parse_sequence_argument(text)});
+  if (!flags.train.empty()) train.clear();
+  for (const std::string& text : flags.train) train.push_back({"", parse_sequence_argument(text)});
   sources.references = open_references(train, scope);
   FrameSources recorded = recorded_frames(scope, evaluated.stored.get());
   if (!sources.query) sources.query = std::move(recorded.query);
@@ -187,7 +189,202 @@ std::string name_of(const std::vector<std::string>& names, size_t frame) {
   return names[frame];
 }
 
+std::string html_text(const EvalRun& run, const Evaluated& evaluated) {
+  return evaluation_page(evaluated.evaluation, evaluated.report, run.session.run, run.summary,
+                         find_frames(run.flags, evaluated), run.session.monitor);
+}
+
+void draw_plots(const EvalRun& run, const Evaluated& evaluated, const fs::path& folder) {
+  draw_evaluation(evaluated.evaluation, evaluated.report, folder, run.session.monitor);
+}
+
+std::string questions_text(const EvalRun& run, const Evaluated& evaluated,
+                           decltype(place_questions_page)& page_of) {
+  const auto is_found = [](const auto& source) { return source.has_value(); };
+  const FrameSources sources = find_frames(run.flags, evaluated);
+  if (!sources.query || !std::ranges::all_of(sources.references, is_found))
+    throw Error(ErrorKind::usage,
+                "the images of the run have moved or changed. Pass them with --query and --train, "
+                "or --dataset");
+  return page_of(evaluated.evaluation, evaluated.report, sources, run.session.monitor);
+}
+
+void draw_map(const EvalRun& run, const Evaluated& evaluated, const fs::path& folder) {
+  const std::string& dataset = run.flags.truth.dataset;
+  std::optional<Evaluated> second;
+  if (!run.flags.map_with.empty())
+    second = evaluate(run.session, run.flags, {.result = run.flags.map_with, .needs_truth = false});
+  const RouteMap map = read_map(read_dataset(dataset), dataset, evaluated.evaluation);
+  std::vector<MapPanel> panels = {panel_of(evaluated)};
+  if (second) {
+    panels.push_back(panel_of(*second));
+    const std::string& query = evaluated.evaluation.query().name;
+    const std::string& other = second->evaluation.query().name;
+    if (other != query || panels[0].meanings.size() != panels[1].meanings.size())
+      throw Error(ErrorKind::usage,
+                  "{}: the query is {}, but the first result has the query {}. Pass two results of "
+                  "one query",
+                  run.flags.map_with, other, query);
+  }
+  draw_route_map(map, panels, folder, run.session.monitor);
+}
+
+std::string junit_text(const EvalRun& run, const Evaluated& evaluated) {
+  const std::string suite =
+      fmt::format("{} on {}", evaluated.report.method, evaluated.report.query);
+  return junit_xml(suite, run.flags.expected, run.checked);
+}
+
+std::string outcomes_text(const EvalRun& /*run*/, const Evaluated& evaluated) {
+  return outcomes_csv(evaluated.evaluation.judgment, evaluated.report.row_name,
+                      evaluated.evaluation.query().name);
+}
+
+std::string recognitions_text(const EvalRun& /*run*/, const Evaluated& evaluated) {
+  return recognitions_csv(*evaluated.evaluation.result, evaluated.report.row_name);
+}
+
+std::string pairs_text(const EvalRun& run, const Evaluated& evaluated) {
+  const Evaluation& evaluation = evaluated.evaluation;
+  return pair_list(run.session, run.flags, evaluation.matrix ? &*evaluation.matrix : nullptr,
+                   evaluation.judgment.layout,
+                   evaluation.result ? evaluation.result->result.get() : nullptr)
+      .text;
+}
+
+std::string trajectory_text(const EvalRun& run, const Evaluated& evaluated) {
+  const auto& [evaluation, by, report, stored] = evaluated;
+  const std::string& dataset = run.flags.truth.dataset;
+  const Monitor& monitor = run.session.monitor;
+  const GroundTruthOptions options =
+      by.ground_truth ? by.ground_truth->options : GroundTruthOptions{};
+  const TrainPositions positions = read_positions(
+      dataset.empty() ? Dataset{} : read_dataset(dataset), evaluation, options, monitor);
+  if (std::ranges::all_of(positions, [](const Poses& frames) { return frames.empty(); }))
+    throw Error(ErrorKind::usage,
+                "--save-trajectory: no searched training sequence has \"poses\" (FAB-MAP: "
+                "\"place_poses\") in the data set, or poses of --ground-truth-train");
+  return recognized_trajectory(evaluation, positions,
+                               times_of(evaluation, options, run.frames_per_second, monitor));
+}
+
+constexpr EvalOutput kOutputs[] = {
+    {.flag = "--html",
+     .help = "HTML page with charts and images; one file that opens without a network",
+     .group = kEssentialGroup,
+     .of_scores = true,
+     .text = html_text},
+    {.flag = "--plot",
+     .help = "folder for curves, timeline and matrix with ground truth, as SVG and PNG",
+     .group = kPictureGroup,
+     .of_scores = true,
+     .draw = draw_plots},
+    {.flag = "--ask-frames",
+     .help = "HTML page that shows the images of frames and their best matches, asks whether they "
+             "are the same place, and saves labels for --ground-truth, by which any result can be "
+             "judged",
+     .group = kPictureGroup,
+     .answers = "--ground-truth labels.csv",
+     .text =
+         [](const EvalRun& run, const Evaluated& evaluated) {
+           return questions_text(run, evaluated, frame_questions_page);
+         }},
+    {.flag = "--ask-places",
+     .help = "HTML page that shows images of each recognized place, asks whether it is the same "
+             "place, and saves the answers for --places",
+     .group = kPictureGroup,
+     .answers = "--places places.csv",
+     .text =
+         [](const EvalRun& run, const Evaluated& evaluated) {
+           return questions_text(run, evaluated, place_questions_page);
+         }},
+    {.flag = "--map",
+     .help = "folder for a map with plan, training paths and recognitions along the query's path, "
+             "as SVG and PNG; needs --dataset with poses",
+     .group = kPictureGroup,
+     .lacks = [](const EvalFlags& flags) -> std::string_view {
+       if (!flags.truth.dataset.empty()) return "";
+       return "needs --dataset, whose \"poses\" have the positions of frames";
+     },
+     .draw = draw_map},
+    {.flag = "--junit",
+     .help = "JUnit XML file with the comparison of --expect, one test case per value",
+     .group = kFileGroup,
+     .of_scores = true,
+     .lacks = [](const EvalFlags& flags) -> std::string_view {
+       return flags.expected.empty() ? kNeedsExpected : "";
+     },
+     .text = junit_text},
+    {.flag = "--outcomes-csv",
+     .help = "CSV file with one row per query: its best match and the verdict",
+     .group = kFileGroup,
+     .of_scores = true,
+     .of_several = true,
+     .header = kOutcomesHeader,
+     .text = outcomes_text},
+    {.flag = "--recognitions-csv",
+     .help = "CSV file with one row per recognized place: frames, recognitions and the verdict",
+     .group = kFileGroup,
+     .of_several = true,
+     .header = kRecognitionsHeader,
+     .text = recognitions_text},
+    {.flag = "--pairs",
+     .help = "list of the best references of each query, one \"query reference\" per line, as for "
+             "hloc; needs no ground truth",
+     .group = kFileGroup,
+     .of_scores = true,
+     .needs_truth = false,
+     .text = pairs_text},
+    {.flag = "--save-trajectory",
+     .help = "TUM trajectory of the positions of recognized frames (time x y z qx qy qz qw), as "
+             "for evo; needs poses of training frames: --dataset, or --ground-truth-train",
+     .group = kFileGroup,
+     .lacks = [](const EvalFlags& flags) -> std::string_view {
+       if (!flags.truth.dataset.empty() || !flags.truth.flags.options.reference.empty()) return "";
+       return "needs the positions of training frames: --dataset with \"poses\", or "
+              "--ground-truth-train";
+     },
+     .text = trajectory_text}};
+
 }  // namespace
+
+std::span<const EvalOutput> eval_outputs() { return kOutputs; }
+
+const std::string& EvalFlags::output(std::string_view flag) const {
+  const auto* found = std::ranges::find(kOutputs, flag, &EvalOutput::flag);
+  assert(found != std::end(kOutputs));
+  return outputs[static_cast<size_t>(found - kOutputs)];
+}
+
+std::vector<GivenOutput> given_outputs(const EvalFlags& flags) {
+  std::vector<GivenOutput> given;
+  for (size_t i = 0; i < flags.outputs.size(); ++i)
+    if (!flags.outputs[i].empty()) given.push_back({&kOutputs[i], flags.outputs[i]});
+  return given;
+}
+
+void claim_outputs(const Session& session, const std::vector<GivenOutput>& given) {
+  session.claim_output();
+  for (const auto& [output, path, text] : given)
+    if (output->draw != nullptr)
+      session.outputs.claim_folder(path, is_marked_folder);
+    else
+      session.outputs.claim_file(path);
+}
+
+void make_outputs(const EvalRun& run, const Evaluated& evaluated, std::vector<GivenOutput>& given) {
+  for (auto& [output, path, text] : given)
+    if (output->draw != nullptr)
+      output->draw(run, evaluated, run.session.outputs.folder(path, is_marked_folder).temporary());
+    else
+      text += output->text(run, evaluated);
+}
+
+void write_files(const Session& session, const std::vector<GivenOutput>& given) {
+  for (const auto& [output, path, text] : given)
+    if (output->text != nullptr)
+      session.outputs.file(path).write(std::string(output->header) + text);
+}
 
 std::string output_text(const Session& session, TableFormat format, const std::string& brief,
                         const std::string& tables) {
@@ -195,37 +392,18 @@ std::string output_text(const Session& session, TableFormat format, const std::s
   return session.options.verbose ? brief + "\n" + tables : brief;
 }
 
-void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
-                      std::optional<double> frames_per_second) {
-  if (inputs.saved_trajectory.empty()) return;
-  const auto& [evaluation, by, report, run] = evaluated;
-  const GroundTruthOptions options =
-      by.ground_truth ? by.ground_truth->options : GroundTruthOptions{};
-  const TrainPositions positions =
-      read_positions(inputs.truth.dataset.empty() ? Dataset{} : read_dataset(inputs.truth.dataset),
-                     evaluation, options, session.monitor);
-  if (std::ranges::all_of(positions, [](const Poses& frames) { return frames.empty(); }))
-    throw Error(ErrorKind::usage,
-                "--save-trajectory: no searched training sequence has \"poses\" (FAB-MAP: "
-                "\"place_poses\") in the data set, or poses of --ground-truth-train");
-  const FrameTimes times = times_of(evaluation, options, frames_per_second, session.monitor);
-  session.outputs.file(inputs.saved_trajectory)
-      .write(recognized_trajectory(evaluation, positions, times));
-}
-
-size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
+PairList pair_list(const Session& session, const EvalFlags& flags, const ScoreMatrix* matrix,
                    const ScoreLayout& layout, const Result* result) {
   constexpr uint64_t kDefaultPairs = 10;  // of scores
-  if (inputs.pairs.empty()) return 0;
   assert(matrix != nullptr || result != nullptr);
   const std::vector<MatchedFrame> pairs =
       matrix == nullptr
           ? best_pairs(*result)
-          : best_pairs(*matrix, layout, inputs.top_k.value_or(result ? 1 : kDefaultPairs),
+          : best_pairs(*matrix, layout, flags.top_k.value_or(result ? 1 : kDefaultPairs),
                        session.monitor);
   const size_t sequences = layout.scope.sequences.size();
-  const std::vector<std::string> query = query_names(inputs);
-  std::vector<std::vector<std::string>> train = train_names(inputs);
+  const std::vector<std::string> query = query_names(flags);
+  std::vector<std::vector<std::string>> train = train_names(flags);
   if (sequences > 1 && train.size() < sequences)
     throw Error(ErrorKind::usage,
                 "--pairs: name the frames of all {} training sequences, in the order of the "
@@ -245,64 +423,7 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
     text += has_blanks ? fmt::format("{},{}\n", csv_field(left), csv_field(right))
                        : fmt::format("{} {}\n", left, right);
   }
-  session.outputs.file(inputs.pairs).write(text);
-  return pairs.size();
-}
-
-void write_plots(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
-                 const std::string& summary) {
-  const Evaluation& evaluation = evaluated.evaluation;
-  const Report& report = evaluated.report;
-  if (!inputs.html.empty())
-    session.outputs.file(inputs.html)
-        .write(evaluation_page(evaluation, report, session.run, summary,
-                               find_frames(inputs, evaluated), session.monitor));
-  if (!inputs.plots.empty())
-    draw_evaluation(evaluation, report,
-                    session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
-                    session.monitor);
-}
-
-void write_questions(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {
-  const auto is_found = [](const auto& source) { return source.has_value(); };
-  const auto write = [&](const std::string& path, const auto& page_of) {
-    if (path.empty()) return;
-    const FrameSources sources = find_frames(inputs, evaluated);
-    if (!sources.query || !std::ranges::all_of(sources.references, is_found))
-      throw Error(ErrorKind::usage,
-                  "the images of the run have moved or changed. Pass them with --query and "
-                  "--train, or --dataset");
-    session.outputs.file(path).write(
-        page_of(evaluated.evaluation, evaluated.report, sources, session.monitor));
-  };
-  write(inputs.place_questions, place_questions_page);
-  write(inputs.frame_questions, frame_questions_page);
-}
-
-void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {
-  if (inputs.map.empty()) return;
-  std::optional<Evaluated> second;
-  if (!inputs.map_with.empty()) {
-    EvalInputs other = inputs;
-    other.result = inputs.map_with;
-    other.matrix.clear();
-    second = evaluate(session, other);
-  }
-  const RouteMap map =
-      read_map(read_dataset(inputs.truth.dataset), inputs.truth.dataset, evaluated.evaluation);
-  std::vector<MapPanel> panels = {panel_of(evaluated)};
-  if (second) {
-    panels.push_back(panel_of(*second));
-    const std::string& query = evaluated.evaluation.query().name;
-    const std::string& other = second->evaluation.query().name;
-    if (other != query || panels[0].meanings.size() != panels[1].meanings.size())
-      throw Error(ErrorKind::usage,
-                  "{}: the query is {}, but the first result has the query {}. Pass two results of "
-                  "one query",
-                  inputs.map_with, other, query);
-  }
-  draw_route_map(map, panels, session.outputs.folder(inputs.map, is_marked_folder).temporary(),
-                 session.monitor);
+  return {pairs.size(), std::move(text)};
 }
 
 }  // namespace vpr
