@@ -23,8 +23,8 @@ struct SideBySide {
   bool omits_frames = false;        ///< these are not all frames of the query
 };
 
-/// The limits of a comparison with this report: its selection of frames, a threshold that was
-/// chosen from the ground truth, cautions and, if `differ`, its ground truth. Empty: none.
+/// Restrictions on a comparison of the report: its selection of frames, a threshold that was chosen
+/// from the ground truth, cautions and, if `differ`, its ground truth. Empty: none.
 std::string note_of(const Report& report, bool is_comparable, bool differ);
 
 /// Reports over all of their frames. Those with the ground truth of the first one are comparable.
