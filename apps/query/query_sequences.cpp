@@ -182,7 +182,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   LiveLines lines(database, query.name, settings, resources, session.monitor);
   std::vector<double> times_ms;
   const auto finish = [&] {
-    if (const auto line = lines.finish()) session.print_line(*line);
+    if (const auto result = lines.finish()) session.print_line(lines.line(result));
   };
   const auto report = [&] {
     if (!session.options.quiet) write_to_stderr(latency_text(times_ms) + "\n");
@@ -190,7 +190,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   try {
     while (const auto frame = query.source.next(silent)) {
       const Stopwatch watch;
-      session.print_line(lines.take(*frame, silent));
+      session.print_line(lines.line(lines.take(*frame, silent)));
       times_ms.push_back(1e3 * watch.elapsed_s());
     }
     finish();

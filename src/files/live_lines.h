@@ -28,11 +28,16 @@ class LiveLines {
             const ResolvedSettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
-  /// Describes and matches the next frame. One that cannot be decoded throws Error(input); with
-  /// skip_unreadable, it is a warning, and the frame is missing.
-  Json take(const LiveFrame& frame, const Monitor& monitor);
-  /// The decisions at the end of the query; nullopt if there are none.
-  std::optional<Json> finish();
+  /// Describes and matches the next frame, and returns as LiveQuery::take does. A frame that cannot
+  /// be decoded throws Error(input); with skip_unreadable, it is a warning, and the frame is
+  /// missing.
+  std::optional<Result> take(const LiveFrame& frame, const Monitor& monitor);
+  /// As LiveQuery::finish.
+  std::optional<Result> finish() { return query_.finish(); }
+  /// The latest frame; there must be one.
+  const LineFrame& last() const { return last_; }
+  /// The line of the latest frame with its result.
+  Json line(const std::optional<Result>& result) const;
 
  private:
   const SequenceDatabase& database_;
