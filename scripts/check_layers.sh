@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 stages=(base sequence truth synth describe store match settings decide run evaluate files
-  chart present fabmap tune loops bench python)
+  chart present fabmap tune loops bench vpr python)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
 # These are alternatives: none may include another.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the Debian packages, checks them with lintian, installs them into an empty Debian of this machine's
-# release, and runs the examples of every -h and the Python module there. Needs root and network access; not part of
+# release, and runs the examples of every -h, the Python module, and examples/ with the library for C++ there. Needs root and network access; not part of
 # scripts/test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,7 +9,8 @@ cmake --preset release >/dev/null
 cmake --build --preset release --target package
 programs=$(realpath "$(ls -t build/release/vpr-toolkit_*.deb | head -1)")
 module=$(realpath "$(ls -t build/release/python3-vpr-toolkit_*.deb | head -1)")
-lintian --fail-on error "$programs" "$module"
+library=$(realpath "$(ls -t build/release/libvpr-toolkit-dev_*.deb | head -1)")
+lintian --fail-on error "$programs" "$module" "$library"
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 # The packages bring their own dependencies.
@@ -18,6 +19,7 @@ find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + 
   mmdebstrap --variant=apt --include=man-db "$release" "$root/debian" - >/dev/null
 cp "$programs" "$root/debian/vpr-toolkit.deb"
 cp "$module" "$root/debian/python3-vpr-toolkit.deb"
+cp "$library" "$root/debian/libvpr-toolkit-dev.deb"
 cp test/cli/examples.sh "$root/debian/examples.sh"
 chroot "$root/debian" bash -euo pipefail -c '
   export DEBIAN_FRONTEND=noninteractive
@@ -34,5 +36,10 @@ chroot "$root/debian" bash -euo pipefail -c '
   done
   for file in copyright changelog.gz README.md; do test -s /usr/share/doc/vpr-toolkit/$file; done
   ./examples.sh /usr/bin /usr/share/vpr-toolkit/example
-  python3 -c "import vpr; print(vpr.__version__)"'
-echo "$programs, $module: install and run in an empty Debian $release"
+  python3 -c "import vpr; print(vpr.__version__)"
+  apt-get install -y -qq --no-install-recommends ./libvpr-toolkit-dev.deb g++ cmake make >/dev/null
+  cmake -S /usr/share/doc/libvpr-toolkit-dev/examples -B example >/dev/null
+  cmake --build example >/dev/null
+  cd /usr/share/vpr-toolkit/example
+  /example/recognize monday tuesday pairs.csv | tail -2'
+echo "$programs, $module, $library: install and run in an empty Debian $release"

@@ -174,7 +174,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   LiveLines lines(database, query.name, settings, resources, session.monitor);
   std::vector<double> times_ms;
   const auto finish = [&] {
-    if (const auto line = lines.finish()) session.print_line(*line);
+    if (const auto result = lines.finish()) session.print_line(lines.line(result));
   };
   const auto report = [&] {
     if (!session.options.quiet) write_to_stderr(latency_text(times_ms) + "\n");
@@ -182,9 +182,10 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   try {
     while (const auto frame = query.source.next(silent)) {
       const Stopwatch watch;
-      const std::optional<Json> line = lines.take(*frame, silent);
-      if (!line) continue;
-      session.print_line(*line);
+      const size_t frames = lines.frames();
+      const std::optional<Result> result = lines.take(*frame, silent);
+      if (lines.frames() == frames) continue;  // it is gone
+      session.print_line(lines.line(result));
       times_ms.push_back(1e3 * watch.elapsed_s());
     }
     finish();

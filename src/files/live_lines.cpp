@@ -46,7 +46,7 @@ LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_
       skip_unreadable_(settings->skip_unreadable),
       query_(database, query_name, settings, resources, monitor) {}
 
-std::optional<Json> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
+std::optional<Result> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
   std::optional<DescriptorSet> described;
   try {
     if (frame.is_unreadable)
@@ -67,14 +67,12 @@ std::optional<Json> LiveLines::take(const LiveFrame& frame, const Monitor& monit
   if (described) check_descriptors(database_.descriptors, described->descriptors);
   const std::vector<uint8_t> zeros(database_.descriptors.shape().row_bytes());
   ArrivedFrame arrived{described ? described->rows()[0] : zeros, described.has_value()};
-  const std::optional<Result> result = query_.take(arrived);
   last_ = {frames_++, frame.name, arrived.is_readable};
-  return live_line(last_, result ? &*result : nullptr, 0);
+  return query_.take(arrived);
 }
 
-std::optional<Json> LiveLines::finish() {
-  const std::optional<Result> result = query_.finish();
-  return result ? std::optional(live_line(last_, &*result, 0)) : std::nullopt;
+Json LiveLines::line(const std::optional<Result>& result) const {
+  return live_line(last_, result ? &*result : nullptr, 0);
 }
 
 }  // namespace vpr

@@ -28,12 +28,18 @@ class LiveLines {
             const ResolvedSettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
-  /// Describes and matches the next frame. One that cannot be decoded throws Error(input); with
-  /// skip_unreadable, it is a warning, and the frame is missing. Nullopt, with a warning, for a
-  /// frame that may be gone and is.
-  std::optional<Json> take(const LiveFrame& frame, const Monitor& monitor);
-  /// The decisions at the end of the query; nullopt if there are none.
-  std::optional<Json> finish();
+  /// Describes and matches the next frame, and returns as LiveQuery::take does. A frame that cannot
+  /// be decoded throws Error(input); with skip_unreadable, it is a warning, and the frame is
+  /// missing. A frame that may be gone and is, is a warning, and not counted.
+  std::optional<Result> take(const LiveFrame& frame, const Monitor& monitor);
+  /// As LiveQuery::finish.
+  std::optional<Result> finish() { return query_.finish(); }
+  /// The number of frames that were counted.
+  size_t frames() const { return frames_; }
+  /// The latest frame; there must be one.
+  const LineFrame& last() const { return last_; }
+  /// The line of the latest frame with its result.
+  Json line(const std::optional<Result>& result) const;
 
  private:
   const SequenceDatabase& database_;

@@ -13,11 +13,6 @@
 #include "base/error.h"
 #include "base/provenance.h"
 #include "base/simd.h"
-#include "describe/imported.h"
-#include "fabmap/word_training.h"
-#include "run/train_sequences.h"
-#include "store/archive.h"
-#include "truth/times.h"
 
 namespace py = pybind11;
 
@@ -68,7 +63,6 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
     std::vector<std::string> warnings;
   };
   constexpr std::chrono::milliseconds kPeriod(50);
-  static std::timed_mutex turn;
   std::mutex mutex;  // of the reports
   Reports reports;
   std::atomic<bool> stop{false};
@@ -84,9 +78,7 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
     reports.warnings.push_back(shown(sentence));
   };
   std::future<void> result = std::async(std::launch::async, [&] {
-    std::unique_lock lock(turn, std::defer_lock);
-    while (!lock.try_lock_for(kPeriod)) check_stop(monitor);
-    const ProcessScope scope(process);
+    const calls::ProcessTurn turn(keywords.process, monitor);
     work(monitor);
   });
   works().add(stop);
@@ -120,13 +112,8 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
   }
 }
 
-void save(bool force, const RunInfo& run, const std::function<void(Outputs& outputs)>& write) {
-  Call{"vpr.save"}.run([&](const Monitor&) {
-    Outputs outputs(force ? Existing::replace : Existing::refuse);
-    for (const auto& [role, path] : run.paths) outputs.protect(parse_sequence_argument(path).path);
-    write(outputs);
-    outputs.commit();
-  });
+void save(const std::function<void()>& write) {
+  Call{{"vpr.save", Json::object()}}.run([&](const Monitor&) { write(); });
 }
 
 py::array array_of(const py::object& values, const std::string& name) {
@@ -160,76 +147,41 @@ std::shared_ptr<const NpyArray> view_of(py::array array, const std::string& name
 }
 
 std::vector<NamedArgument> arguments_of(const Sources& sources, const std::string& array_name) {
-  std::vector<SequenceArgument> arguments;
-  for (const auto& [given, source] : sources) {
+  std::vector<calls::Frames> frames;
+  for (const auto& [name, source] : sources) {
     if (const auto* path = std::get_if<std::filesystem::path>(&source)) {
-      arguments.push_back(parse_sequence_argument(path->string()));
+      frames.push_back({name, *path});
       continue;
     }
     const auto& array = std::get<py::object>(source);
     if (array.is_none())
       throw Error(ErrorKind::usage, "frames are missing: pass images or descriptors");
-    const std::string number = sources.size() > 1 ? std::to_string(arguments.size()) : "";
-    const std::string name = given.empty() ? array_name + number : given;
-    arguments.push_back({.path = name, .range = {}, .array = view_of(array_of(array, name), name)});
+    frames.push_back({name, [array](const std::string& shown) {
+                        return view_of(array_of(array, shown), shown);
+                      }});
   }
-  const std::vector<std::string> names = sequence_names(arguments);
-  std::vector<NamedArgument> named;
-  for (size_t i = 0; i < arguments.size(); ++i)
-    named.push_back({sources[i].first.empty() ? names[i] : sources[i].first, arguments[i]});
-  return named;
+  return calls::named_arguments(frames, array_name);
 }
 
 py::object fields_of(const Json& json) {
   return py::module_::import("vpr").attr("_read")(to_line(json));
 }
 
-SequenceDatabase& Database::sequences() {
-  if (auto* found = std::get_if<SequenceDatabase>(&content)) return *found;
-  throw Error(ErrorKind::data, "the database is for fabmap, which has no frame descriptors");
-}
-
 namespace {
 
-Database train(Call& call, const Sources& sources, const Sources& other) {
-  constexpr std::array kOfImages = {"descriptor", "illumination_invariant"};
-  constexpr std::array kOfArrays = {"metric", "value_bits"};
-  std::vector<NamedArgument> named = arguments_of(sources, "train");
+calls::DatabasePointer train(Call& call, const Sources& sources, const Sources& other) {
+  const std::vector<NamedArgument> named = arguments_of(sources, "train");
   std::vector<SequenceArgument> pretrain;
   for (const NamedArgument& one : arguments_of(other, "pretrain")) pretrain.push_back(one.sequence);
-  SelectionSettings selection;
-  ImportSettings import;
-  SequenceTrainSettings settings;
-  FabmapTrainSettings words;
-  pretrain.empty() ? call.read(selection, import, settings) : call.read(words);
-  Database made;
+  calls::DatabasePointer made;
   call.run([&](const Monitor& monitor) {
-    for (NamedArgument& one : named)
-      one.sequence = selected(one.sequence, selection, {}, call.process.seed, monitor);
-    const SequenceSource first = open_sequence(named.front().sequence);
-    const bool has_arrays = first.kind == SequenceKind::descriptors;
-    const auto refuse = [&](std::span<const char* const> keys, std::string_view what) {
-      for (const char* key : keys)
-        if (call.keywords.contains(key))
-          throw Error(ErrorKind::usage, "{} has no effect on {}. Omit it", key, what);
-    };
-    if (has_arrays) refuse(kOfImages, "descriptors");
-    if (!has_arrays) refuse(kOfArrays, "images");
-    if (has_arrays && ArrayRows(first).type().starts_with('|'))
-      refuse(kOfArrays, "bits, which uint8 and bool are");
-    if (has_arrays) settings.descriptor_kind = imported_kind(first, import, monitor);
-    if (pretrain.empty())
-      made.content = train_sequences(named, settings, monitor);
-    else
-      made.content = train_fabmap(pretrain, named, words, call.process.seed, monitor);
-    std::visit([](auto& content) { content.fingerprint = database_fingerprint(content); },
-               made.content);
+    made = calls::train(call.keywords, named, pretrain, monitor);
   });
   return made;
 }
 
 // A view that keeps the database.
-py::array descriptors_of(const DatabasePointer& database) {
+py::array descriptors_of(const calls::DatabasePointer& database) {
   const DescriptorRows& rows = database->sequences().descriptors.rows();
   const ElementType element = rows.shape.element;
   const bool is_wide = element == ElementType::int16 || element == ElementType::points16;
@@ -242,33 +194,25 @@ py::array descriptors_of(const DatabasePointer& database) {
 
 void add_databases(py::module_& module) {
   using namespace py::literals;
-  py::class_<Database, DatabasePointer>(module, "Database",
-                                        "Training sequences, from train or load.")
+  py::class_<calls::Database, calls::DatabasePointer>(module, "Database",
+                                                      "Training sequences, from train or load.")
       .def(
           "save",
-          [](const Database& database, const std::filesystem::path& path, bool force) {
-            save(force, {}, [&](Outputs& outputs) {
-              outputs.claim_folder(path, is_database_folder);
-              write_database(path, database.content, outputs);
-            });
+          [](const calls::Database& database, const std::filesystem::path& path, bool force) {
+            save([&] { calls::save(database, path, force); });
           },
           "path"_a, "force"_a = false,
           "Writes the folder that vpr-train writes. force: replaces a database.")
-      .def_property_readonly(
-          "sequences",
-          [](const Database& database) {
-            return std::visit([](const auto& content) { return names_of(content); },
-                              database.content);
-          },
-          "Names of the training sequences.")
+      .def_property_readonly("sequences", &calls::Database::names,
+                             "Names of the training sequences.")
       .def_property_readonly(
           "descriptors", descriptors_of,
           "Stored descriptors, one row per frame of all sequences, as a read-only view: bits (8 "
           "per\nvalue) and images are uint8, vectors int16 or int8. Not for FAB-MAP.");
   module.def("train", train);
   module.def("load_database", [](const Call& call, const std::filesystem::path& path) {
-    Database database{{}, path.string()};
-    call.run([&](const Monitor&) { database.content = read_database(path); });
+    calls::DatabasePointer database;
+    call.run([&](const Monitor&) { database = calls::read_database(path); });
     return database;
   });
 }
@@ -307,7 +251,7 @@ PYBIND11_MODULE(_vpr, module) {
           [](const std::string& function, const std::string& keywords, const py::object& progress) {
             std::optional<Json> json = parse_json(keywords);
             if (!json) throw Error(ErrorKind::usage, "{}: a setting is not valid text", function);
-            return Call{function, *std::move(json), progress};
+            return Call{{function, *std::move(json)}, progress};
           }))
       .def_readwrite("folder", &Call::folder);
   module.def("array_of", array_of);

@@ -2,119 +2,31 @@
 #include <opencv2/core.hpp>
 
 #include "base/error.h"
-#include "base/stopwatch.h"
-#include "fabmap/place_query.h"
-#include "files/live_lines.h"
-#include "files/run_info.h"
-#include "loops/sequence_query.h"
 #include "present/result_text.h"
 #include "python/module.h"
-#include "run/open.h"
-#include "truth/times.h"
 
 namespace py = pybind11;
 
 namespace vpr {
 namespace {
 
-/// A query by a sequence method, from the keywords of a call.
-struct SequenceQuery {
-  QueryInputs inputs;
-  SelectionSettings selection;
-  QueryResources resources;
-  ResolvedSettings settings;
+using calls::DatabasePointer;
+using calls::ResultPointer;
 
-  /// `command`: of vpr-query.
-  SequenceQuery(Call& call, Feature command) {
-    const bool is_loop = command == Feature::loops;
-    SequenceQuerySettings chosen;
-    NestedObject own{[&](auto&& visit) {
-      visit("max_memory", resources.memory_limit);
-      if (command == Feature::query) visit_fields(selection, visit);
-      if (is_loop) visit("frame_times", inputs.frame_times);
-    }};
-    call.read(own, chosen);
-    resources.seed = call.process.seed;
-    chosen.loop = is_loop;
-    std::vector<std::string> keys;
-    for (const auto& item : call.keywords.items()) keys.push_back(item.key());
-    Features run = {command};
-    if (!is_loop) run.push_back(Feature::database);
-    if (!call.keywords.contains("method")) chosen.method = default_method(command, keys);
-    add_given_features(run, chosen, keys);
-    settings = ResolvedSettings(chosen, run);
-  }
-
-  /// Adds what the settings need.
-  void prepare(const DatabasePointer& database, const Monitor& monitor) {
-    inputs.database = {database, &database->sequences()};
-    prepare_database(*inputs.database, settings, monitor);
-  }
-
-  QueryRun run(ResultContext& context, const Monitor& monitor) const {
-    const QueryData data = open_query(inputs, settings, context, monitor);
-    return run_query(data, settings, resources, {}, context, monitor);
-  }
-};
-
-using ResultPointer = std::shared_ptr<StoredResult>;
-
-// The result of a query, which adds its own inputs to the context.
-ResultPointer result_of(
-    const Call& call, const DatabasePointer& database,
-    const std::function<QueryRun(ResultContext& context, const Monitor& monitor)>& query) {
-  const auto made = std::make_shared<StoredResult>();
+ResultPointer query_of(Call& call, Feature command, const DatabasePointer& database,
+                       const QueryInputs& inputs) {
+  ResultPointer made;
   call.run([&](const Monitor& monitor) {
-    const Stopwatch watch;
-    ResultContext& context = made->context;
-    context.run = run_of("vpr-query", {call.function}, call.process.seed);
-    if (database && !database->path.empty()) context.run.paths["database"] = database->path;
-    QueryRun run = query(context, monitor);
-    made->result = std::move(run.result);
-    context.seconds = std::move(run.seconds);
-    context.seconds["total"] = watch.elapsed_s();
+    made = calls::query(call.keywords, command, database, inputs, monitor);
   });
   return made;
-}
-
-ResultPointer query_places(Call& call, const DatabasePointer& database, NamedArgument query,
-                           bool is_loop) {
-  SelectionSettings selection;
-  FabmapQuerySettings settings;
-  is_loop ? call.read(settings) : call.read(settings, selection);
-  settings.loop = is_loop;
-  const auto& places = std::get<FabmapDatabase>(database->content);
-  return result_of(call, database, [&](ResultContext& context, const Monitor& monitor) {
-    query.sequence = selected(query.sequence, selection, {}, call.process.seed, monitor);
-    set_query_path(context.run, query.sequence);
-    const SequenceWords words =
-        describe_words(open_sequence(query.sequence), places, settings.skip_unreadable, monitor);
-    context.database_fingerprint = places.fingerprint;
-    context.query_fingerprint = words_fingerprint(words);
-    return query_fabmap(
-        places, words, query.name, settings, call.process.seed, [](auto, auto) {}, monitor);
-  });
 }
 
 // Without a database: windows of loops.
 ResultPointer query(Call& call, const DatabasePointer& database, const std::string& name,
                     const Source& source, bool is_loop) {
   const NamedArgument query = arguments_of({{name, source}}, "query").front();
-  if (database && std::holds_alternative<FabmapDatabase>(database->content))
-    return query_places(call, database, query, is_loop);
-  if (database && is_loop)
-    throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
-  SequenceQuery by(call, is_loop ? Feature::loops : Feature::query);
-  by.inputs.query = query;
-  if (is_loop) return result_of(call, nullptr, std::bind_front(&SequenceQuery::run, &by));
-  return result_of(call, database, [&](ResultContext& context, const Monitor& monitor) {
-    SequenceArgument& sequence = by.inputs.query.sequence;
-    sequence = selected(sequence, by.selection, {}, call.process.seed, monitor);
-    by.prepare(database, monitor);
-    context.train =
-        std::make_shared<const std::vector<TrainSequence>>(by.inputs.database->sequences);
-    return by.run(context, monitor);
-  });
+  return query_of(call, is_loop ? Feature::loops : Feature::query, database, {query});
 }
 
 ResultPointer load(const Call& call, const std::filesystem::path& path) {
@@ -124,12 +36,7 @@ ResultPointer load(const Call& call, const std::filesystem::path& path) {
 }
 
 void save_result(const StoredResult& result, const std::filesystem::path& path, bool force) {
-  if (!result.fingerprint.empty())
-    throw Error(ErrorKind::usage, "the result was read from a file. Copy its files instead");
-  save(force, result.context.run, [&](Outputs& outputs) {
-    claim_result(path, outputs);
-    write_result(path, result.result, result.context, outputs);
-  });
+  save([&] { calls::save(result, path, force); });
 }
 
 // A copy, with columns as fields.
@@ -166,20 +73,15 @@ std::shared_ptr<const cv::Mat> picture_of(const py::object& frame) {
 
 struct Live {
   Call call;
-  SequenceQuery by;
-  std::optional<LiveLines> lines;
-  bool is_finished = false;
+  std::unique_ptr<calls::Live> live;
 
-  Live(Call given, const DatabasePointer& database)
-      : call(std::move(given)), by(call, Feature::live) {
+  Live(Call given, const DatabasePointer& database) : call(std::move(given)) {
     call.run([&](const Monitor& monitor) {
-      by.prepare(database, monitor);
-      lines.emplace(*by.inputs.database, "live", by.settings, by.resources, monitor);
+      live = std::make_unique<calls::Live>(call.keywords, database, monitor);
     });
   }
 
   py::object add(const Source& frame, const std::string& name) {
-    if (is_finished) throw Error(ErrorKind::usage, "the query is finished. Make another vpr.Live");
     LiveFrame image;
     image.name = name;
     if (const auto* path = std::get_if<std::filesystem::path>(&frame)) {
@@ -187,20 +89,22 @@ struct Live {
       image.file = *path;
       if (name.empty()) image.name = path->filename().string();
     } else if (const auto& values = std::get<py::object>(frame); !values.is_none()) {
-      if (by.inputs.database->descriptors.kind->is_imported)
+      if (live->has_arrays())
         image.array = view_of(array_of(values, "frame").attr("reshape")(1, -1), name);
       else
         image.picture = picture_of(values);
     }
     Json line;
-    call.run([&](const Monitor& monitor) { line = *lines->take(image, monitor); });
+    call.run(
+        [&](const Monitor& monitor) { line = live->lines().line(live->take(image, monitor)); });
     return fields_of(line);
   }
 
   py::object finish() {
-    is_finished = true;
     Json line;  // null becomes None
-    call.run([&](const Monitor&) { line = lines->finish().value_or(Json()); });
+    call.run([&](const Monitor&) {
+      if (const auto result = live->finish()) line = live->lines().line(result);
+    });
     return fields_of(line);
   }
 };
@@ -227,7 +131,7 @@ struct Distances {
 
 std::shared_ptr<Distances> distances(Call& call, const DatabasePointer& database,
                                      const Source& source) {
-  call.read();
+  call.keywords.read();
   const SequenceArgument query = arguments_of({{"", source}}, "query").front().sequence;
   const SequenceDatabase& sequences = database->sequences();
   const auto made = std::make_shared<Distances>();

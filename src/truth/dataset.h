@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -77,12 +79,21 @@ void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("train_offset_s", options.train.offset_s);
 }
 
+/// A query frame and a training frame of the same place, by the frames of their recordings.
+struct PlacePair {
+  size_t query = 0;
+  size_t reference = 0;
+  std::string sequence = {};  ///< of the training frame; empty: the only one that was searched
+};
+
 /// The path and the format of a ground truth, with its options.
 struct GroundTruthArgument {
   std::string format;  ///< a word ("aligned") or the name of a format; empty: detected by content
   std::filesystem::path path = {};
   int tolerance_frames = 0;
   GroundTruthOptions options = {};
+  /// The pairs of the format "pairs" in memory instead of a file, which `path` names in messages.
+  std::shared_ptr<const std::vector<PlacePair>> pairs = {};
 };
 
 /// A query of a data set and its ground truths.

@@ -92,7 +92,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        [](const FileStart& start) {
          return has_columns(start.header, {"query", "reference"});
        },
-       read_pairs_csv,
+       read_pairs,
        write_pairs_csv},
       {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions,
        [](const FileStart& start) { return is_pose_header(start.header); }, read_poses},

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -107,6 +109,25 @@ bool read_row(GroundTruthBuilder& builder, const Rows& rows, const FrameRange& r
     builder.add(*query, sequence, *reference, *reference,
                 label == "ignore" ? PlaceLabel::ignore : PlaceLabel::same);
   return query.has_value();
+}
+
+std::string pairs_protocol(const GroundTruthBuilder& builder, size_t pairs) {
+  const std::string text = "pairs: " + counted(pairs, "labeled pair");
+  const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
+  if (tolerance == 0) return text;
+  return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
+}
+
+std::string read_pairs_in_memory(GroundTruthBuilder& builder, std::span<const PlacePair> pairs) {
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const PlacePair& pair = pairs[i];
+    builder.at("pair", i);
+    const size_t sequence = pair.sequence.empty()
+                                ? builder.only_searched("a pair without the name of its sequence")
+                                : builder.find_sequence(pair.sequence);
+    builder.add(pair.query, sequence, pair.reference, pair.reference, PlaceLabel::same);
+  }
+  return pairs_protocol(builder, pairs.size());
 }
 
 // Anchors have the same header as pairs, but a different meaning for the frames between them.
@@ -246,7 +267,8 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
 
 }  // namespace
 
-std::string read_pairs_csv(GroundTruthBuilder& builder) {
+std::string read_pairs(GroundTruthBuilder& builder) {
+  if (builder.argument().pairs) return read_pairs_in_memory(builder, *builder.argument().pairs);
   const std::filesystem::path& path = builder.argument().path;
   const SequenceArgument source = parse_sequence_argument(path.string());
   Rows rows(source.path, path.string(), {{"query", "reference", "sequence", "label"}, 2});
@@ -286,10 +308,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
         read_row(builder, rows, source.range, columns[0], sequence, columns[sequence + 1]) ? 1 : 0;
   }
   if (builder.argument().format.empty()) warn_of_anchors(builder, rows);
-  const std::string text = "pairs: " + counted(pairs, "labeled pair");
-  const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
-  if (tolerance == 0) return text;
-  return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
+  return pairs_protocol(builder, pairs);
 }
 
 void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,

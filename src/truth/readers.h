@@ -129,8 +129,8 @@ void require_writable(uint64_t count, uint64_t most, std::string_view what);
 /// the name of a frame. Requires exactly one searched
 /// sequence if there is no sequence column. The path may end in a range (pairs.csv@60:111), which
 /// selects the query's frames with its step; other pairs are skipped. Throws Error(data), with the
-/// line.
-std::string read_pairs_csv(GroundTruthBuilder& builder);
+/// line. Pairs in memory (GroundTruthArgument::pairs) are read instead; errors have their index.
+std::string read_pairs(GroundTruthBuilder& builder);
 
 /// One pair per line, with the tolerance applied; writes the columns sequence and label only if
 /// needed.

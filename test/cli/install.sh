@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests an installation: programs, completions and manual pages.
+# Tests an installation: programs, completions, manual pages, and the library for C++.
 #   install.sh BUILD CMAKE [PYTHON]
 set -euo pipefail
 build=$1 cmake=$2
@@ -22,6 +22,9 @@ done
 [[ -s $out/share/vpr-toolkit/worlds/small.json ]]
 "$(dirname "$0")/examples.sh" "$out/bin" "$out/share/vpr-toolkit/example"
 [[ -x $out/share/vpr-toolkit/convert/mat.py ]]
+for file in include/vpr/vpr.h libvpr.a cmake/vpr/vprConfig.cmake libvpr-toolkit-dev/examples/recognize.cpp; do
+  [[ -n $(find "$out" -path "*/$file" -size +0) ]] || { echo "$file is missing"; exit 1; }
+done
 if [[ -n ${3:-} ]]; then  # Python, if the module is built
   (cd "$out" && PYTHONPATH=$(dirname "$out"/lib/python3*/dist-packages/vpr) "$3" -c 'import vpr; vpr.train') ||
     { echo "the Python module is missing"; exit 1; }

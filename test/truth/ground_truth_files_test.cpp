@@ -23,6 +23,20 @@ TEST_CASE("pairs are joined to runs and detected by content") {
   CHECK(found.findings[size_t(FindingKind::duplicate)].count == 1);
 }
 
+TEST_CASE("pairs in memory have the labels of their file") {
+  const auto labels = [](std::vector<PlacePair> pairs, int tolerance = 0) {
+    GroundTruthArgument argument{"pairs", "pairs", tolerance};
+    argument.pairs = std::make_shared<const std::vector<PlacePair>>(std::move(pairs));
+    return read_labels(argument, 2, 4);
+  };
+  CHECK(labels({{0, 2}, {0, 1}, {0, 1}, {1, 0, "ref"}}) == ".SS. S...");
+  CHECK(labels({{0, 2}}, 1) == ".SSS ....");
+  CHECK(labels({}) == ".... ....");
+  test::check_refused([&] { labels({{0, 0}, {2, 0}}); }, "pairs, pair 1: query 2 is out of range");
+  test::check_refused([&] { labels({{0, 4}}); }, "pairs, pair 0: reference 4 is out of range");
+  test::check_refused([&] { labels({{0, 0, "other"}}); }, "no training sequence \"other\"");
+}
+
 TEST_CASE("ranges of pairs are those of the query") {
   write_text("g.csv", "query,reference\n0,0\n1,1\n2,2\n3,3\n4,4\n");
   CHECK(read_labels("g.csv@1:4", 3, 5) == ".S... ..S.. ...S.");
