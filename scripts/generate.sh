@@ -11,6 +11,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh
+export PATH=/usr/bin:$PATH  # the Python of these packages
 cmake --preset release >/dev/null
 cmake --build --preset release --target all test_cli test_golden
 bin=build/release/bin

@@ -113,6 +113,15 @@ NamedSource open_source(const QueryOptions& options, Unreadable unreadable,
                         const Session& session) {
   if (options.dataset.empty() && options.query == "-")
     return endless_source("standard input", open_live_pipe(STDIN_FILENO), options.selection);
+  const NamedSequence query = find_query(options, session);
+  LiveSource source = open_live_source(query.sequence, unreadable);
+  if (is_camera(query.sequence.path))
+    return endless_source(query.name, std::move(source), options.selection);
+  return {query.name, query.sequence.sequence.fps, std::move(source)};
+}
+
+// A note for a folder, which is read to its end.
+void print_folder_note(const QueryOptions& options, const Session& session) {
   const std::string path = options.dataset.empty() ? options.query.value_or("") : "";
   std::error_code ignored;
   if (!session.options.quiet && std::filesystem::is_directory(path, ignored))
@@ -121,11 +130,6 @@ NamedSource open_source(const QueryOptions& options, Unreadable unreadable,
         "  inotifywait -m -q -e close_write -e moved_to --format '%w%f' {} | vpr-query live {} "
         "--query -\n",
         path, shell_word(path), shell_word(options.database)));
-  const NamedSequence query = find_query(options, session);
-  LiveSource source = open_live_source(query.sequence, unreadable);
-  if (is_camera(query.sequence.path))
-    return endless_source(query.name, std::move(source), options.selection);
-  return {query.name, query.sequence.sequence.fps, std::move(source)};
 }
 
 // `times_ms`: from the arrival of a frame to its printed line.
@@ -172,6 +176,7 @@ void query_live(Session& session, const QueryOptions& options, const ResolvedSet
   Monitor silent = session.monitor;
   silent.progress = nullptr;
   LiveLines lines(database, query.name, settings, resources, session.monitor);
+  print_folder_note(options, session);
   std::vector<double> times_ms;
   const auto finish = [&] {
     if (const auto result = lines.finish()) session.print_line(lines.line(result));

@@ -23,8 +23,8 @@ run() {
 ran=()
 # Commands that write what others read come first.
 for command in fastable export descriptors fabmap info add ''; do run vpr-train $command; done
-for command in '' matrix live loops; do run vpr-query $command; done
-for command in '' matrix loops compare report convert check; do run vpr-eval $command; done
+for command in '' live loops; do run vpr-query $command; done
+for command in '' matrix loops compare convert check; do run vpr-eval $command; done
 for command in '' fastable fabmap threshold; do run vpr-tune $command; done
 for command in '' matching describe fabmap realtime; do run vpr-bench $command; done
 cp old.json new.json  # times of a busy machine differ

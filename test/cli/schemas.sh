@@ -47,7 +47,7 @@ vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 5,10 --t-r 0.3,auto
 vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 5,10 --score zscore --t-r=-2,-3 -o s2.json
 vpr-tune fastable w.vprdb --dataset DATA --query query --save-config best.json -o s3.json
 vpr-tune fastable one.vprdb --query building/upstairs --ground-truth aligned --c-l 10 --t-r 0.5 -o s6.json
-vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 10,20 --decide margin --save-config margin.json -o s4.json
+vpr-tune fastable w.vprdb --dataset DATA --query query --c-l 20,40 --score zscore --decide margin --save-config margin.json -o s4.json
 vpr-query w.vprdb --dataset DATA --query query --config margin.json -o rc.json
 vpr-tune fabmap f.vprdb --query building/hall@0:20 --ground-truth aligned --c-w 1,2 --t-p 0.5 --validate building/hall@0:20 --validate-ground-truth aligned -o sf.json
 ls building/query/[0-9]* >query.txt; vpr-query live w.vprdb --query query.txt >live
