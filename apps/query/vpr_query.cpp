@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -117,7 +118,13 @@ DatabaseFamily family_of(const std::string& method) {
   return DatabaseFamily::sequences;
 }
 
-void run(Session& session, const QueryOptions& options, AllSettings settings, Feature command) {
+/// A query of sequences, or of places.
+using Query = std::variant<ResolvedSettings, FabmapQuerySettings>;
+
+// The query that the command line asks for. Throws Error(usage) for flags that do not go together,
+// and Error(data) for a database of the other family.
+Query parse_query(const Session& session, const QueryOptions& options, AllSettings settings,
+                  Feature command) {
   if (!options.selection.speed.empty()) check_speed(options.selection.speed);
   const bool is_loop = command == Feature::loops;
   if (settings.fabmap.loop && !is_loop)
@@ -141,13 +148,24 @@ void run(Session& session, const QueryOptions& options, AllSettings settings, Fe
   settings.sequence.method = settings.fabmap.method = settings.method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
   const Features choices = choices_of(session, options, settings.sequence, family, command);
-  if (family == DatabaseFamily::fabmap) {
-    check_choices(settings.sequence, choices);
-    return query_places(session, options, settings.fabmap);
-  }
-  const ResolvedSettings resolved(settings.sequence, choices);
-  command == Feature::live ? query_live(session, options, resolved)
-                           : query_sequences(session, options, resolved);
+  if (family == DatabaseFamily::sequences) return ResolvedSettings(settings.sequence, choices);
+  check_choices(settings.sequence, choices);
+  return settings.fabmap;
+}
+
+void run_query(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
+  settings.has(Feature::live) ? query_live(session, options, settings)
+                              : query_sequences(session, options, settings);
+}
+
+void run_query(Session& session, const QueryOptions& options, const FabmapQuerySettings& settings) {
+  query_places(session, options, settings);
+}
+
+void run(Session& session, const QueryOptions& options, const AllSettings& settings,
+         Feature command) {
+  std::visit([&](const auto& query) { run_query(session, options, query); },
+             parse_query(session, options, settings, command));
 }
 
 }  // namespace
