@@ -24,6 +24,8 @@ ran=()
 # Commands that write what others read come first.
 for command in fastable export descriptors fabmap info add ''; do run vpr-train $command; done
 for command in '' live loops; do run vpr-query $command; done
+# A second result for vpr-eval compare.
+vpr-query corridor.vprdb --query tuesday --c-l 20 --score zscore --decide margin --quiet -o windows.json
 for command in '' matrix loops compare convert check; do run vpr-eval $command; done
 for command in '' fastable fabmap threshold; do run vpr-tune $command; done
 for command in '' matching describe fabmap realtime; do run vpr-bench $command; done
