@@ -10,6 +10,18 @@
 
 namespace vpr::test {
 
+/// Windows of this length by a threshold, automatic without a number.
+inline SequenceQuerySettings by_threshold(uint64_t length,
+                                          std::optional<double> threshold = std::nullopt) {
+  return {Threshold{{.window_length = length}, threshold}};
+}
+
+/// Windows of this length by a margin, the default one without a number.
+inline SequenceQuerySettings by_margin(uint64_t length,
+                                       std::optional<double> margin = std::nullopt) {
+  return {Margin{{.window_length = length}, margin}};
+}
+
 inline Result query_result(const SequenceDatabase& database, const DescriptorSet& query,
                            const SequenceQuerySettings& settings) {
   return run_query(plan_query(database, query, "q", settings, {}, {}), {}, {}).result;
@@ -18,9 +30,7 @@ inline Result query_result(const SequenceDatabase& database, const DescriptorSet
 /// A result of one training sequence, "ref", without matches.
 inline Result make_result(size_t query_frames, size_t window_length, size_t train_frames) {
   Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = window_length;
-  result.settings = settings;
+  result.settings = by_threshold(window_length);
   result.query.frames = query_frames;
   result.query_windows = query_frames - window_length + 1;
   result.sequences = {{{"ref", train_frames},

@@ -77,7 +77,7 @@ void add_row(const Command& command, const SettingRow& row, T& field) {
 /// Adds the flags of the settings that belong to the command.
 template <class S>
 void add_settings(const Command& command, S& settings, std::span<const SettingRow> rows,
-                  Feature name) {
+                  QueryCommand name) {
   for (const SettingRow& row : rows) {
     if ((row.commands & in(name)) == 0) continue;
     visit_fields(settings, [&](std::string_view key, auto& field) {
@@ -134,6 +134,17 @@ struct Session {
   void print_result(const std::string& text, const Json& json,
                     const std::function<std::string()>& advice = {}) const;
 };
+
+/// The keys of S that the configuration file or a flag sets, and other keys of the file.
+template <class S>
+std::vector<std::string> given_keys(const Session& session) {
+  std::vector<std::string> keys = session.options.config_keys;
+  S settings;
+  visit_fields(settings, [&](std::string_view key, auto&) {
+    if (session.command.is_given(flag_of(key))) keys.emplace_back(key);
+  });
+  return keys;
+}
 
 /// Parses the command line and runs one command.
 class Program {

@@ -25,18 +25,16 @@ struct QueryOptions {
   std::string posteriors;  ///< output
 };
 
-/// The settings of both families of methods; the family of the database uses its own.
+/// The keys of both families of methods, before the family of the database chooses one.
 struct AllSettings {
-  SequenceQuerySettings sequence;
+  SequenceKeys sequence;
   FabmapQuerySettings fabmap;
-  std::string method;  ///< empty: the default
 };
 
 template <class Visitor>
 void visit_fields(AllSettings& settings, Visitor&& visit) {
   visit_fields(settings.sequence, visit);
   visit_fields(settings.fabmap, visit);
-  visit("method", settings.method);
 }
 
 /// The flags of each command, without common options.
@@ -67,10 +65,11 @@ std::string summary_text(const Result& result, const QueryOptions& options, cons
 
 /// Matches sequences with a database or with themselves.
 void query_sequences(Session& session, const QueryOptions& options,
-                     const ResolvedSettings& settings);
+                     const SequenceQuerySettings& settings);
 
 /// Matches each frame as it arrives, and prints one line per frame.
-void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings);
+void query_live(Session& session, const QueryOptions& options,
+                const SequenceQuerySettings& settings);
 
 /// Matches frames with the places of a FAB-MAP database.
 void query_places(Session& session, const QueryOptions& options,

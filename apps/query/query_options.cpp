@@ -19,8 +19,7 @@ namespace vpr {
 namespace {
 
 // Both families have a gap in frames, sequences also a gap in seconds.
-void set_loop_gap(const std::string& text, SequenceQuerySettings& sequence,
-                  FabmapQuerySettings& fabmap) {
+void set_loop_gap(const std::string& text, SequenceKeys& sequence, FabmapQuerySettings& fabmap) {
   constexpr const char* kFlag = "--gap";
   sequence.loop_gap = 0;
   sequence.loop_gap_s = 0;
@@ -82,7 +81,8 @@ void add_method_flag(const Command& command, AllSettings& settings, bool is_live
     if (!is_live || (method.name != "openable" && !method.is_approximate()))
       add(method.name, method.summary);
   if (!is_live) names.emplace_back(enum_name(DatabaseFamily::fabmap));
-  add_setting(command, "--method", settings.method, help).choices("METHOD", names);
+  add_setting(command, "--method", settings.sequence.windows.windows.method, help)
+      .choices("METHOD", names);
   command.add_footer(text);
 }
 
@@ -94,15 +94,15 @@ void add_matrix_output(const Command& command, QueryOptions& options) {
 }
 
 // The flags of sequence methods, and the memory that they use.
-void add_sequence_flags(const Command& command, QueryOptions& options,
-                        SequenceQuerySettings& settings, Feature name) {
+void add_sequence_flags(const Command& command, QueryOptions& options, SequenceKeys& settings,
+                        QueryCommand name) {
   add_settings(command, settings, sequence_setting_rows(), name);
   add_memory_flag(command, options.memory_limit);
 }
 
 void add_fabmap_flags(const Command& command, QueryOptions& options,
                       FabmapQuerySettings& settings) {
-  add_settings(command, settings, fabmap_setting_rows(), Feature::query);
+  add_settings(command, settings, fabmap_setting_rows(), QueryCommand::query);
   command.add_flag("--motion-model", settings.posterior.motion_model,
                    "raise the prior of places next to the previous place", kFabmapGroup);
   command.add_option("--query-bow", options.query_bow,
@@ -130,7 +130,7 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_arrays_flag(command, options);
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
-  add_sequence_flags(command, options, settings.sequence, Feature::query);
+  add_sequence_flags(command, options, settings.sequence, QueryCommand::query);
   add_matrix_output(command, options);
   add_fabmap_flags(command, options, settings.fabmap);
 }
@@ -146,7 +146,7 @@ void add_live_flags(const Command& command, QueryOptions& options, AllSettings& 
   add_method_flag(command, settings, true,
                   "matching method (default: filter); flags of windows select fastable");
   add_rate_flags(command, options.selection, "the query", kQueryGroup);
-  add_sequence_flags(command, options, settings.sequence, Feature::live);
+  add_sequence_flags(command, options, settings.sequence, QueryCommand::live);
   command.remove_flag("--output");
 }
 
@@ -170,7 +170,7 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                      "times of the frames for a gap in seconds: a list with one per line (default: "
                      "from names of images, or from the video)",
                      kQueryGroup, "FILE");
-  add_sequence_flags(command, options, settings.sequence, Feature::loops);
+  add_sequence_flags(command, options, settings.sequence, QueryCommand::loops);
   add_matrix_output(command, options);
   add_fabmap_flags(command, options, settings.fabmap);
 }
@@ -253,7 +253,7 @@ std::string summary_text(const Result& result, const QueryOptions& options,
                         counted(*result.path->reversed_frames, "frame"));
   const std::string& output = session.options.output;
   if (output.empty() || found == 0) return text;
-  if (std::visit([](const auto& settings) { return settings.loop; }, result.settings))
+  if (is_loop(result.settings))
     return text + fmt::format("next: vpr-eval loops {} --poses FILE --radius METERS --gap TIME\n",
                               shell_word(output));
   const auto family = result.places ? DatabaseFamily::fabmap : DatabaseFamily::sequences;

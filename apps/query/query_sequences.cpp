@@ -26,11 +26,11 @@ namespace {
 
 constexpr size_t kMatrixPixels = 2000;  // per side
 
-QueryInputs inputs_of(const QueryOptions& options, const ResolvedSettings& settings,
+QueryInputs inputs_of(const QueryOptions& options, const SequenceQuerySettings& settings,
                       const Session& session) {
   const NamedSequence query = find_query(options, session);
   QueryInputs inputs{{query.name, query.sequence}, nullptr, options.frame_times};
-  if (!settings->loop)
+  if (!settings.past)
     inputs.database = std::make_shared<SequenceDatabase>(
         open_database(options.database, settings, session.monitor));
   return inputs;
@@ -88,7 +88,7 @@ std::string advice_text(const QueryData& data, const Result& result,
                         const QueryResources& resources, const Session& session) {
   if (!needs_advice(result)) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (settings.loop) return wrapped_text(no_recognition_advice(result));
+  if (settings.past) return wrapped_text(no_recognition_advice(result));
   ensure_statistics(*data.database, session.monitor);
   return wrapped_text(
       filter_advice(*data.database, data.query, settings, resources, session.monitor));
@@ -143,7 +143,7 @@ std::string latency_text(const std::vector<double>& times_ms) {
 }  // namespace
 
 void query_sequences(Session& session, const QueryOptions& options,
-                     const ResolvedSettings& settings) {
+                     const SequenceQuerySettings& settings) {
   const Monitor& monitor = session.monitor;
   claim_outputs(options, session);
   const QueryResources resources = resources_of(options, session);
@@ -165,14 +165,15 @@ void query_sequences(Session& session, const QueryOptions& options,
                        [&] { return advice_text(data, run.result, resources, session); });
 }
 
-void query_live(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
+void query_live(Session& session, const QueryOptions& options,
+                const SequenceQuerySettings& settings) {
   refuse(!session.options.output.empty(), "--output",
          "has no effect on live queries; redirect standard output instead");
   const QueryResources resources = resources_of(options, session);
-  const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
-  const SequenceDatabase database = open_database(options.database, settings, session.monitor);
+  const Unreadable unreadable = settings.skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  const SequenceDatabase database = open_live_database(options.database, settings, session.monitor);
   const NamedSource query = open_source(options, unreadable, session);
-  warn_of_rates(database, query.fps, *settings, session.monitor);
+  warn_of_rates(database, query.fps, settings, session.monitor);
   Monitor silent = session.monitor;
   silent.progress = nullptr;
   LiveLines lines(database, query.name, settings, resources, session.monitor);

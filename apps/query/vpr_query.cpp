@@ -10,27 +10,28 @@
 #include "fabmap/place_query.h"
 #include "match/match.h"
 #include "query.h"
+#include "settings/choices.h"
 #include "store/archive.h"
 
 namespace vpr {
 namespace {
 
 /// A command of vpr-query; the program itself has no name.
-struct QueryCommand {
+struct CommandRow {
   const char* name;
-  Feature feature;
+  QueryCommand command;
   const char* description;
   void (*add_flags)(const Command& command, QueryOptions& options, AllSettings& settings);
   const char* example;
 };
 
-constexpr std::array<QueryCommand, 3> kCommands = {
-    {{"", Feature::query, "Recognize the places of a query sequence in a database.",
+constexpr std::array<CommandRow, 3> kCommands = {
+    {{"", QueryCommand::query, "Recognize the places of a query sequence in a database.",
       add_match_flags,
       "  vpr-query corridor.vprdb --query tuesday -o result.json\n"
       "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
       "  vpr-query corridor.vprdb --query wednesday --config result.json"},
-     {"live", Feature::live,
+     {"live", QueryCommand::live,
       "Match each frame as it arrives, and print one line of JSON per frame.", add_live_flags,
       "  vpr-query live corridor.vprdb --query tuesday.txt\n"
       "  vpr-query live corridor.vprdb --query /dev/video0@30::4\n"
@@ -38,7 +39,7 @@ constexpr std::array<QueryCommand, 3> kCommands = {
       "--decide margin\n"
       "  inotifywait -m -q -e close_write -e moved_to --format '%w%f' images | vpr-query live "
       "corridor.vprdb --query -"},
-     {"loops", Feature::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
+     {"loops", QueryCommand::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
       "  vpr-query loops --query laps --gap 60 --c-l 10 --save-loops loops.csv\n"
       "  vpr-query loops --query laps.mp4 --gap 30s --score zscore -o loops.json\n"
       "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"}}};
@@ -54,54 +55,60 @@ std::string counterpart_text(const std::string& flag) {
   return "";
 }
 
-template <class S>
-std::vector<std::string> keys_of(S settings) {
-  std::vector<std::string> keys;
-  visit_fields(settings, [&](const char* key, auto&) { keys.emplace_back(key); });
-  return keys;
+// Refuses a given flag of the other family.
+void refuse_other(bool is_given, const std::string& flag, DatabaseFamily family) {
+  refuse(is_given, flag,
+         fmt::format("has no effect with a database for {}{}", enum_name(family),
+                     counterpart_text(flag)));
 }
 
 // Refuses flags and configuration keys of the other family, which would have no effect.
-void refuse_foreign(const Session& session, DatabaseFamily family) {
-  const bool is_fabmap = family == DatabaseFamily::fabmap;
-  const auto refuse_flag = [&](const std::string& flag) {
-    throw Error(ErrorKind::usage, "{} has no effect with a database for {}{}", flag,
-                enum_name(family), counterpart_text(flag));
-  };
-  for (const std::string& flag :
-       session.command.given_flags(is_fabmap ? kWindowGroup : kFabmapGroup))
-    refuse_flag(flag);
-  auto own_keys = keys_of(SequenceQuerySettings{});
-  auto foreign_keys = keys_of(FabmapQuerySettings{});
-  if (is_fabmap) std::swap(own_keys, foreign_keys);
-  for (const std::string& key : foreign_keys) {
-    if (std::ranges::count(own_keys, key) > 0) continue;
-    if (session.command.is_given(flag_of(key))) refuse_flag(flag_of(key));
+template <class Own, class Other>
+void refuse_keys_of(const Session& session, DatabaseFamily family) {
+  std::vector<std::string> own;
+  Own own_settings;
+  visit_fields(own_settings, [&](const char* key, auto&) { own.emplace_back(key); });
+  Other others;
+  visit_fields(others, [&](const char* key, auto&) {
+    if (std::ranges::count(own, key) > 0) return;
+    refuse_other(session.command.is_given(flag_of(key)), flag_of(key), family);
     if (std::ranges::count(session.options.config_keys, key) > 0)
       throw Error(ErrorKind::usage, "{}: {} has no effect with a database for {}",
                   session.options.config, key, enum_name(family));
-  }
+  });
 }
 
-// Keys of settings on the command line and in the configuration file.
-std::vector<std::string> given_settings(const Session& session) {
-  std::vector<std::string> keys = session.options.config_keys;
-  for (const std::string& key : keys_of(SequenceQuerySettings{}))
-    if (session.command.is_given(flag_of(key))) keys.push_back(key);
-  return keys;
+SequenceQuerySettings parse_sequences(const Session& session, const QueryOptions& options,
+                                      const SequenceKeys& keys, QueryCommand command) {
+  constexpr DatabaseFamily kFamily = DatabaseFamily::sequences;
+  refuse_other(!options.posteriors.empty(), "--save-posteriors", kFamily);
+  refuse_other(!options.query_bow.empty(), "--query-bow", kFamily);
+  refuse_other(session.command.is_given("--motion-model"), "--motion-model", kFamily);
+  refuse_keys_of<SequenceKeys, FabmapQuerySettings>(session, kFamily);
+  refuse(command == QueryCommand::loops && !options.database.empty(), "DB",
+         "does not go with vpr-query loops, except for FAB-MAP. Omit it");
+  SequenceQuerySettings settings = choose_query(keys, given_keys<SequenceKeys>(session), command);
+  refuse(!options.matrix.empty() && std::holds_alternative<Lsh>(settings.rule), "--save-matrix",
+         "does not go with --method lsh, which omits scores. Omit it");
+  return settings;
 }
 
-// The choices of a run that are not settings, and those of add_given_features.
-Features choices_of(const Session& session, const QueryOptions& options,
-                    const SequenceQuerySettings& settings, DatabaseFamily family, Feature command) {
-  Features run = {command};
-  if (family == DatabaseFamily::fabmap)
-    run.push_back(Feature::fabmap);
-  else if (!options.database.empty())
-    run.push_back(Feature::database);
-  if (!options.matrix.empty()) run.push_back(Feature::save_matrix);
-  add_given_features(run, settings, given_settings(session));
-  return run;
+FabmapQuerySettings parse_places(const Session& session, const QueryOptions& options,
+                                 const AllSettings& settings, QueryCommand command) {
+  constexpr DatabaseFamily kFamily = DatabaseFamily::fabmap;
+  if (command == QueryCommand::live)
+    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
+                enum_name(kFamily), enum_name(command));
+  refuse_other(!options.matrix.empty(), "--save-matrix", kFamily);
+  refuse_other(session.command.is_given("--max-memory"), "--max-memory", kFamily);
+  refuse_keys_of<FabmapQuerySettings, SequenceKeys>(session, kFamily);
+  refuse(settings.sequence.loop_gap_s != 0, "a --gap in seconds",
+         "does not go with a FAB-MAP database. Use a gap in frames, as in --gap 30");
+  FabmapQuerySettings places = settings.fabmap;
+  places.method = enum_name(kFamily);
+  places.skip_unreadable = settings.sequence.skip_unreadable;
+  places.loop = command == QueryCommand::loops;
+  return places;
 }
 
 // The family of the database; sequences without a database.
@@ -111,61 +118,42 @@ DatabaseFamily family_of(const QueryOptions& options, bool needs_database) {
   throw Error(ErrorKind::usage, "the database is missing, as in vpr-query DB --query FOLDER");
 }
 
-// Throws Error(usage) for an unknown method.
-DatabaseFamily family_of(const std::string& method) {
-  if (method == enum_name(DatabaseFamily::fabmap)) return DatabaseFamily::fabmap;
-  find_sequence_method(method);
-  return DatabaseFamily::sequences;
+// Throws Error(usage) for an unknown method, and Error(data) for one of the other family.
+void check_method(const std::string& method, const QueryOptions& options, DatabaseFamily family) {
+  const bool is_fabmap = method == enum_name(DatabaseFamily::fabmap);
+  if (!is_fabmap) find_sequence_method(method);
+  if (is_fabmap != (family == DatabaseFamily::fabmap))
+    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
+                enum_name(family), method);
 }
 
-/// A query of sequences, or of places.
-using Query = std::variant<ResolvedSettings, FabmapQuerySettings>;
-
-// The query that the command line asks for. Throws Error(usage) for flags that do not go together,
-// and Error(data) for a database of the other family.
-Query parse_query(const Session& session, const QueryOptions& options, AllSettings settings,
-                  Feature command) {
+// The query that the command line asks for: of sequences, or of places. Throws Error(usage) for
+// flags that do not go together, and Error(data) for a database that the command cannot use.
+QuerySettings parse_query(const Session& session, const QueryOptions& options,
+                          const AllSettings& settings, QueryCommand command) {
   if (!options.selection.speed.empty()) check_speed(options.selection.speed);
-  const bool is_loop = command == Feature::loops;
-  if (settings.fabmap.loop && !is_loop)
+  const bool is_loop = command == QueryCommand::loops;
+  if (settings.sequence.loop && !is_loop)
     throw Error(ErrorKind::usage, "{}: has the settings of vpr-query loops",
                 session.options.config);
-  settings.sequence.loop = settings.fabmap.loop = is_loop;
   refuse(!options.frame_times.empty() && settings.sequence.loop_gap_s == 0, "--frame-times",
          "needs a gap in seconds, as in --gap 30s");
   const DatabaseFamily family = family_of(options, !is_loop);
-  if (settings.method.empty())
-    settings.method = family == DatabaseFamily::fabmap
-                          ? enum_name(family)
-                          : default_method(command, given_settings(session));
-  if (family == DatabaseFamily::fabmap && command == Feature::live)
-    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
-                enum_name(family), enum_name(command));
-  if (family_of(settings.method) != family)
-    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
-                enum_name(family), settings.method);
-  refuse_foreign(session, family);
-  settings.sequence.method = settings.fabmap.method = settings.method;
-  settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
-  const Features choices = choices_of(session, options, settings.sequence, family, command);
-  if (family == DatabaseFamily::sequences) return ResolvedSettings(settings.sequence, choices);
-  check_choices(settings.sequence, choices);
-  return settings.fabmap;
-}
-
-void run_query(Session& session, const QueryOptions& options, const ResolvedSettings& settings) {
-  settings.has(Feature::live) ? query_live(session, options, settings)
-                              : query_sequences(session, options, settings);
-}
-
-void run_query(Session& session, const QueryOptions& options, const FabmapQuerySettings& settings) {
-  query_places(session, options, settings);
+  const std::vector<std::string> given = given_keys<SequenceKeys>(session);
+  if (std::ranges::count(given, "method") > 0)
+    check_method(settings.sequence.windows.windows.method, options, family);
+  if (family == DatabaseFamily::fabmap) return parse_places(session, options, settings, command);
+  return parse_sequences(session, options, settings.sequence, command);
 }
 
 void run(Session& session, const QueryOptions& options, const AllSettings& settings,
-         Feature command) {
-  std::visit([&](const auto& query) { run_query(session, options, query); },
-             parse_query(session, options, settings, command));
+         QueryCommand command) {
+  const QuerySettings query = parse_query(session, options, settings, command);
+  if (const auto* places = std::get_if<FabmapQuerySettings>(&query))
+    return query_places(session, options, *places);
+  const auto& sequences = std::get<SequenceQuerySettings>(query);
+  command == QueryCommand::live ? query_live(session, options, sequences)
+                                : query_sequences(session, options, sequences);
 }
 
 }  // namespace
@@ -173,13 +161,13 @@ void run(Session& session, const QueryOptions& options, const AllSettings& setti
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  const QueryCommand& match = kCommands.front();
+  const CommandRow& match = kCommands.front();
   Program program("vpr-query", match.description, match.example);
   QueryOptions options;
   AllSettings settings;
-  for (const QueryCommand& command : kCommands) {
+  for (const CommandRow& command : kCommands) {
     const auto run_command = [&](Session& session) {
-      run(session, options, settings, command.feature);
+      run(session, options, settings, command.command);
     };
     const bool is_program = &command == &match;
     const Command flags = is_program ? program.command()

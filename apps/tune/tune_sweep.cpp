@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "run/advice.h"
 #include "run/open.h"
+#include "settings/choices.h"
 #include "tune.h"
 #include "tune/sweep_report.h"
 #include "tune/trials.h"
@@ -93,13 +94,13 @@ std::vector<uint64_t> window_lengths(const std::string& given, const SequenceDat
 // t_r or margins cover the scale of the settings. Throws Error(usage) for an invalid list.
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
                    const SequenceDatabase& database, const DescriptorSet& query) {
-  const bool is_raw = settings.score == Score::raw;
-  const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
-  return {window_lengths(flags.windows, database, query),
-          settings.decision == Decision::margin
-              ? parse_values(value_or(flags.margins, is_raw ? kDistanceMargins : kScoreMargins),
-                             "--margin", true)
-              : parse_values(value_or(flags.thresholds, thresholds), "--t-r", true)};
+  const std::vector<uint64_t> lengths = window_lengths(flags.windows, database, query);
+  if (const auto scale = scale_of(settings)) {
+    const char* thresholds = kDistanceThresholds[static_cast<size_t>(*scale)];
+    return {lengths, parse_values(value_or(flags.thresholds, thresholds), "--t-r", true)};
+  }
+  const char* margins = is_zscore(settings.rule) ? kScoreMargins : kDistanceMargins;
+  return {lengths, parse_values(value_or(flags.margins, margins), "--margin", true)};
 }
 
 Grid fabmap_grid(const GridFlags& flags) {
@@ -192,13 +193,13 @@ void present(Session& session, const TuneOptions& options, DatabaseFamily family
                 options.save_config, reason_text(sweeps.front()));
 }
 
-void tune_fastable(Session& session, const TuneOptions& options,
-                   const SequenceQuerySettings& base) {
+void tune_fastable(Session& session, const TuneOptions& options, const SequenceKeys& keys) {
   const Monitor& monitor = session.monitor;
-  Features run = {Feature::database, Feature::sweep};
-  if (!options.grid.thresholds.empty()) run.push_back(Feature::thresholds);
-  if (!options.grid.margins.empty()) run.push_back(Feature::margins);
-  const ResolvedSettings settings(base, run);
+  const SequenceQuerySettings settings =
+      choose_query(keys, given_keys<SequenceKeys>(session), QueryCommand::sweep);
+  const bool by_margin = std::holds_alternative<Margin>(settings.rule);
+  if (by_margin && !options.grid.thresholds.empty()) refuse_setting("t_r", settings.rule);
+  if (!by_margin && !options.grid.margins.empty()) refuse_setting("margin", settings.rule);
   claim_outputs(options, session);
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
   const auto validation = find_validation(options, DatabaseFamily::sequences, queries, session);
@@ -214,18 +215,18 @@ void tune_fastable(Session& session, const TuneOptions& options,
     const LabeledQuery& query = labeled.front();
     Sweep found = sweep_sequences(
         database, query, settings,
-        grid != nullptr ? *grid : sequence_grid(options.grid, *settings, database, query.frames),
+        grid != nullptr ? *grid : sequence_grid(options.grid, settings, database, query.frames),
         resources, monitor);
     ensure_statistics(database, monitor);
     const Monitor silent = {monitor.progress, {}, monitor.stop};
-    const SequenceQuerySettings filter = default_filter(*settings);
+    const SequenceQuerySettings filter = default_filter(settings);
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
     if (session.prints_text() && found.filter->recognized == 0 && !found.recommendation.cell)
       found.advice = filter_advice(database, query.frames, filter, resources, silent);
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(queries, validation, sweep);
-  present(session, options, DatabaseFamily::sequences, *settings, sweeps, watch.elapsed_s());
+  present(session, options, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
 }
 
 void tune_fabmap(Session& session, const TuneOptions& options,
@@ -282,7 +283,7 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
 }
 
 void add_fastable(Program& program) {
-  const auto tune = std::make_shared<SweepCommand<SequenceQuerySettings>>();
+  const auto tune = std::make_shared<SweepCommand<SequenceKeys>>();
   const Command command = program.add_command(
       "fastable", "Count a grid of c_l and t_r, or margins. All cells are counted in one pass.",
       "  vpr-tune fastable corridor.vprdb --query tuesday --ground-truth pairs.csv\n"
@@ -308,7 +309,7 @@ void add_fastable(Program& program) {
       fmt::format("margins for --decide margin, as in 0.2:1:0.1,auto, where auto is the default "
                   "margin; in score per frame (default: {}; for z-scores {})",
                   kDistanceMargins, kScoreMargins));
-  add_settings(command, tune->settings, sequence_setting_rows(), Feature::sweep);
+  add_settings(command, tune->settings, sequence_setting_rows(), QueryCommand::sweep);
   add_memory_flag(command, tune->options.memory_limit);
 }
 

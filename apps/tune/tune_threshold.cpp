@@ -10,7 +10,7 @@ namespace vpr {
 namespace {
 
 /// vpr-tune threshold.
-struct Threshold {
+struct ThresholdCommand {
   std::string database;
   std::string windows = "40";
   double safety_factor = 1;
@@ -18,7 +18,7 @@ struct Threshold {
   TableFormat format = TableFormat::text;
 };
 
-VPR_FIELDS(Threshold, safety_factor)
+VPR_FIELDS(ThresholdCommand, safety_factor)
 
 // Replaces the thresholds of the database for the same window lengths.
 void store_thresholds(const Session& session, const std::string& path, SequenceDatabase& database,
@@ -32,7 +32,7 @@ void store_thresholds(const Session& session, const std::string& path, SequenceD
   write_sequence_database(path, database, session.outputs);
 }
 
-void compute_thresholds(Session& session, const Threshold& command) {
+void compute_thresholds(Session& session, const ThresholdCommand& command) {
   check_safety_factor(command.safety_factor);
   session.claim_output();
   if (command.write) {
@@ -62,7 +62,7 @@ void compute_thresholds(Session& session, const Threshold& command) {
 }  // namespace
 
 void add_threshold(Program& program) {
-  const auto tune = std::make_shared<Threshold>();
+  const auto tune = std::make_shared<ThresholdCommand>();
   const Command command = program.add_command(
       "threshold", "List automatic thresholds t_r. The list has the frames that set them.",
       "  vpr-tune threshold building.vprdb --c-l 20,40\n"

@@ -16,7 +16,7 @@ namespace {
 /// The program without a command.
 struct Try {
   TuneOptions options;
-  SequenceQuerySettings settings;  ///< skip_unreadable and the searched training sequences
+  SequenceQuerySettings settings{Filter{}};  ///< the default filter
   uint64_t max_incorrect = 0;
 };
 
@@ -24,7 +24,7 @@ template <class Visitor>
 void visit_fields(Try& command, Visitor&& visit) {
   visit("max_incorrect", command.max_incorrect);
   visit("only_sequence", command.settings.only_sequences);
-  visit("same_place", command.settings.same_place);
+  visit("same_place", std::get<Filter>(command.settings.rule).same_place);
   visit("skip_unreadable", command.settings.skip_unreadable);
 }
 
@@ -67,7 +67,7 @@ void try_all(Session& session, const Try& command) {
     throw Error(ErrorKind::usage, "the database is missing, as in vpr-tune DB --query FOLDER");
   session.claim_output({options.save_config});
   const std::vector<Source> sources = find_queries(options, DatabaseFamily::sequences, session);
-  const ResolvedSettings settings(default_filter(command.settings));
+  const SequenceQuerySettings& settings = command.settings;
   const SequenceDatabase database = open_database(options.database, settings, monitor);
   const QueryResources resources{options.memory_limit, session.options.process.seed};
   const Stopwatch watch;
@@ -77,7 +77,7 @@ void try_all(Session& session, const Try& command) {
                        describe_query(source.sequence.sequence, database, settings, monitor),
                        evaluation_of(source, &database)});
   Trials trials =
-      try_sequences(database, queries, command.settings, command.max_incorrect, resources, monitor);
+      try_sequences(database, queries, settings, command.max_incorrect, resources, monitor);
   if (!options.fabmap.empty()) {
     trials.all.push_back(fabmap_trial(command, session));
     choose(trials);
@@ -91,7 +91,7 @@ void try_all(Session& session, const Try& command) {
         .write(config_text(trials.all[*trials.chosen].settings));
   const std::string advice =
       session.prints_text() && trials.all.front().total().path.recognized == 0
-          ? filter_advice(database, queries.front().frames, command.settings, resources, monitor)
+          ? filter_advice(database, queries.front().frames, settings, resources, monitor)
           : "";
   session.print_result(result_text(command, session.options, trials, advice), json);
   if (!options.save_config.empty() && !trials.chosen)

@@ -10,6 +10,7 @@
 #include "bench/benches.h"
 #include "run/open.h"
 #include "run/train_sequences.h"
+#include "settings/choices.h"
 
 namespace vpr {
 namespace {
@@ -19,13 +20,11 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 double process_cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
-  SequenceQuerySettings live;
-  live.method = settings.method;
-  live.window_length = settings.window_length;
-  live.score = settings.score;
-  live.decision = Decision::margin;
-  return {live, {Feature::database, Feature::live}};
+SequenceQuerySettings live_settings(const RealtimeBenchSettings& settings) {
+  SequenceKeys keys;
+  keys.windows.windows = {settings.method, settings.window_length, settings.score};
+  keys.decision = Decision::margin;
+  return choose_query(keys, std::vector<std::string>{"method"}, QueryCommand::live);
 }
 
 }  // namespace
@@ -40,9 +39,9 @@ BenchResult bench_realtime(const std::string& database_path, const SequenceSourc
   if (query.kind != SequenceKind::images)
     throw Error(ErrorKind::usage, "{}: is not a folder or list of images",
                 query.argument.path.string());
-  const ResolvedSettings resolved = live_settings(settings);
-  const SequenceDatabase database = open_database(database_path, resolved, monitor);
-  LiveQuery live(database, "query", resolved, resources, monitor);
+  const SequenceQuerySettings chosen = live_settings(settings);
+  const SequenceDatabase database = open_live_database(database_path, chosen, monitor);
+  LiveQuery live(database, "query", chosen, resources, monitor);
   const size_t frames = std::min<size_t>(query.files.size(), settings.frames);
   const double period_ms = 1000 / settings.rate_hz;
   std::vector<double> latencies_ms;

@@ -89,7 +89,8 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
 void add_margins(Outcomes& outcomes, const Result& result) {
   outcomes.has_margins = !result.margins.empty();
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
-  if (outcomes.has_margins && settings != nullptr && settings->decision == Decision::margin)
+  if (outcomes.has_margins && settings != nullptr &&
+      decision_of(settings->rule) == Decision::margin)
     outcomes.confidence = Confidence::margin;
   for (size_t window = 0; window < result.margins.size(); ++window) {
     QueryOutcome& query = outcomes.at_window(window);

@@ -18,7 +18,7 @@ namespace vpr {
 
 namespace {
 
-constexpr uint32_t kPlaces = in(Feature::query, Feature::loops);
+constexpr uint32_t kPlaces = in(QueryCommand::query, QueryCommand::loops);
 
 constexpr std::array kFabmapRows = {
     SettingRow{.key = "t_p",

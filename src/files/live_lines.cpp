@@ -40,10 +40,10 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
 }
 
 LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_name,
-                     const ResolvedSettings& settings, const QueryResources& resources,
+                     const SequenceQuerySettings& settings, const QueryResources& resources,
                      const Monitor& monitor)
     : database_(database),
-      skip_unreadable_(settings->skip_unreadable),
+      skip_unreadable_(settings.skip_unreadable),
       query_(database, query_name, settings, resources, monitor) {}
 
 std::optional<Result> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {

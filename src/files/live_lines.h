@@ -25,7 +25,7 @@ class LiveLines {
  public:
   /// Throws as LiveQuery does. The database must outlive it.
   LiveLines(const SequenceDatabase& database, const std::string& query_name,
-            const ResolvedSettings& settings, const QueryResources& resources,
+            const SequenceQuerySettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
   /// Describes and matches the next frame, and returns as LiveQuery::take does. A frame that cannot

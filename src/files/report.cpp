@@ -40,11 +40,12 @@ using Definitions = std::vector<std::pair<std::string, std::string>>;
 void define_windows(Definitions& define, const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   const std::string_view measure =
-      has_paths(settings) ? "path score" : score_kind(settings.score).measure;
+      has_paths(settings.rule) ? "path score" : score_kind(score_of(settings.rule)).measure;
   define.insert(
       define.end(),
       {{"anchor", kAnchorProtocol},
-       {"pairs", fmt::format(fmt::runtime(decision_kind(settings.decision).recognitions), measure)},
+       {"pairs",
+        fmt::format(fmt::runtime(decision_kind(decision_of(settings.rule)).recognitions), measure)},
        {"places", result.path ? "paths, judged at their middle frame"
                               : "clusters of recognitions, judged at their mean"},
        {"pairs_by_place", "recognitions, each with the verdict on its place"},

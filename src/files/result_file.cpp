@@ -277,14 +277,16 @@ Json read_result_json(const fs::path& path) {
 }
 
 QuerySettings read_query_settings(const Fields& file) {
-  QuerySettings settings;
-  if (file.text("method") == FabmapQuerySettings{}.method) settings = FabmapQuerySettings{};
-  std::visit([&](auto& kind) { file.read_settings("settings", kind); }, settings);
-  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
-  if (sequences != nullptr &&
-      std::ranges::count(sequence_methods(), sequences->method, &SequenceMethod::name) == 0)
-    file.fail(fmt::format("the method \"{}\" is unknown", sequences->method));
-  return settings;
+  if (FabmapQuerySettings places; file.text("method") == places.method) {
+    file.read_settings("settings", places);
+    return places;
+  }
+  SequenceKeys keys;
+  file.read_settings("settings", keys);
+  const std::string& method = keys.windows.windows.method;
+  if (std::ranges::count(sequence_methods(), method, &SequenceMethod::name) == 0)
+    file.fail(fmt::format("the method \"{}\" is unknown", method));
+  return query_of(keys);
 }
 
 StoredResult read_result(const fs::path& path, const Monitor& monitor) {

@@ -77,7 +77,7 @@ bool is_recognition(const Result& result, const Match& match) {
 bool is_decided(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
   return settings != nullptr &&
-         (settings->decision == Decision::margin || settings->distance_threshold);
+         (decision_of(settings->rule) == Decision::margin || limit_of(settings->rule).has_value());
 }
 
 // The places of FAB-MAP are those of the database, if any, then the frames of the query.
@@ -235,7 +235,7 @@ std::vector<ListedLoop> loops_of(const Result& result) {
 }
 
 LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory) {
-  if (!std::visit([](const auto& settings) { return settings.loop; }, result.settings))
+  if (!is_loop(result.settings))
     throw Error(ErrorKind::data,
                 "{}: the result has no loops. Create one with vpr-query loops --query FOLDER",
                 name);

@@ -6,6 +6,7 @@
 #include "describe/imported.h"
 #include "run/advice.h"
 #include "run/open.h"
+#include "run/thresholds.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -49,7 +50,7 @@ DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySe
                            const Monitor& monitor) {
   const bool is_imported = sequence.kind == SequenceKind::descriptors;
   const std::string usual(is_imported ? imported_kind(sequence, {}, monitor) : "ldb");
-  const std::string& name = settings.descriptor.empty() ? usual : settings.descriptor;
+  const std::string& name = settings.past->descriptor.empty() ? usual : settings.past->descriptor;
   SequenceDatabase described;
   described.descriptors.kind = &descriptor_kind(name);
   if (described.descriptors.kind->shape.element == ElementType::points16)
@@ -57,9 +58,10 @@ DescriptorSet describe_own(const SequenceSource& sequence, const SequenceQuerySe
   return describe_frames(sequence, described, settings.skip_unreadable, monitor);
 }
 
-QueryData describe_for(const QueryInputs& inputs, const ResolvedSettings& settings,
+QueryData describe_for(const QueryInputs& inputs, const SequenceQuerySettings& settings,
                        ResultContext& context, const Monitor& monitor) {
   QueryData data{inputs.query.name, inputs.database};
+  check_automatic(*data.database, settings);
   data.query = describe_query(inputs.query.sequence, *data.database, settings, monitor);
   context.database_fingerprint = data.database->fingerprint;
   context.query_fingerprint = fingerprint_of(data.query);
@@ -71,7 +73,7 @@ QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& 
   QueryData data{inputs.query.name};
   const std::string& times = inputs.frame_times;
   const std::string path = argument_text(inputs.query.sequence);
-  const bool needs_times = settings.loop_gap_s != 0;
+  const bool needs_times = std::holds_alternative<double>(settings.past->gap);
   const SequenceSource source = open_sequence(inputs.query.sequence);
   if (needs_times)
     data.times_ns =
@@ -99,21 +101,21 @@ SequenceDatabase own_database(const DescriptorSet& query, const std::string& nam
   return database;
 }
 
-QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,
+QueryData open_query(const QueryInputs& inputs, const SequenceQuerySettings& settings,
                      ResultContext& context, const Monitor& monitor) {
   set_query_path(context.run, inputs.query.sequence);
   return inputs.database ? describe_for(inputs, settings, context, monitor)
-                         : describe_loop(inputs, *settings, context, monitor);
+                         : describe_loop(inputs, settings, context, monitor);
 }
 
-QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,
+QueryRun run_query(const QueryData& data, const SequenceQuerySettings& settings,
                    const QueryResources& resources, const Observers& observers,
                    ResultContext& context, const Monitor& monitor) {
   context.run.memory_limit = resources.memory_limit;
   QueryPlan plan = plan_query(*data.database, data.query, data.name, settings, resources, monitor,
                               data.times_ns);
-  if (settings->loop)
-    std::get<SequenceQuerySettings>(plan.result.settings).descriptor =
+  if (settings.past)
+    std::get<SequenceQuerySettings>(plan.result.settings).past->descriptor =
         data.query.descriptors.kind->name;
   const Sinks sinks = observers ? observers(plan) : Sinks{};
   QueryRun run = run_query(std::move(plan), sinks, monitor);

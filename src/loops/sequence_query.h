@@ -36,7 +36,7 @@ struct QueryInputs {
 /// Describes the frames like those of the database, or by the settings. Adds paths and fingerprints
 /// to the context. Throws as describe_query and describe_frames do, Error(usage) for frames whose
 /// names are not times, and Error(data) for another number of times than frames.
-QueryData open_query(const QueryInputs& inputs, const ResolvedSettings& settings,
+QueryData open_query(const QueryInputs& inputs, const SequenceQuerySettings& settings,
                      ResultContext& context, const Monitor& monitor);
 
 /// Sinks of the rows of a planned query, in addition to its result.
@@ -44,7 +44,7 @@ using Observers = std::function<Sinks(const QueryPlan& plan)>;
 
 /// Plans and runs the query, adds its times to the context, and warns if it recognizes nearly
 /// everything (excess_advice). Throws as plan_query and run_query do.
-QueryRun run_query(const QueryData& data, const ResolvedSettings& settings,
+QueryRun run_query(const QueryData& data, const SequenceQuerySettings& settings,
                    const QueryResources& resources, const Observers& observers,
                    ResultContext& context, const Monitor& monitor);
 

@@ -32,9 +32,8 @@ NamedSetting decided_by(const QuerySettings& settings) {
   if (const auto* of_places = std::get_if<FabmapQuerySettings>(&settings))
     return {score_of(settings).threshold_symbol, number_text(of_places->place_threshold)};
   const auto& of_windows = std::get<SequenceQuerySettings>(settings);
-  return {decision_kind(of_windows.decision).symbol,
-          number_text(of_windows.decision == Decision::margin ? of_windows.margin
-                                                              : of_windows.distance_threshold)};
+  return {decision_kind(decision_of(of_windows.rule)).symbol,
+          number_text(limit_of(of_windows.rule))};
 }
 
 std::string range_text(const std::array<size_t, 2>& range) {
@@ -48,9 +47,8 @@ std::string method_title(const Report& report) {
   const QuerySettings* settings = report.query_settings();
   const auto* windows =
       settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
-  if (windows == nullptr || report.has_paths() || windows->score == Score::raw)
-    return report.method;
-  return fmt::format("{}, {}", report.method, enum_name(windows->score));
+  if (windows == nullptr || report.has_paths() || !is_zscore(windows->rule)) return report.method;
+  return fmt::format("{}, {}", report.method, enum_name(score_of(windows->rule)));
 }
 
 using NamedNumbers = std::pair<std::string, const CurveNumbers*>;
@@ -214,10 +212,10 @@ std::vector<NamedSetting> settings_of(const Report& report) {
   if (!report.has_paths()) settings.push_back(window_of(*of_query));
   settings.push_back(decided_by(*of_query));
   if (const auto* windows = std::get_if<SequenceQuerySettings>(of_query);
-      windows != nullptr && windows->decision == Decision::threshold)
-    settings.emplace_back("scale",
-                          enum_name(windows->distance_threshold ? scale_of(*windows)
-                                                                : score_of(*of_query).frame_scale));
+      windows != nullptr && decision_of(windows->rule) == Decision::threshold)
+    settings.emplace_back(
+        "scale",
+        enum_name(limit_of(windows->rule) ? *scale_of(*windows) : score_of(*of_query).frame_scale));
   return settings;
 }
 

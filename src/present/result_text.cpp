@@ -31,17 +31,18 @@ std::string threshold_text(const Result& result, const SequenceQuerySettings& se
   const auto searched = std::ranges::find_if(result.sequences, has_threshold);
   if (searched == result.sequences.end()) return "best matches only";
   const std::string limit =
-      limit_text<&ComparedSequence::threshold>(result, !settings.distance_threshold);
+      limit_text<&ComparedSequence::threshold>(result, !limit_of(settings.rule));
   return fmt::format("t_r {} {}", limit, enum_name(searched->scale));
 }
 
 std::string settings_text(const Result& result, const SequenceQuerySettings& settings) {
-  std::string text = settings.method;
-  if (!has_paths(settings))
-    text += fmt::format(", c_l {}, {}", settings.window_length, enum_name(settings.score));
-  const bool has_margin = settings.decision == Decision::margin;
+  const Rule& rule = settings.rule;
+  std::string text = method_of(rule);
+  if (!has_paths(rule))
+    text += fmt::format(", c_l {}, {}", window_length_of(rule), enum_name(score_of(rule)));
+  const bool has_margin = decision_of(rule) == Decision::margin;
   return text + ", " +
-         (has_margin ? "margin " + limit_text<&ComparedSequence::margin>(result, !settings.margin)
+         (has_margin ? "margin " + limit_text<&ComparedSequence::margin>(result, !limit_of(rule))
                      : threshold_text(result, settings));
 }
 
@@ -103,7 +104,7 @@ std::string settings_text(const Result& result) {
 
 bool has_rule(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
-  return settings == nullptr || settings->decision == Decision::margin ||
+  return settings == nullptr || decision_of(settings->rule) == Decision::margin ||
          std::ranges::any_of(result.sequences, has_threshold);
 }
 

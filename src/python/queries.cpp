@@ -13,7 +13,7 @@ namespace {
 using calls::DatabasePointer;
 using calls::ResultPointer;
 
-ResultPointer query_of(Call& call, Feature command, const DatabasePointer& database,
+ResultPointer query_of(Call& call, QueryCommand command, const DatabasePointer& database,
                        const QueryInputs& inputs) {
   ResultPointer made;
   call.run([&](const Monitor& monitor) {
@@ -26,7 +26,7 @@ ResultPointer query_of(Call& call, Feature command, const DatabasePointer& datab
 ResultPointer query(Call& call, const DatabasePointer& database, const std::string& name,
                     const Source& source, bool is_loop) {
   const NamedArgument query = arguments_of({{name, source}}, "query").front();
-  return query_of(call, is_loop ? Feature::loops : Feature::query, database, {query});
+  return query_of(call, is_loop ? QueryCommand::loops : QueryCommand::query, database, {query});
 }
 
 ResultPointer load(const Call& call, const std::filesystem::path& path) {

@@ -95,12 +95,9 @@ std::string sparse_advice(const SequenceDatabase& database, const DescriptorSet&
 }  // namespace
 
 SequenceQuerySettings default_filter(const SequenceQuerySettings& settings) {
-  SequenceQuerySettings filter;
-  filter.method = "filter";
-  filter.only_sequences = settings.only_sequences;
-  filter.same_place = settings.same_place;
-  filter.skip_unreadable = settings.skip_unreadable;
-  return filter;
+  Filter filter;
+  filter.same_place = same_place_of(settings.rule);
+  return {filter, settings.only_sequences, settings.skip_unreadable};
 }
 
 std::optional<std::string> excess_advice(const Result& result) {
@@ -133,7 +130,7 @@ std::string no_recognition_advice(const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (std::ranges::none_of(result.best, [](const auto& best) { return best.has_value(); }))
     return "No window has a match: none has an earlier readable window beyond --gap.";
-  if (settings.decision == Decision::threshold) {
+  if (decision_of(settings.rule) == Decision::threshold) {
     const bool has_threshold = std::ranges::any_of(
         result.sequences, [](const ComparedSequence& t) { return t.threshold.has_value(); });
     return has_threshold ? "Nothing is recognized: no score is below t_r."
@@ -158,7 +155,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
     if (forward.keyframes)
       for (const auto& of_sequence : forward.keyframes->train)
         trained = std::max(trained, of_sequence.size());
-    const uint64_t needed = std::get<SequenceQuerySettings>(forward.settings).filter.path_keyframes;
+    const uint64_t needed = FilterSettings{}.path_keyframes;
     if (std::min(keyframes, trained) < needed)
       return fmt::format(
           "The {} has {} (frames that differ clearly), and the filter needs a path of {}: "

@@ -10,7 +10,7 @@
 namespace vpr {
 
 LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_name,
-                     const ResolvedSettings& settings, const QueryResources& resources,
+                     const SequenceQuerySettings& settings, const QueryResources& resources,
                      const Monitor& monitor)
     : plan_(plan_window(database, query_name, settings, resources, monitor)),
       frames_(start_live(searched_distances(plan_), plan_.scores)) {

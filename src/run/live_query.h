@@ -37,11 +37,11 @@ void add_frame(LiveScores& live, ArrivedFrame frame);
 /// Yields the results of run_query for every window once its last frame arrives, by the same steps.
 class LiveQuery {
  public:
-  /// `settings`: resolved with the choice vpr-query live. Throws what plan_query throws, and
+  /// `settings`: of vpr-query live (choose_query). Throws what plan_query throws, and
   /// Error(usage) if the distances of a window exceed the memory limit. The database must outlive
   /// the query.
   LiveQuery(const SequenceDatabase& database, const std::string& query_name,
-            const ResolvedSettings& settings, const QueryResources& resources,
+            const SequenceQuerySettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
   /// Adds the next frame. Returns the result of the window that ends with it, without clusters;

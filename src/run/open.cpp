@@ -111,17 +111,25 @@ std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
 }
 
 ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
-                                  const SequenceQuerySettings& settings, const Monitor& monitor) {
-  return make_exclusion_zones(radii_of(database, settings.exclusion_frames, monitor),
-                              settings.same_place.empty()
-                                  ? overlapping_sequences(database, monitor)
-                                  : declared_pairs(database, settings.same_place));
+                                  const std::optional<uint64_t>& radius,
+                                  const std::vector<std::string>& same_place,
+                                  const Monitor& monitor) {
+  return make_exclusion_zones(radii_of(database, radius, monitor),
+                              same_place.empty() ? overlapping_sequences(database, monitor)
+                                                 : declared_pairs(database, same_place));
 }
 
-SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+SequenceDatabase open_database(const std::string& path, const SequenceQuerySettings& settings,
                                const Monitor& monitor) {
   SequenceDatabase database = read_sequence_database(path);
-  if (settings.has(Feature::live) && database.descriptors.kind->is_imported)
+  prepare_database(database, settings, monitor);
+  return database;
+}
+
+SequenceDatabase open_live_database(const std::string& path, const SequenceQuerySettings& settings,
+                                    const Monitor& monitor) {
+  SequenceDatabase database = read_sequence_database(path);
+  if (database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 "{}: holds imported descriptors, which cannot be computed for frames that arrive",
                 path);
@@ -129,19 +137,17 @@ SequenceDatabase open_database(const std::string& path, const ResolvedSettings& 
   return database;
 }
 
-void prepare_database(SequenceDatabase& database, const ResolvedSettings& settings,
+void prepare_database(SequenceDatabase& database, const SequenceQuerySettings& settings,
                       const Monitor& monitor) {
-  // A sweep sets thresholds and margins itself.
-  if (!settings.has(Feature::sweep)) check_automatic(database, *settings);
-  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
+  if (is_zscore(settings.rule)) ensure_statistics(database, monitor);
 }
 
 void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
                    const SequenceQuerySettings& settings, const Monitor& monitor) {
   constexpr double kAlike = 1.1;
   constexpr double kFilterRange = 2.05;  // from half to twice the rate
-  const bool is_filter = has_paths(settings);
-  if (!query_fps || (settings.window_length == 1 && !is_filter)) return;
+  const bool is_filter = has_paths(settings.rule);
+  if (!query_fps || (window_length_of(settings.rule) == 1 && !is_filter)) return;
   for (const TrainSequence& train : database.sequences) {
     const Sequence& sequence = train.sequence;
     if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
@@ -206,12 +212,12 @@ void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& 
 }
 
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
-                             const ResolvedSettings& settings, const Monitor& monitor) {
+                             const SequenceQuerySettings& settings, const Monitor& monitor) {
   DescriptorSet described =
-      describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor);
-  warn_of_rates(database, described.sequence.fps, *settings, monitor);
-  warn_of_shapes(database, described.sequence, *settings, monitor);
-  warn_of_same_frames(database, described, *settings, monitor);
+      describe_frames(open_sequence(query), database, settings.skip_unreadable, monitor);
+  warn_of_rates(database, described.sequence.fps, settings, monitor);
+  warn_of_shapes(database, described.sequence, settings, monitor);
+  warn_of_same_frames(database, described, settings, monitor);
   return described;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "decide/exclusion_zones.h"
-#include "settings/choices.h"
+#include "settings/query_settings.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -27,10 +27,12 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 /// overlapping sequences and the repeated places, unless the database has them.
 void ensure_exclusion_zones(SequenceDatabase& database, const Monitor& monitor);
 
-/// The exclusion zones of the settings, or else those of the database, computed if it has none.
-/// Throws Error(usage) for declared pairs that are not training sequences.
+/// The exclusion zones of this radius and these declared pairs, or else those of the database,
+/// computed if it has none. Throws Error(usage) for declared pairs that are not training sequences.
 ExclusionZones exclusion_zones_of(const SequenceDatabase& database,
-                                  const SequenceQuerySettings& settings, const Monitor& monitor);
+                                  const std::optional<uint64_t>& radius,
+                                  const std::vector<std::string>& same_place,
+                                  const Monitor& monitor);
 
 /// The repeated places of the database, computed if it has none. The database has statistics with
 /// components.
@@ -38,13 +40,17 @@ std::vector<RepeatedPlace> repeated_places(const SequenceDatabase& database,
                                            const Monitor& monitor);
 
 /// Reads the database at `path` as the settings need it: with statistics for z-scores. Throws what
-/// read_sequence_database and check_automatic throw, and Error(data) for a database of imported
-/// descriptors that cannot describe frames as they arrive.
-SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+/// read_sequence_database throws.
+SequenceDatabase open_database(const std::string& path, const SequenceQuerySettings& settings,
                                const Monitor& monitor);
 
+/// The same for a live query. Throws Error(data) for a database of imported descriptors, which
+/// cannot be computed for frames as they arrive.
+SequenceDatabase open_live_database(const std::string& path, const SequenceQuerySettings& settings,
+                                    const Monitor& monitor);
+
 /// Adds what the settings need to a database that was read or trained, as open_database does.
-void prepare_database(SequenceDatabase& database, const ResolvedSettings& settings,
+void prepare_database(SequenceDatabase& database, const SequenceQuerySettings& settings,
                       const Monitor& monitor);
 
 /// Warns of the first searched training sequence whose frame rate is not the query's: of windows of
@@ -55,6 +61,6 @@ void warn_of_rates(const SequenceDatabase& database, std::optional<double> query
 
 /// Describes the frames of a query like frames of the database, and warns (warn_of_rates).
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
-                             const ResolvedSettings& settings, const Monitor& monitor);
+                             const SequenceQuerySettings& settings, const Monitor& monitor);
 
 }  // namespace vpr

@@ -11,6 +11,7 @@
 #include "run/open.h"
 #include "run/thresholds.h"
 #include "run/train_sequences.h"
+#include "settings/choices.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -83,7 +84,7 @@ void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
 
 // The table of the database, or a new one.
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings, const Monitor& monitor) {
+                               const std::optional<double>& safety_factor, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   const ThresholdTable* stored = find_thresholds(database.thresholds, length);
   const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
@@ -93,14 +94,15 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
           : ThresholdTable{length, factor,
                            find_closest_windows(code_spans(database),
                                                 {length, plan.match.memory_limit}, monitor)};
-  table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
+  table.safety_factor = safety_factor.value_or(table.safety_factor);
   return table;
 }
 
 void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings, const Monitor& monitor) {
+                               const SequenceQuerySettings& settings,
+                               const std::optional<double>& safety_factor, const Monitor& monitor) {
   check_automatic(database, settings);
-  const ThresholdTable table = automatic_table(plan, database, settings, monitor);
+  const ThresholdTable table = automatic_table(plan, database, safety_factor, monitor);
   bool any = false;
   for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
     ComparedSequence& sequence = plan.result.sequences[s];
@@ -118,17 +120,18 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
 }
 
 // Thresholds, and the limits that need no distances: of automatic thresholds, and of numbers that
-// are not relative.
+// are not relative. `threshold`: t_r of the rule.
 void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
-                     const SequenceQuerySettings& settings, const Monitor& monitor) {
+                     const SequenceQuerySettings& settings, const std::optional<double>& threshold,
+                     const std::optional<double>& safety_factor, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
-  if (settings.distance_threshold || settings.loop) {
-    for (ComparedSequence& sequence : plan.result.sequences) {
-      sequence.threshold = settings.distance_threshold;
-      sequence.scale = scale_of(settings);
-    }
+  if (has_automatic_threshold(settings)) {
+    plan_automatic_thresholds(plan, database, settings, safety_factor, monitor);
   } else {
-    plan_automatic_thresholds(plan, database, settings, monitor);
+    for (ComparedSequence& sequence : plan.result.sequences) {
+      sequence.threshold = threshold;
+      sequence.scale = *scale_of(settings);
+    }
   }
   plan.decision = ByThreshold{};
   for (ComparedSequence& sequence : plan.result.sequences) {
@@ -140,40 +143,61 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
   }
 }
 
+/// Plans the decision of a rule.
+struct DecisionPlanner {
+  QueryPlan& plan;
+  const SequenceDatabase& database;
+  const SequenceQuerySettings& settings;
+  const Monitor& monitor;
+
+  void operator()(const Threshold& rule) const {
+    plan_thresholds(plan, database, settings, rule.threshold, rule.safety_factor, monitor);
+  }
+  void operator()(const Lsh& rule) const {
+    plan_thresholds(plan, database, settings, rule.threshold, rule.safety_factor, monitor);
+  }
+  void operator()(const Margin& rule) const {
+    plan_margins(plan, database, rule.margin, monitor);
+    plan.decision = ByMargin{};
+  }
+  void operator()(const Filter& rule) const {
+    plan_margins(plan, database, rule.margin, monitor);
+    const double units = std::ceil(rule.margin / plan.result.score().frame_value(1, 1));
+    plan.decision = ByPath{static_cast<uint32_t>(std::max(units, 1.0))};  // 0: no margin yet
+  }
+};
+
 void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
                    const SequenceQuerySettings& settings, const Monitor& monitor) {
-  if (settings.decision == Decision::threshold)
-    return plan_thresholds(plan, database, settings, monitor);
-  plan_margins(plan, database, settings.margin, monitor);
-  plan.decision = ByMargin{};
-  if (!plan.match.method->has_paths) return;
-  const double units = std::ceil(*settings.margin / plan.result.score().frame_value(1, 1));
-  plan.decision = ByPath{static_cast<uint32_t>(std::max(units, 1.0))};  // 0: no margin yet
+  std::visit(DecisionPlanner{plan, database, settings, monitor}, settings.rule);
+}
+
+MatchSettings match_settings(const Rule& rule, const QueryResources& resources) {
+  MatchSettings match{window_length_of(rule), resources.memory_limit};
+  match.seed = resources.seed;
+  match.method = &find_sequence_method(method_of(rule));
+  if (const auto* lsh = std::get_if<Lsh>(&rule)) match.lsh = lsh->settings;
+  if (const auto* filter = std::get_if<Filter>(&rule)) match.filter = filter->settings;
+  return match;
 }
 
 // The plan without windows, sequences and limits. `query`: described like the database.
 QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& query,
                      const Sequence& sequence, const std::string& query_name,
                      const SequenceQuerySettings& settings, const QueryResources& resources) {
+  check_settings(settings);
   check_names(database, settings);
-  check_sums(database.descriptors, settings.window_length);
+  check_sums(database.descriptors, window_length_of(settings.rule));
   QueryPlan plan;
   plan.result.settings = settings;
   plan.result.query = sequence;
   plan.result.query.name = query_name;
   plan.result.query.frames = query.rows.size();
-  const bool is_raw = !score_kind(settings.score).needs_statistics;
+  const bool is_raw = !is_zscore(settings.rule);
   plan.query = query;
   if (is_raw) plan.query.rows = codes_of(query.rows);
   plan.train = is_raw ? code_spans(database) : descriptor_spans(database);
-  plan.match = {settings.window_length,
-                resources.memory_limit,
-                settings.lsh,
-                resources.seed,
-                settings.filter,
-                {},
-                {},
-                &find_sequence_method(settings.method)};
+  plan.match = match_settings(settings.rule, resources);
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
   plan.scores = stages_of(settings, statistics);
   if (statistics != nullptr)
@@ -188,58 +212,63 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
 void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
                  const SequenceQuerySettings& settings, const Monitor& monitor) {
   plan_sequences(plan, database.sequences, settings, monitor);
-  if (!plan.match.method->is_approximate() && (!settings.loop || settings.exclusion_frames)) {
-    plan.exclusion_zones = exclusion_zones_of(database, settings, monitor);
+  const std::optional<uint64_t> radius = exclusion_frames_of(settings);
+  if (!plan.match.method->is_approximate() && (!settings.past || radius)) {
+    const std::vector<std::string>& same_place = same_place_of(settings.rule);
+    plan.exclusion_zones = exclusion_zones_of(database, radius, same_place, monitor);
     plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
-    if (plan.match.method->has_paths && settings.same_place.empty())
+    if (plan.match.method->has_paths && same_place.empty())
       plan.match.passes = repeated_places(database, monitor);
   }
   plan_decision(plan, database, settings, monitor);
 }
 
+LoopGap loop_gap(const OwnPast& past) {
+  if (const auto* frames = std::get_if<uint64_t>(&past.gap)) return {std::nullopt, *frames};
+  return {std::llround(std::get<double>(past.gap) * double{kSecond}), 0};
+}
+
 }  // namespace
 
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                     const std::string& query_name, const ResolvedSettings& settings,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor,
                      std::span<const int64_t> times_ns) {
   check_descriptors(database.descriptors, query.descriptors);
   QueryPlan plan =
-      begin_plan(database, query.span(), query.sequence, query_name, *settings, resources);
-  if (settings->loop) {
+      begin_plan(database, query.span(), query.sequence, query_name, settings, resources);
+  if (settings.past) {
     assert(query.sequence.selection.is_all());
-    LoopGap gap{std::nullopt, settings->loop_gap};
-    if (gap.frames == 0) gap.nanoseconds = std::llround(settings->loop_gap_s * double{kSecond});
-    plan.past = past_frames(gap, times_ns, query.rows().size());
+    plan.past = past_frames(loop_gap(*settings.past), times_ns, query.rows().size());
   }
   plan_windows(plan, monitor);
-  finish_plan(plan, database, *settings, monitor);
+  finish_plan(plan, database, settings, monitor);
   return plan;
 }
 
 QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
-                     const ResolvedSettings& settings, const Monitor& monitor) {
+                     const SequenceQuerySettings& settings, const Monitor& monitor) {
   QueryPlan changed = plan;
-  changed.result.settings = *settings;
+  changed.result.settings = settings;
   for (ComparedSequence& sequence : changed.result.sequences) {
     sequence.threshold.reset();
     sequence.scale = ThresholdScale::bits;
     sequence.distance_limit = 0;
     sequence.margin.reset();
   }
-  plan_decision(changed, database, *settings, monitor);
+  plan_decision(changed, database, settings, monitor);
   return changed;
 }
 
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
-                      const ResolvedSettings& settings, const QueryResources& resources,
+                      const SequenceQuerySettings& settings, const QueryResources& resources,
                       const Monitor& monitor) {
-  assert(!settings->loop);
+  assert(!settings.past);
   const DescribedFrames no_frame{{database.descriptors.rows().shape, {}}, {}};
-  QueryPlan plan = begin_plan(database, no_frame, {}, query_name, *settings, resources);
+  QueryPlan plan = begin_plan(database, no_frame, {}, query_name, settings, resources);
   plan.result.query.frames = plan.match.window_length;
   plan.result.query_windows = 1;
-  finish_plan(plan, database, *settings, monitor);
+  finish_plan(plan, database, settings, monitor);
   return plan;
 }
 

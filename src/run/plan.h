@@ -9,7 +9,7 @@
 #include "decide/exclusion_zones.h"
 #include "decide/result.h"
 #include "match/match.h"
-#include "settings/choices.h"
+#include "settings/query_settings.h"
 #include "settings/scores.h"
 #include "store/sequence_database.h"
 
@@ -55,21 +55,21 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& qu
 
 /// Computes automatic thresholds that the database lacks. For a loop query, `database` is
 /// own_database() of the query, and `times_ns` has the non-decreasing times of its frames for a gap
-/// in seconds. Throws Error(usage) for an unknown sequence name, and for a query or training
-/// sequences that are all shorter than a window, Error(data) for descriptors of different kinds.
-/// Database and query must outlive the plan.
+/// in seconds. Throws what check_settings throws, Error(usage) for an unknown sequence name, and
+/// for a query or training sequences that are all shorter than a window, Error(data) for
+/// descriptors of different kinds. Database and query must outlive the plan.
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                     const std::string& query_name, const ResolvedSettings& settings,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor,
                      std::span<const int64_t> times_ns = {});
 
 /// The same plan with the threshold or margin of `settings`, which may differ in nothing else.
 QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
-                     const ResolvedSettings& settings, const Monitor& monitor);
+                     const SequenceQuerySettings& settings, const Monitor& monitor);
 
 /// Plans one window of a query whose frames are not known yet and are described like the database.
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
-                      const ResolvedSettings& settings, const QueryResources& resources,
+                      const SequenceQuerySettings& settings, const QueryResources& resources,
                       const Monitor& monitor);
 
 /// Whether thresholds are relative to the largest distance of each sequence.

@@ -101,9 +101,7 @@ std::optional<double> automatic_threshold(const ThresholdTable& table, size_t se
 }
 
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
-  const bool is_automatic =
-      settings.decision == Decision::threshold && !settings.distance_threshold && !settings.loop;
-  if (is_automatic && database.sequences.size() < 2)
+  if (has_automatic_threshold(settings) && database.sequences.size() < 2)
     throw Error(
         ErrorKind::usage,
         "the automatic t_r needs two or more training sequences. Instead, vpr-query takes a "

@@ -1,9 +1,7 @@
-// The table of choices: the facets of a run that features and values of settings need, and those
-// that they exclude. Rows of settings add their own. Settings that passed these checks are
-// ResolvedSettings.
+// The choice of a rule: from the keys of a command line, a configuration file or a call to a
+// checked query. The only place that knows which settings were given.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,54 +11,21 @@
 
 namespace vpr {
 
-/// An entry of the table. Two choices cannot be combined if one excludes a facet of the run that
-/// the other needs.
-struct Choice {
-  std::optional<Feature> feature = {};
-  std::string_view flag = {};  ///< without a feature: the flag, or a description of its absence
-  uint32_t needs = 0;          ///< facets, as bits
-  uint32_t excludes = 0;       ///< facets, as bits
-  std::string_view instead{};  ///< of a missing facet: advice, an imperative sentence
-  /// Whether settings and features imply the choice. Null: only Features contain it.
-  bool (*is_implied)(const SequenceQuerySettings& settings, const Features& run) = nullptr;
+/// The method of a query that does not name one: the filter, or fastable for loops and sweeps, or
+/// if a setting of windows is given, such as c_l. `given`: keys of settings.
+std::string_view default_method(QueryCommand command, std::span<const std::string> given);
 
-  std::string_view name() const { return feature ? enum_name(*feature) : flag; }
-};
+/// The query of `command` by `keys`, of which `given` have values that the user chose. Throws
+/// Error(usage) for a given value that the query cannot have, with what it does not go with and
+/// what to do instead, and as check_settings does. The grid of a sweep replaces t_r or the margin.
+SequenceQuerySettings choose_query(SequenceKeys keys, std::span<const std::string> given,
+                                   QueryCommand command);
 
-/// All choices. Errors name the first pair in this order, with settings after all choices.
-std::span<const Choice> choices();
+/// Throws Error(usage) "--t-r does not go with --method filter", with what to do instead.
+[[noreturn]] void refuse_setting(std::string_view key, const Rule& rule);
 
-/// Throws Error(usage) for two choices that cannot be combined: both flags, the missing facet, and
-/// what to do instead.
-void check_choices(const SequenceQuerySettings& settings, const Features& run);
-
-/// The method of a sequence query if its settings do not name one: the filter, or fastable for
-/// loops, or if a setting of windows is given, such as c_l. `given`: keys of settings.
-std::string_view default_method(Feature command, std::span<const std::string> given);
-
-/// Adds the features of settings that the method would replace and that are given with another
-/// value. `given`: keys of settings.
-void add_given_features(Features& run, const SequenceQuerySettings& settings,
-                        std::span<const std::string> given);
-
-/// Settings of a sequence method whose combination and ranges were checked and whose implied values
-/// are filled in. The filter has windows of one frame, z-scores, and a decision by margin with a
-/// default margin. The default exclusion radius of a loop query is its gap in frames. A decision by
-/// threshold has a scale.
-class ResolvedSettings {
- public:
-  /// Throws Error(usage) for settings that are out of range or cannot be combined with each other
-  /// or with `run`.
-  ResolvedSettings(SequenceQuerySettings settings = {}, Features run = {Feature::database});
-
-  const SequenceQuerySettings& operator*() const { return settings_; }
-  const SequenceQuerySettings* operator->() const { return &settings_; }
-  /// Whether `run` had this feature.
-  bool has(Feature feature) const;
-
- private:
-  SequenceQuerySettings settings_;
-  Features run_;
-};
+/// Throws Error(usage) for a value out of range, for one that does not fit the score, and for a
+/// loop query that needs distances between training frames.
+void check_settings(const SequenceQuerySettings& settings);
 
 }  // namespace vpr

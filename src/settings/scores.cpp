@@ -84,18 +84,15 @@ constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
 constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kScoreKinds = {kRaw, kZScore,
                                                                              kProbability};
 
-bool has_zscores(const SequenceQuerySettings& settings) {
-  return score_kind(settings.score).needs_statistics;
-}
-
 void prepare_zscores(const SequenceQuerySettings& settings, const TrainStatistics* statistics,
                      ScoreBasis& basis) {
   if (statistics == nullptr)
     throw Error(ErrorKind::usage,
                 "the database has no training statistics for z-scores. Train it again.");
   assert(statistics->components);
+  const auto* filter = std::get_if<Filter>(&settings.rule);
   basis = make_score_basis(*statistics,
-                           has_paths(settings) ? settings.filter.start_weight : kStartWeight);
+                           filter != nullptr ? filter->settings.start_weight : kStartWeight);
 }
 
 StartedStage start_zscore_stage(const std::shared_ptr<const ScoreBasis>& basis) {
@@ -116,9 +113,9 @@ StartedStage start_past_stage(const std::shared_ptr<const ScoreBasis>&) {
 }
 
 constexpr std::array<ScoreStage, 2> kScoreStages = {
-    {{[](const SequenceQuerySettings& s) { return has_zscores(s) && !s.loop; }, prepare_zscores,
+    {{[](const SequenceQuerySettings& s) { return is_zscore(s.rule) && !s.past; }, prepare_zscores,
       start_zscore_stage},
-     {[](const SequenceQuerySettings& s) { return has_zscores(s) && s.loop; },
+     {[](const SequenceQuerySettings& s) { return is_zscore(s.rule) && s.past.has_value(); },
       [](const SequenceQuerySettings&, const TrainStatistics*, ScoreBasis&) {}, start_past_stage}}};
 
 }  // namespace

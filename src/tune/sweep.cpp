@@ -42,7 +42,7 @@ struct LengthSweep {
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const LabeledQuery& query,
-                                    const ResolvedSettings& base, const Grid& grid,
+                                    const SequenceQuerySettings& base, const Grid& grid,
                                     const QueryResources& resources, const Monitor& monitor) {
   assert(!grid.windows.empty() && !grid.thresholds.empty());
   // Most warnings are the same for every setting.
@@ -50,7 +50,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Labe
   std::vector<LengthSweep> sweeps(grid.windows.size());
   for (size_t cell = 0; cell < sweeps.size() * grid.thresholds.size(); ++cell) {
     std::vector<QueryPlan>& plans = sweeps[cell / grid.thresholds.size()].plans;
-    const ResolvedSettings settings(settings_at(grid, cell, *base));
+    const SequenceQuerySettings settings = settings_at(grid, cell, base);
     plans.push_back(plans.empty()
                         ? plan_query(database, query.frames, query.name, settings, resources, once)
                         : with_limit(plans.front(), database, settings, once));
@@ -154,8 +154,8 @@ size_t block_of(const Result& result) {
 // The scale of t_r; nullopt for a margin or t_p.
 std::optional<ThresholdScale> threshold_scale(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
-  if (settings == nullptr || settings->decision == Decision::margin) return std::nullopt;
-  return settings->distance_threshold ? scale_of(*settings) : ThresholdScale::bits;
+  if (settings == nullptr || decision_of(settings->rule) == Decision::margin) return std::nullopt;
+  return limit_of(settings->rule) ? scale_of(*settings) : ThresholdScale::bits;
 }
 
 // Counts every cell, by window, then threshold. `shape`: a result without matches. `result_of`: of
@@ -172,8 +172,9 @@ Sweep count_cells(const Result& shape, const Grid& grid, const ResultOf& result_
   sweep.threshold_symbol = sweep.score->threshold_symbol;
   sweep.threshold_order = sweep.score->order;
   if (const auto* settings = std::get_if<SequenceQuerySettings>(&shape.settings)) {
-    sweep.threshold_symbol = decision_kind(settings->decision).symbol;
-    sweep.threshold_order = decision_kind(settings->decision).order;
+    const DecisionKind& kind = decision_kind(decision_of(settings->rule));
+    sweep.threshold_symbol = kind.symbol;
+    sweep.threshold_order = kind.order;
   }
   const size_t thresholds = grid.thresholds.size();
   sweep.cells.resize(grid.windows.size() * thresholds);
@@ -201,10 +202,11 @@ Sweep count_cells(const Result& shape, const Grid& grid, const ResultOf& result_
 }  // namespace
 
 SequenceQuerySettings settings_at(const Grid& grid, size_t cell, SequenceQuerySettings base) {
-  base.window_length = grid.windows[cell / grid.thresholds.size()];
-  const bool by_margin = base.decision == Decision::margin;
-  (by_margin ? base.margin : base.distance_threshold) =
-      grid.thresholds[cell % grid.thresholds.size()];
+  const uint64_t length = grid.windows[cell / grid.thresholds.size()];
+  if (auto* threshold = std::get_if<Threshold>(&base.rule))
+    threshold->windows.window_length = length;
+  if (auto* margin = std::get_if<Margin>(&base.rule)) margin->windows.window_length = length;
+  set_limit(base.rule, grid.thresholds[cell % grid.thresholds.size()]);
   return base;
 }
 
@@ -291,7 +293,7 @@ Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {
 }
 
 Sweep sweep_sequences(const SequenceDatabase& database, const LabeledQuery& query,
-                      const ResolvedSettings& base, const Grid& grid,
+                      const SequenceQuerySettings& base, const Grid& grid,
                       const QueryResources& resources, const Monitor& monitor) {
   std::vector<LengthSweep> lengths = plan_sweep(database, query, base, grid, resources, monitor);
   const Result shape = lengths.front().plans.front().result;

@@ -166,11 +166,11 @@ SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, u
 /// The counts of vpr-query and vpr-eval for every cell, by window, then threshold, and the
 /// recommended cell. Frame distances are computed once (twice for thresholds relative to the
 /// largest distance): windows of all lengths come from the same pass, and the thresholds of one
-/// length from its recognitions at the largest one. `base`: the other settings, resolved with the
-/// feature sweep. Each warning is reported once. Throws as plan_query and whole_truth_of do, and
-/// Error(usage) if the recognitions of all lengths together exceed the memory limit.
+/// length from its recognitions at the largest one. `base`: the other settings. Each warning is
+/// reported once. Throws as plan_query and whole_truth_of do, and Error(usage) if the recognitions
+/// of all lengths together exceed the memory limit.
 Sweep sweep_sequences(const SequenceDatabase& database, const LabeledQuery& query,
-                      const ResolvedSettings& base, const Grid& grid,
+                      const SequenceQuerySettings& base, const Grid& grid,
                       const QueryResources& resources, const Monitor& monitor);
 
 /// The counts for FAB-MAP, from one pass of posteriors. Throws Error(usage) for settings out of

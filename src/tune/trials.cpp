@@ -73,11 +73,11 @@ void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& t
 }
 
 std::string name_of(const SequenceQuerySettings& settings) {
-  if (has_paths(settings)) return settings.method;
-  if (settings.decision == Decision::threshold)
-    return fmt::format("FastABLE, c_l {}, t_r {:g}", settings.window_length,
-                       *settings.distance_threshold);
-  return fmt::format("windows of {}", settings.window_length);
+  const Rule& rule = settings.rule;
+  if (has_paths(rule)) return method_of(rule);
+  if (decision_of(rule) == Decision::threshold)
+    return fmt::format("FastABLE, c_l {}, t_r {:g}", window_length_of(rule), *limit_of(rule));
+  return fmt::format("windows of {}", window_length_of(rule));
 }
 
 // The settings of the best cell over all queries.
@@ -86,9 +86,8 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
                                    const SequenceQuerySettings& settings, const Grid& grid,
                                    uint64_t max_incorrect, const QueryResources& resources,
                                    const Monitor& monitor) {
-  const ResolvedSettings base(settings, {Feature::database, Feature::sweep});
   const size_t cell = best_cell(queries, max_incorrect, [&](const LabeledQuery& query) {
-    return sweep_sequences(database, query, base, grid, resources, monitor);
+    return sweep_sequences(database, query, settings, grid, resources, monitor);
   });
   return settings_at(grid, cell, settings);
 }
@@ -131,10 +130,10 @@ std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
 Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
                   const SequenceQuerySettings& settings, const QueryResources& resources,
                   const Monitor& monitor, const Monitor& truth_monitor) {
-  const ResolvedSettings resolved(settings);
-  Trial trial{name_of(*resolved), *resolved, settings.distance_threshold.has_value(), {}, 0};
+  const bool is_tuned = std::holds_alternative<Threshold>(settings.rule);
+  Trial trial{name_of(settings), settings, is_tuned, {}, 0};
   run_trial(trial, queries, truth_monitor, [&](const LabeledQuery& query) {
-    return run_query(plan_query(database, query.frames, query.name, resolved, resources, monitor),
+    return run_query(plan_query(database, query.frames, query.name, settings, resources, monitor),
                      {}, monitor);
   });
   return trial;
@@ -156,8 +155,10 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
   trials.all.push_back(try_setting(database, queries, default_filter(base), resources, once, once));
 
   const std::vector<uint64_t> lengths = fitting_lengths({10, 20, 40}, database, frames);
-  const auto try_windows = [&](const SequenceQuerySettings& windows, const Grid& grid) {
+  const auto try_windows = [&](const Rule& rule, const Grid& grid) {
     if (lengths.empty()) return;
+    SequenceQuerySettings windows = base;
+    windows.rule = rule;
     try {
       const SequenceQuerySettings best =
           best_windows(database, queries, windows, grid, max_incorrect, resources, silent);
@@ -167,11 +168,12 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
       warn(monitor, "A setting is not tried: {}", error.what());
     }
   };
-  SequenceQuerySettings windows = base;
-  windows.score = Score::zscore;
-  windows.decision = Decision::margin;
-  try_windows(windows, {lengths, {std::nullopt}});
-  try_windows(base, {lengths, kDistanceThresholds});
+  Margin scored;
+  scored.windows.score = Score::zscore;
+  Threshold raw;
+  scored.windows.same_place = raw.windows.same_place = same_place_of(base.rule);
+  try_windows(scored, {lengths, {std::nullopt}});
+  try_windows(raw, {lengths, kDistanceThresholds});
   choose(trials);
   return trials;
 }

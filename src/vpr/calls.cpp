@@ -33,27 +33,21 @@ struct SequenceQuery {
   QueryInputs inputs;
   SelectionSettings selection;
   QueryResources resources;
-  ResolvedSettings settings;
+  SequenceQuerySettings settings;
 
-  /// `command`: of vpr-query.
-  SequenceQuery(Keywords& keywords, Feature command, QueryInputs given) : inputs(std::move(given)) {
-    const bool is_loop = command == Feature::loops;
-    SequenceQuerySettings chosen;
+  SequenceQuery(Keywords& keywords, QueryCommand command, QueryInputs given)
+      : inputs(std::move(given)) {
+    SequenceKeys keys;
     NestedObject own{[&](auto&& visit) {
       visit("max_memory", resources.memory_limit);
-      if (command == Feature::query) visit_fields(selection, visit);
-      if (is_loop) visit("frame_times", inputs.frame_times);
+      if (command == QueryCommand::query) visit_fields(selection, visit);
+      if (command == QueryCommand::loops) visit("frame_times", inputs.frame_times);
     }};
-    keywords.read(own, chosen);
+    keywords.read(own, keys);
     resources.seed = keywords.process.seed;
-    chosen.loop = is_loop;
-    std::vector<std::string> keys;
-    for (const auto& item : keywords.values.items()) keys.push_back(item.key());
-    Features run = {command};
-    if (!is_loop) run.push_back(Feature::database);
-    if (!keywords.values.contains("method")) chosen.method = default_method(command, keys);
-    add_given_features(run, chosen, keys);
-    settings = ResolvedSettings(chosen, run);
+    std::vector<std::string> names;
+    for (const auto& item : keywords.values.items()) names.push_back(item.key());
+    settings = choose_query(keys, names, command);
   }
 
   /// Adds what the settings need.
@@ -81,7 +75,7 @@ QueryRun query_places(Keywords& keywords, bool is_loop, const Database& database
       places, words, query.name, settings, seed, [](auto, auto) {}, monitor);
 }
 
-QueryRun query_windows(Keywords& keywords, Feature command, const DatabasePointer& database,
+QueryRun query_windows(Keywords& keywords, QueryCommand command, const DatabasePointer& database,
                        QueryInputs inputs, ResultContext& context, const Monitor& monitor) {
   SequenceQuery by(keywords, command, std::move(inputs));
   if (database) {
@@ -190,10 +184,10 @@ DatabasePointer read_database(const std::filesystem::path& path) {
   return std::make_shared<Database>(Database{vpr::read_database(path), path.string()});
 }
 
-ResultPointer query(Keywords& keywords, Feature command, const DatabasePointer& database,
+ResultPointer query(Keywords& keywords, QueryCommand command, const DatabasePointer& database,
                     QueryInputs inputs, const Monitor& monitor) {
   const Stopwatch watch;
-  const bool is_loop = command == Feature::loops;
+  const bool is_loop = command == QueryCommand::loops;
   const bool has_places = database && std::holds_alternative<FabmapDatabase>(database->content);
   if (database && is_loop && !has_places)
     throw Error(ErrorKind::data, "loops of windows have no database. Omit it");
@@ -213,7 +207,7 @@ ResultPointer query(Keywords& keywords, Feature command, const DatabasePointer& 
 
 Live::Live(Keywords& keywords, DatabasePointer database, const Monitor& monitor)
     : function_(keywords.function), database_(std::move(database)) {
-  SequenceQuery by(keywords, Feature::live, {});
+  SequenceQuery by(keywords, QueryCommand::live, {});
   by.prepare(database_, monitor);
   sequences_ = by.inputs.database;
   lines_.emplace(*sequences_, "live", by.settings, by.resources, monitor);

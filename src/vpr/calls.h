@@ -90,9 +90,9 @@ DatabasePointer train(Keywords& keywords, std::vector<NamedArgument> sequences,
                       const std::vector<SequenceArgument>& pretrain, const Monitor& monitor);
 DatabasePointer read_database(const std::filesystem::path& path);
 
-/// As `command` of vpr-query: query, loops or matrix. `database`: null for windows of loops and for
+/// As `command` of vpr-query: query or loops. `database`: null for windows of loops and for
 /// matrices. Only the query and the scores of `inputs` are used.
-ResultPointer query(Keywords& keywords, Feature command, const DatabasePointer& database,
+ResultPointer query(Keywords& keywords, QueryCommand command, const DatabasePointer& database,
                     QueryInputs inputs, const Monitor& monitor);
 
 /// As vpr-query live.

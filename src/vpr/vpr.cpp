@@ -308,7 +308,7 @@ Result query(const Database& database, const Sequence& sequence, const Settings&
   calls::Keywords keywords = keywords_of("vpr::query", settings);
   return run(keywords.process, monitor, [&](const stages::Monitor& inner) {
     const NamedArgument query = arguments_of({sequence}, "query", false).front();
-    return result_of(calls::query(keywords, Feature::query, trained, {query}, inner));
+    return result_of(calls::query(keywords, QueryCommand::query, trained, {query}, inner));
   });
 }
 

@@ -113,7 +113,7 @@ std::string lines_of(const std::map<std::string, std::string>& old_lines) {
 using Generator = std::string (*)(const std::map<std::string, std::string>& old_lines);
 
 const std::map<std::string, Generator> kGenerators = {
-    {"sequence_query_settings", lines_of<SequenceQuerySettings>},
+    {"sequence_query_settings", lines_of<SequenceKeys>},
     {"fabmap_query_settings", lines_of<FabmapQuerySettings>},
     {"common_options", lines_of<ProcessSettings>},
     {"sequence_train_settings", lines_of<SequenceTrainSettings>},

@@ -54,14 +54,12 @@ struct Figure {
 
 // Compares windows of the database and the query with the reference implementation.
 void check_cells(const fs::path& query, const Figure& figure) {
-  SequenceQuerySettings settings;
-  settings.window_length = static_cast<uint64_t>(figure.window_length);
-  settings.score = enum_value<Score>(figure.score).value();
-  settings.distance_threshold = 0;
-  const ResolvedSettings resolved(settings);
-  const SequenceDatabase database = open_database("d.vprdb", resolved, {});
-  const DescriptorSet frames = describe_query({query, {}}, database, resolved, {});
-  run_verified(plan_query(database, frames, "query", resolved, {}, {}), 100);
+  const WindowSettings windows{"fastable", static_cast<uint64_t>(figure.window_length),
+                               enum_value<Score>(figure.score).value()};
+  const SequenceQuerySettings settings{Threshold{windows, 0}};
+  const SequenceDatabase database = open_database("d.vprdb", settings, {});
+  const DescriptorSet frames = describe_query({query, {}}, database, settings, {});
+  run_verified(plan_query(database, frames, "query", settings, {}, {}), 100);
 }
 
 void check_figures(const DataSet& set, const std::vector<Figure>& figures) {

@@ -16,9 +16,7 @@ const EvaluationSettings kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, 
 /// not recognized.
 Result example() {
   Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 1;
-  result.settings = settings;
+  result.settings = SequenceQuerySettings{Threshold{{.window_length = 1}}};
   result.query.name = "walk";
   result.query.frames = result.query_windows = 4;
   ComparedSequence& compared = result.sequences.emplace_back();

@@ -29,19 +29,19 @@ Curve curve_from(const std::vector<Scored>& scored, uint64_t positives,
 }
 
 /// Precision and recall by definition, at each existing value.
-struct Threshold {
+struct CurveThreshold {
   double distance = 0;
   double correct = 0;
   double accepted = 0;
 };
-std::vector<Threshold> all_thresholds(const std::vector<Scored>& scored) {
+std::vector<CurveThreshold> all_thresholds(const std::vector<Scored>& scored) {
   std::vector<double> values;
   for (const Scored& item : scored) values.push_back(item.distance);
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
-  std::vector<Threshold> thresholds;
+  std::vector<CurveThreshold> thresholds;
   for (const double value : values) {
-    Threshold& at = thresholds.emplace_back(Threshold{value});
+    CurveThreshold& at = thresholds.emplace_back(CurveThreshold{value});
     for (const Scored& item : scored) {
       if (item.distance > value) continue;
       ++at.accepted;
@@ -174,7 +174,7 @@ TEST_CASE("metrics equal their definitions on random scores with ties") {
     double ap = 0, full = 0, f1 = 0, before = 0;
     bool is_clean = true;
     const auto thresholds = all_thresholds(scored);
-    for (const Threshold& at : thresholds) {
+    for (const CurveThreshold& at : thresholds) {
       const double precision = at.correct / at.accepted;
       const double recall = at.correct / find;
       ap += (recall - before) * precision;

@@ -92,7 +92,7 @@ TEST_CASE("matches can be accepted by margin, and those without one never are") 
   CHECK_FALSE(outcomes.queries[4].margin);
   CHECK(single_best_curve(outcomes).points.front().incorrect == 1);
   // a result with a decision by margin is evaluated by margin
-  std::get<SequenceQuerySettings>(result.settings).decision = Decision::margin;
+  result.settings = test::by_margin(2);
   outcomes = outcomes_of(result, truth);
   CHECK(outcomes.confidence == Confidence::margin);
   CHECK(judge(result, truth, {}).single_best == single_best_curve(outcomes));

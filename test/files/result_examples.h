@@ -9,10 +9,7 @@ namespace vpr::test {
 
 inline Result example_result() {
   Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 2;
-  settings.distance_threshold = 0.4;
-  result.settings = settings;
+  result.settings = SequenceQuerySettings{Threshold{{.window_length = 2}, 0.4}};
   result.query.name = "walk";
   result.query.frames = 5;
   result.query.unreadable = {4};

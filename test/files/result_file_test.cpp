@@ -117,10 +117,8 @@ TEST_CASE("a result of places uses the same writer and reader") {
 
 TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   Result scored = example_result();
-  auto& settings = std::get<SequenceQuerySettings>(scored.settings);
-  settings.score = Score::zscore;
-  settings.distance_threshold = -1.5;
-  settings.threshold_scale = ThresholdScale::mean_z;
+  scored.settings =
+      SequenceQuerySettings{Threshold{{.window_length = 2, .score = Score::zscore}, -1.5}};
   scored.sequences[0] = {{"a", 6}, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
   scored.recognitions = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
   scored.best = {scored.recognitions[0], scored.recognitions[1], Match{2, 0, 0, 0, 17},
@@ -153,8 +151,7 @@ TEST_CASE("settings in files have the default scale of their score") {
   const Json raw = settings_in_force(SequenceQuerySettings{});
   CHECK(raw["t_r_scale"] == "relative");
   CHECK(raw["score"] == "raw");
-  SequenceQuerySettings settings;
-  settings.score = Score::zscore;
+  const SequenceQuerySettings settings{Threshold{{.score = Score::zscore}}};
   CHECK(settings_in_force(settings)["score"] == "zscore");
   CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
 }

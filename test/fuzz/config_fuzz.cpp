@@ -7,6 +7,7 @@
 #include "run/open.h"
 #include "run/query.h"
 #include "run/train_sequences.h"
+#include "settings/choices.h"
 
 using namespace vpr;
 
@@ -33,7 +34,10 @@ SequenceDatabase make_database() {
 }
 
 void query(const Json& json) {
-  const auto settings = settings_from<SequenceQuerySettings>(json);
+  std::vector<std::string> given;
+  for (const auto& item : json.items()) given.push_back(item.key());
+  const SequenceQuerySettings settings =
+      choose_query(settings_from<SequenceKeys>(json), given, QueryCommand::query);
   settings_in_force(settings);
   static const SequenceDatabase kDatabase = make_database();
   DescriptorSet query;

@@ -39,9 +39,7 @@ void query_sequences(const std::filesystem::path& folder) {
   QueryResources resources;
   ensure_statistics(database, {});
   for (const Score score : {Score::raw, Score::zscore}) {
-    SequenceQuerySettings settings;
-    settings.window_length = 2;
-    settings.score = score;
+    const SequenceQuerySettings settings{Threshold{{.window_length = 2, .score = score}}};
     fuzz::refuses(
         [&] { run_query(plan_query(database, query, "q", settings, resources, {}), {}, {}); });
   }

@@ -97,12 +97,7 @@ std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
 }
 
 SequenceQuerySettings settings_with(const std::string& method, Score score) {
-  SequenceQuerySettings settings;
-  settings.method = method;
-  settings.score = score;
-  settings.window_length = kWindow;
-  settings.distance_threshold = score == Score::raw ? 0.3 : -1;
-  return settings;
+  return {Threshold{{method, kWindow, score}, score == Score::raw ? 0.3 : -1}};
 }
 
 // The words are squares of pretraining frames: every other square of every fourth frame.

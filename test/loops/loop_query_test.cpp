@@ -31,20 +31,21 @@ std::vector<LdbCode> two_laps() {
   return codes;
 }
 
-SequenceQuerySettings loop_settings(size_t length, size_t gap) {
-  SequenceQuerySettings settings;
-  settings.loop = true;
-  settings.loop_gap = gap;
-  settings.window_length = length;
+SequenceQuerySettings loop_settings(const Rule& rule, std::variant<uint64_t, double> gap) {
+  SequenceQuerySettings settings{rule};
+  settings.past = OwnPast{gap};
   return settings;
+}
+
+SequenceQuerySettings loop_settings(uint64_t length, uint64_t gap) {
+  return loop_settings(Threshold{{.window_length = length}}, gap);
 }
 
 Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settings,
                   std::span<const int64_t> times = {}) {
   QueryResources resources;
   const SequenceDatabase database = own_database(walk, "w");
-  const ResolvedSettings loop(settings, {});
-  const QueryPlan plan = plan_query(database, walk, "w", loop, resources, {}, times);
+  const QueryPlan plan = plan_query(database, walk, "w", settings, resources, {}, times);
   return test::run_verified(plan, 120, {}).result;
 }
 
@@ -67,12 +68,11 @@ std::vector<std::optional<Match>> slow_best(const std::vector<LdbCode>& codes, s
 TEST_CASE("best matches of a sequence in its past equal the definition, for every exact method") {
   const std::vector<LdbCode> codes = two_laps();
   for (const char* method : {"fastable", "fastable-online", "openable"})
-    for (const size_t gap : {1, 15, 31, 69, 70, 200})
+    for (const uint64_t gap : {1, 15, 31, 69, 70, 200})
       for (const size_t length : {1, 4, 20}) {
-        SequenceQuerySettings settings = loop_settings(length, gap);
-        settings.method = method;
+        const Threshold rule{{method, length}};
         INFO(method << ", gap " << gap << ", c_l " << length);
-        const Result result = find_loops(make_query(codes), settings);
+        const Result result = find_loops(make_query(codes), loop_settings(rule, gap));
         CHECK(result.best == slow_best(codes, length, gap));
         CHECK(result.recognitions.empty());  // there is no threshold
       }
@@ -80,9 +80,8 @@ TEST_CASE("best matches of a sequence in its past equal the definition, for ever
 
 TEST_CASE("recognitions of a sequence in its past are pairs below t_r, in bits per frame") {
   const std::vector<LdbCode> codes = two_laps();
-  SequenceQuerySettings settings = loop_settings(4, 15);
-  settings.distance_threshold = 60;
-  const Result result = find_loops(make_query(codes), settings);
+  const Threshold rule{{.window_length = 4}, 60};
+  const Result result = find_loops(make_query(codes), loop_settings(rule, uint64_t{15}));
   std::vector<Match> recognitions;
   for (uint32_t j = 15; j + 4 <= codes.size(); ++j)
     for (uint32_t i = 0; i + 15 <= j; ++i) {
@@ -100,10 +99,8 @@ TEST_CASE("recognitions of a sequence in its past are pairs below t_r, in bits p
 
 TEST_CASE("a margin in the past excludes the gap around the best match") {
   const std::vector<LdbCode> codes = two_laps();
-  SequenceQuerySettings settings = loop_settings(3, 12);
-  settings.decision = Decision::margin;
-  settings.margin = 30;
-  const Result result = find_loops(make_query(codes), settings);
+  const Margin rule{{.window_length = 3}, 30};
+  const Result result = find_loops(make_query(codes), loop_settings(rule, uint64_t{12}));
   const auto best = slow_best(codes, 3, 12);
   for (uint32_t j = 0; j < best.size(); ++j) {
     std::optional<double> runner_up;
@@ -122,8 +119,8 @@ TEST_CASE("a margin in the past excludes the gap around the best match") {
 TEST_CASE("results of a sequence do not change as it continues") {
   const std::vector<LdbCode> codes = two_laps();
   for (const Score score : {Score::raw, Score::zscore}) {
-    SequenceQuerySettings settings = loop_settings(3, 12);
-    settings.score = score;
+    const Threshold rule{{.window_length = 3, .score = score}};
+    const SequenceQuerySettings settings = loop_settings(rule, uint64_t{12});
     const Result whole = find_loops(make_query(codes), settings);
     const std::vector<LdbCode> begin(codes.begin(), codes.begin() + 50);
     const Result part = find_loops(make_query(begin), settings);
@@ -138,8 +135,7 @@ TEST_CASE("a gap in seconds uses time stamps") {
   const std::vector<LdbCode> codes = two_laps();
   std::vector<int64_t> times;
   for (size_t f = 0; f < codes.size(); ++f) times.push_back(static_cast<int64_t>(f) * kSecond / 2);
-  SequenceQuerySettings settings = loop_settings(3, 0);
-  settings.loop_gap_s = 7.5;
+  const SequenceQuerySettings settings = loop_settings(Threshold{{.window_length = 3}}, 7.5);
   CHECK(find_loops(make_query(codes), settings, times).best == slow_best(codes, 3, 15));
   const Json json = settings_in_force(settings);
   CHECK(json["loop_gap_s"] == 7.5);
@@ -150,8 +146,8 @@ TEST_CASE("unreadable frames of a sequence match nothing and are not matched") {
   DescriptorSet walk = make_query(two_laps());
   walk.sequence.unreadable = {5, 40};
   for (const Score score : {Score::raw, Score::zscore}) {
-    SequenceQuerySettings settings = loop_settings(3, 12);
-    settings.score = score;
+    const Threshold rule{{.window_length = 3, .score = score}};
+    const SequenceQuerySettings settings = loop_settings(rule, uint64_t{12});
     const Result result = find_loops(walk, settings);
     for (const auto& best : result.best) {
       if (!best) continue;
@@ -183,7 +179,7 @@ TEST_CASE("a list of loops refers to the frames of its trajectory") {
   trajectory.poses.pop_back();
   CHECK_THROWS_AS(loop_list_of(result, "r.json", trajectory), Error);
   Result other = result;
-  std::get<SequenceQuerySettings>(other.settings).loop = false;
+  std::get<SequenceQuerySettings>(other.settings).past.reset();
   trajectory.poses.assign(70, Pose{});
   CHECK_THROWS_AS(loop_list_of(other, "r.json", trajectory), Error);
 }

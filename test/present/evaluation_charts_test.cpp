@@ -180,17 +180,17 @@ TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
 }
 
 TEST_CASE("charts and pages show scores per frame, in plain words") {
-  SequenceQuerySettings settings;
+  const SequenceQuerySettings settings;
+  const SequenceQuerySettings scored{Threshold{{.score = Score::zscore}}};
   const auto unit = [](const QuerySettings& of_query, size_t window_length) {
     const ScoreUnit found = score_unit(of_query, window_length);
     return std::pair(found.words, found.divisor);
   };
   CHECK(unit(settings, 10) == std::pair(std::string("mean distance"), 10.0));
   CHECK(unit(settings, 1) == std::pair(std::string("distance"), 1.0));
-  settings.score = Score::zscore;
-  CHECK(unit(settings, 10) == std::pair(std::string("mean z-score"), 10240.0));
-  settings.method = "filter";
-  CHECK(unit(settings, 1) == std::pair(std::string("path score in deviations"), 1024.0));
+  CHECK(unit(scored, 10) == std::pair(std::string("mean z-score"), 10240.0));
+  CHECK(unit(SequenceQuerySettings{Filter{}}, 1) ==
+        std::pair(std::string("path score in deviations"), 1024.0));
   CHECK(unit(FabmapQuerySettings{}, 1) == std::pair(std::string("probability"), 1.0));
 }
 

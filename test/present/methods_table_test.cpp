@@ -15,10 +15,7 @@ Report windows(const std::string& name, uint64_t correct, LabelCounts pairs) {
   Report report;
   report.row_name = name;
   report.query = "walk";
-  SequenceQuerySettings settings;
-  settings.window_length = 2;
-  settings.distance_threshold = 0.5;
-  report.settings = QuerySettings(settings);
+  report.settings = QuerySettings(SequenceQuerySettings{Threshold{{.window_length = 2}, 0.5}});
   report.counts.recognitions = pairs;
   report.counts.best_match.frames = report.localization.frames_with_match = 10;
   report.localization.frames = 12;
@@ -31,9 +28,7 @@ Report windows(const std::string& name, uint64_t correct, LabelCounts pairs) {
 
 Report filter(const std::string& name, uint64_t correct) {
   Report report = windows(name, correct, {correct, 0, 0});
-  auto& settings = std::get<SequenceQuerySettings>(std::get<QuerySettings>(report.settings));
-  settings.method = "filter";
-  settings.decision = Decision::margin;
+  report.settings = QuerySettings(SequenceQuerySettings{Filter{}});
   report.localization.first_recognition_frames = 4;
   return report;
 }

@@ -87,9 +87,7 @@ TEST_CASE("without a ground truth nothing is judged, and answers to places may b
 
 TEST_CASE("speeds are in time if the rates differ") {
   Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 1;
-  result.settings = settings;
+  result.settings = SequenceQuerySettings{Threshold{{.window_length = 1}}};
   result.query = {"query", 40};
   result.sequences.emplace_back().sequence = {"walk", 40};
   result.clusters = Clusters{{{0, 10, 0, 20, 10, 0, 20, 1, 0}}, {0}};

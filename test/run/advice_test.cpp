@@ -16,10 +16,7 @@ namespace {
 // Twenty query windows and ten training windows.
 Result planned_result(std::optional<double> threshold) {
   Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 2;
-  settings.distance_threshold = threshold;
-  result.settings = settings;
+  result.settings = test::by_threshold(2, threshold);
   result.query_windows = 20;
   ComparedSequence& sequence = result.sequences.emplace_back();
   sequence.sequence.name = "walk";
@@ -67,7 +64,7 @@ TEST_CASE("without a threshold, no match is reported as too far") {
   CHECK(no_recognition_advice(planned_result(std::nullopt)) ==
         "Best matches only: a recognition needs --t-r, or --decide margin with --margin.");
   Result by_margin = planned_result(std::nullopt);
-  std::get<SequenceQuerySettings>(by_margin.settings).decision = Decision::margin;
+  by_margin.settings = test::by_margin(2);
   CHECK(has(no_recognition_advice(by_margin), "--exclusion-frames"));
   by_margin.margins.assign(20, 5.0);
   CHECK(has(no_recognition_advice(by_margin), "no best match has the margin"));
@@ -89,12 +86,8 @@ TEST_CASE("the filter distinguishes another speed from another place") {
         "the query may show another place, or its 28 keyframes are too few for a decision, which "
         "needs up to 64.");
   CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
-  SequenceQuerySettings strict;
-  strict.method = "filter";
-  strict.margin = 64;
-  CHECK(has(
-      filter_advice(database, test::make_query(walk.train[0]), *ResolvedSettings(strict), {}, {}),
-      "With default settings (--method filter, margin 14), 1"));
+  CHECK(has(filter_advice(database, test::make_query(walk.train[0]), {Filter{64}}, {}, {}),
+            "With default settings (--method filter, margin 14), 1"));
 }
 
 TEST_CASE("without a match of any window, none is compared with a limit") {

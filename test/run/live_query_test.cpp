@@ -111,30 +111,22 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
 
 TEST_CASE("live frames have the results of the whole query: thresholds of distances") {
   const Walks two;
-  SequenceQuerySettings settings;
-  settings.window_length = 6;
-  CHECK(check_live_query(two, settings) > 40);  // automatic threshold in bits
-  settings.method = "fastable-online";
+  CHECK(check_live_query(two, test::by_threshold(6)) > 40);  // automatic threshold in bits
+  SequenceQuerySettings settings{Threshold{{"fastable-online", 6}}};
   settings.only_sequences = {"b"};
   CHECK(check_live_query(two, settings) > 30);
-  settings.distance_threshold = 300;
-  settings.threshold_scale = ThresholdScale::bits;
-  settings.window_length = 1;
+  settings.rule = Threshold{{"fastable-online", 1}, 300, ThresholdScale::bits};
   CHECK(check_live_query(two, settings) > 30);
 }
 
 TEST_CASE("live frames have the results of the whole query: margins, scores and the filter") {
   const Walks walks;
-  SequenceQuerySettings settings;
-  settings.window_length = 6;
-  settings.decision = Decision::margin;
-  CHECK(check_live_query(walks, settings) > 40);
-  settings.score = Score::zscore;
+  CHECK(check_live_query(walks, test::by_margin(6)) > 40);
+  SequenceQuerySettings settings{Margin{{.window_length = 6, .score = Score::zscore}}};
   CHECK(check_live_query(walks, settings) > 40);
   settings.only_sequences = {"a"};
   CHECK(check_live_query(walks, settings) > 1);
-  SequenceQuerySettings filter;
-  filter.method = "filter";
+  SequenceQuerySettings filter{Filter{}};
   CHECK(check_live_query(walks, filter) > 30);
   filter.only_sequences = {"b"};  // the first sequence is not searched
   CHECK(check_live_query(walks, filter) > 10);
@@ -142,12 +134,9 @@ TEST_CASE("live frames have the results of the whole query: margins, scores and 
 
 TEST_CASE("a stop of any length keeps at most as many frames as pending keyframes") {
   const Walks walks;
-  SequenceQuerySettings filter;
-  filter.method = "filter";
   const FrameDistances raw =
       frame_distances(descriptor_spans(walks.database), {walks.query.rows().first(0), {}});
-  LiveScores live =
-      start_live(raw, stages_of(*ResolvedSettings(filter), &*walks.database.statistics));
+  LiveScores live = start_live(raw, stages_of({Filter{}}, &*walks.database.statistics));
   const DescriptorRows rows = walks.query.rows();
   size_t most = 0;
   for (size_t frame = 0; frame < rows.size(); ++frame) {

@@ -13,18 +13,11 @@
 #include "support.h"
 
 using namespace vpr;
+using test::by_margin;
 using test::make_query;
 using test::query_result;
 
 namespace {
-
-SequenceQuerySettings by_margin(size_t length, std::optional<double> margin) {
-  SequenceQuerySettings settings;
-  settings.window_length = length;
-  settings.decision = Decision::margin;
-  settings.margin = margin;
-  return settings;
-}
 
 // Two sequences and a noisy query through part of the first one.
 struct Walks {
@@ -62,10 +55,7 @@ TEST_CASE("every exact method gives each query window its margin, for any decisi
   const DescriptorSet query = make_query(walks.query);
   for (const char* method : {"fastable", "fastable-online", "openable"}) {
     for (const size_t width : {0, 4, 1000}) {
-      SequenceQuerySettings settings;
-      settings.method = method;
-      settings.window_length = 6;
-      settings.exclusion_frames = width;
+      const SequenceQuerySettings settings{Threshold{{method, 6, Score::raw, width}}};
       const ThreadLimit limit(1 + width % 3);
       const Result result = query_result(database, query, settings);
       REQUIRE(result.margins.size() == 55);
@@ -97,9 +87,9 @@ TEST_CASE("two sequences of one place do not reduce each other's margin") {
   const DescriptorSet query = make_query(walks.query);
   const auto recognitions = [&](const SequenceDatabase& database,
                                 std::vector<std::string> same_place) {
-    SequenceQuerySettings settings = by_margin(10, 60.0);
-    settings.same_place = std::move(same_place);
-    return query_result(database, query, settings).recognitions;
+    Margin rule{{.window_length = 10}, 60.0};
+    rule.windows.same_place = std::move(same_place);
+    return query_result(database, query, {rule}).recognitions;
   };
   const std::vector<Match> once = recognitions(test::make_database(walks.train), {});
   REQUIRE(once.size() >= 20);
@@ -135,8 +125,8 @@ TEST_CASE("stored exclusion radii and overlaps have the results of computed ones
 TEST_CASE(
     "without windows outside the exclusion zone there is no margin and no recognition by margin") {
   const Walks walks;
-  SequenceQuerySettings settings = by_margin(10, 0.0);
-  settings.exclusion_frames = 10'000;
+  const SequenceQuerySettings settings{
+      Margin{{.window_length = 10, .exclusion_frames = 10'000}, 0.0}};
   const SequenceDatabase one = test::make_database({walks.train[0]});
   Result result = query_result(one, make_query(walks.query), settings);
   CHECK(result.recognitions.empty());

@@ -17,6 +17,8 @@
 #include "support.h"
 
 using namespace vpr;
+using test::by_margin;
+using test::by_threshold;
 using test::make_query;
 
 namespace {
@@ -65,12 +67,9 @@ TEST_CASE("relative thresholds use the final maximum of each training sequence")
   std::copy_n(train[0].begin() + 10, 20, query.begin() + 15);
   const SequenceDatabase database = make_database(train, 5);
   for (const double threshold : {0.2, 0.8, 0.95}) {
-    SequenceQuerySettings settings;
-    settings.window_length = 5;
-    settings.distance_threshold = threshold;
     for (const char* method : {"fastable", "fastable-online", "openable"}) {
-      settings.method = method;
-      const Result result = query_all(database, make_query(query), settings).result;
+      const Threshold rule{{method, 5}, threshold};
+      const Result result = query_all(database, make_query(query), {rule}).result;
       CHECK(result.recognitions == slow_recognitions(train, query, 5, threshold));
       CHECK_FALSE(result.recognitions.empty());
     }
@@ -83,8 +82,7 @@ TEST_CASE("automatic thresholds recognize a revisit and nothing between the trai
   std::vector<LdbCode> query = test::walk_codes(50, 3);
   std::copy_n(train[1].begin() + 10, 20, query.begin() + 15);
   const SequenceDatabase database = make_database(train, 10);
-  SequenceQuerySettings settings;
-  settings.window_length = 10;
+  SequenceQuerySettings settings = by_threshold(10);
   const Result result = query_all(database, make_query(query), settings).result;
   CHECK(result.sequences[0].scale == ThresholdScale::bits);
   REQUIRE_FALSE(result.clusters->all.empty());
@@ -99,8 +97,7 @@ TEST_CASE("a missing window length is computed") {
   const SequenceDatabase database =
       make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 10);
   test::Warnings warnings;
-  SequenceQuerySettings settings;
-  settings.window_length = 7;
+  const SequenceQuerySettings settings = by_threshold(7);
   const auto computed =
       query_all(database, make_query(test::walk_codes(30, 3)), settings, warnings.monitor);
   CHECK(warnings.said.empty());
@@ -124,8 +121,7 @@ TEST_CASE("training sequences that look different accept every window, with a wa
     }
   }
   const SequenceDatabase database = make_database(walks, 5);
-  SequenceQuerySettings settings;
-  settings.window_length = 5;
+  const SequenceQuerySettings settings = by_threshold(5);
   const Result result = query_all(database, make_query(walks[0]), settings).result;
   CHECK(result.recognitions.size() == 36 * 36);
   CHECK(*result.sequences[0].threshold > 600);
@@ -136,8 +132,7 @@ TEST_CASE("training sequences that look different accept every window, with a wa
 TEST_CASE("an automatic threshold needs another training sequence with a window") {
   const SequenceDatabase alone =
       make_database({test::walk_codes(60, 1, 120), test::walk_codes(9, 2, 120)}, 10);
-  SequenceQuerySettings settings;
-  settings.window_length = 10;
+  const SequenceQuerySettings settings = by_threshold(10);
   CHECK_THROWS_WITH(query_all(alone, make_query(test::walk_codes(50, 3, 120)), settings),
                     "the automatic t_r needs two training sequences with windows of 10 frames "
                     "(c_l). Use a smaller --c-l, or a number for --t-r.");
@@ -150,17 +145,13 @@ TEST_CASE("only queries with an automatic threshold warn that sequences show one
   const SequenceDatabase database = make_database(walks, 10);
   test::Warnings warnings;
   const DescriptorSet query = make_query(test::walk_codes(50, 3, 150));
-  SequenceQuerySettings settings;
-  settings.window_length = 10;
+  const SequenceQuerySettings settings = by_threshold(10);
   query_all(database, query, settings, warnings.monitor);
   REQUIRE(warnings.said.size() == 1);
   CHECK(warnings.said[0].find("a and b seem to show the same place") == 0);
   warnings.said.clear();
-  settings.decision = Decision::margin;
-  query_all(database, query, settings, warnings.monitor);
-  settings.decision = Decision::threshold;
-  settings.distance_threshold = 0.5;
-  query_all(database, query, settings, warnings.monitor);
+  query_all(database, query, by_margin(10), warnings.monitor);
+  query_all(database, query, by_threshold(10, 0.5), warnings.monitor);
   CHECK(warnings.said.empty());
 }
 
@@ -180,9 +171,7 @@ TEST_CASE("a search can be limited to sequences, which keep their indices in the
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
                                                    test::walk_codes(30, 2)};
   const SequenceDatabase database = make_database(train, 5);
-  SequenceQuerySettings settings;
-  settings.window_length = 5;
-  settings.distance_threshold = 1;
+  SequenceQuerySettings settings = by_threshold(5, 1);
   settings.only_sequences = {"b"};
   const Result result = query_all(database, make_query(train[0]), settings).result;
   CHECK_FALSE(result.recognitions.empty());
@@ -193,10 +182,8 @@ TEST_CASE("a search can be limited to sequences, which keep their indices in the
 TEST_CASE("identical training and query windows: the maximum and all quotients are 0") {
   const std::vector<LdbCode> same(8, test::random_codes(1, 1)[0]);
   const SequenceDatabase database = make_database({same}, 3);
-  SequenceQuerySettings settings;
-  settings.window_length = 3;
-  settings.distance_threshold = 0.1;
-  CHECK(query_all(database, make_query(same), settings).result.recognitions.size() == 36);
+  CHECK(query_all(database, make_query(same), by_threshold(3, 0.1)).result.recognitions.size() ==
+        36);
 }
 
 TEST_CASE("random cells are distinct, valid, and the same for a seed") {
@@ -235,15 +222,10 @@ TEST_CASE(
                                                    test::walk_codes(45, 2)};
   const SequenceDatabase database = make_database(train, 5);
   const DescriptorSet query = make_query(train[0]);
-  SequenceQuerySettings settings;
-  settings.window_length = 5;
-  settings.distance_threshold = 100;
-  settings.threshold_scale = ThresholdScale::bits;
-  const Result exact = query_all(database, query, settings).result;
-  settings.method = "lsh";
-  const auto by_lsh = [&] { return query_all(database, query, settings).result; };
-  const Result some = by_lsh();
-  CHECK(std::get<SequenceQuerySettings>(some.settings).method == "lsh");
+  const Threshold bits{{.window_length = 5}, 100, ThresholdScale::bits};
+  const Result exact = query_all(database, query, {bits}).result;
+  const Result some = query_all(database, query, {Lsh{5, 100}}).result;
+  CHECK(method_of(some.settings) == "lsh");
   CHECK(std::includes(
       exact.recognitions.begin(), exact.recognitions.end(), some.recognitions.begin(),
       some.recognitions.end(), [](const Match& a, const Match& b) {
@@ -267,8 +249,7 @@ TEST_CASE("a query with other descriptors than the database is refused in one se
   const DescriptorKind other{"other", "", kLdbShape, nullptr};
   DescriptorSet query = make_query(test::walk_codes(20, 2));
   query.descriptors.kind = &other;
-  SequenceQuerySettings settings;
-  settings.window_length = 4;
+  const SequenceQuerySettings settings = by_threshold(4);
   const auto plan = [&] { plan_query(database, query, "q", settings, {}, {}); };
   CHECK(test::error_kind(plan) == ErrorKind::data);
   CHECK(test::error_text(plan) ==
@@ -285,13 +266,9 @@ TEST_CASE("windows with sums that exceed the file format are refused") {
   DescriptorSet query;
   query.descriptors.kind = &vectors;
   query.descriptors.owned = bytes;
-  SequenceQuerySettings settings;
-  settings.distance_threshold = 0.5;
-  settings.window_length = 32769;
-  const auto plan = [&] { plan_query(database, query, "q", settings, {}, {}); };
+  const auto plan = [&] { plan_query(database, query, "q", by_threshold(32769, 0.5), {}, {}); };
   CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for"));
-  settings.window_length = 5;
-  const Result result = query_all(database, query, settings).result;
+  const Result result = query_all(database, query, by_threshold(5, 0.5)).result;
   CHECK(result.recognitions.size() == 96 * 96);  // all vectors are equal
 }
 
@@ -304,10 +281,7 @@ TEST_CASE("a resampled query repeats the rows of the recording, frame by frame")
     return recording;
   };
   const auto best_of = [&](const DescriptorSet& query) {
-    SequenceQuerySettings settings;
-    settings.window_length = 1;
-    settings.distance_threshold = 0.5;
-    return query_all(database, query, settings).result;
+    return query_all(database, query, by_threshold(1, 0.5)).result;
   };
   const Result plain = best_of(record());
   CHECK(plain.query.selection.is_all());

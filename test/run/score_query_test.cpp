@@ -25,11 +25,8 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
   return database;
 }
 
-SequenceQuerySettings scored_settings(uint64_t length) {
-  SequenceQuerySettings settings;
-  settings.score = Score::zscore;
-  settings.window_length = length;
-  return settings;
+SequenceQuerySettings scored(uint64_t length, double threshold) {
+  return {Threshold{{.window_length = length, .score = Score::zscore}, threshold}};
 }
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
@@ -45,8 +42,7 @@ TEST_CASE("z-scores recognize a revisit, with the same result for every method")
   std::vector<LdbCode> query = test::walk_codes(50, 3);
   std::copy_n(train[0].begin() + 10, 20, query.begin() + 15);
   const SequenceDatabase database = make_database(train);
-  SequenceQuerySettings settings = scored_settings(5);
-  settings.distance_threshold = -4;
+  SequenceQuerySettings settings = scored(5, -4);
   const Result result = query_all(database, make_query(query), settings).result;
   REQUIRE_FALSE(result.recognitions.empty());
   CHECK(result.sequences[0].scale == ThresholdScale::mean_z);
@@ -55,7 +51,7 @@ TEST_CASE("z-scores recognize a revisit, with the same result for every method")
     CHECK(result.score().frame_value(recognition.score, 5) < -4);
   }
   CHECK(result.best[18]->train == 13);
-  settings.method = "fastable-online";
+  std::get<Threshold>(settings.rule).windows.method = "fastable-online";
   CHECK(query_all(database, make_query(query), settings).result.recognitions ==
         result.recognitions);
 }
@@ -64,8 +60,7 @@ TEST_CASE("rows are centered over all training frames, also in a limited search"
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1), test::walk_codes(50, 2),
                                                    test::walk_codes(30, 3)};
   const SequenceDatabase database = make_database(train);
-  SequenceQuerySettings settings = scored_settings(5);
-  settings.distance_threshold = 0;
+  SequenceQuerySettings settings = scored(5, 0);
   const DescriptorSet query = make_query(test::walk_codes(40, 4));
   const Result all = query_all(database, query, settings).result;
   settings.only_sequences = {"b"};
@@ -81,8 +76,7 @@ TEST_CASE("a wrong score is detected, and a correct one is accepted") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
                                                    test::walk_codes(30, 2)};
   const SequenceDatabase database = make_database(train);
-  SequenceQuerySettings settings = scored_settings(4);
-  settings.distance_threshold = 0;
+  const SequenceQuerySettings settings = scored(4, 0);
   const DescriptorSet query = make_query(test::walk_codes(40, 4));
   const QueryRun run = query_all(database, query, settings, 2 * 27 * 37);  // all cells
   const auto cell_of = [&](const Match& recognition) {
@@ -105,8 +99,7 @@ TEST_CASE("missing statistics of a database are computed") {
   ensure_statistics(database, {});
   CHECK(database.statistics == stored);
   database.statistics.reset();
-  SequenceQuerySettings settings = scored_settings(4);
-  settings.distance_threshold = 0;
+  const SequenceQuerySettings settings = scored(4, 0);
   const DescriptorSet query = make_query(test::walk_codes(40, 4));
   CHECK(test::error_kind([&] { query_all(database, query, settings); }) == ErrorKind::usage);
   ensure_statistics(database, {});

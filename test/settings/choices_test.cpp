@@ -1,9 +1,5 @@
-// The table of choices: every refused combination is refused by name, and nothing else is.
+// The choice of a rule: every refused combination is refused by name, and nothing else is.
 #include "settings/choices.h"
-
-#include <algorithm>
-#include <bit>
-#include <functional>
 
 #include <catch2/catch.hpp>
 
@@ -14,71 +10,18 @@ using namespace vpr;
 
 namespace {
 
-/// The flag of a choice, and its setting.
-struct ChosenFlag {
-  const char* flag;
-  std::function<void(SequenceQuerySettings&)> set;  ///< null: a choice of the run alone
-};
-
-void by_margin(SequenceQuerySettings& settings) { settings.decision = Decision::margin; }
-
-void by_loop(SequenceQuerySettings& settings) {
-  settings.loop = true;
-  if (settings.loop_gap_s == 0) settings.loop_gap = 10;
+SequenceQuerySettings chosen_by(const Json& json, QueryCommand command = QueryCommand::query) {
+  SequenceKeys keys;
+  value_from_json(json, keys, "test", "settings");
+  std::vector<std::string> given;
+  for (const auto& item : json.items()) given.push_back(item.key());
+  return choose_query(keys, given, command);
 }
 
-const std::vector<ChosenFlag> kChosenFlags = {
-    {"DB", {}},
-    {"vpr-query live", {}},
-    {"vpr-query loops", by_loop},
-    {"vpr-tune fastable", {}},
-    {"a FAB-MAP database", {}},
-    {"--method filter", [](auto& s) { s.method = "filter"; }},
-    {"--method lsh", [](auto& s) { s.method = "lsh"; }},
-    {"--method openable", [](auto& s) { s.method = "openable"; }},
-    {"--score raw", {}},
-    {"--score zscore", [](auto& s) { s.score = Score::zscore; }},
-    {"--c-l", {}},
-    {"--decide threshold", {}},
-    {"--decide margin", by_margin},
-    {"--t-r", [](auto& s) { s.distance_threshold = 0; }},
-    {"--t-r-scale relative", [](auto& s) { s.threshold_scale = ThresholdScale::relative; }},
-    {"--t-r-scale bits", [](auto& s) { s.threshold_scale = ThresholdScale::bits; }},
-    {"--t-r-scale mean-z", [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }},
-    {"--safety-factor", [](auto& s) { s.safety_factor = 0.9; }},
-    {"--margin", [](auto& s) { s.margin = 3; }},
-    {"--exclusion-frames", [](auto& s) { s.exclusion_frames = 3; }},
-    {"--same-place", [](auto& s) { s.same_place = {"none"}; }},
-    {"--only-sequence", [](auto& s) { s.only_sequences = {"a"}; }},
-    {"--skip-unreadable", [](auto& s) { s.skip_unreadable = true; }},
-    {"--save-matrix", {}},
-    {"a --gap in seconds",
-     [](auto& s) {
-       s.loop_gap = 0;
-       s.loop_gap_s = 3;
-     }},
-    {"--descriptor", [](auto& s) { s.descriptor = "hog"; }}};
-
-const ChosenFlag& asked(std::string_view flag) {
-  const auto found = std::find_if(kChosenFlags.begin(), kChosenFlags.end(),
-                                  [&](const ChosenFlag& one) { return one.flag == flag; });
-  REQUIRE(found != kChosenFlags.end());
-  return *found;
-}
-
-/// The error for a combination of flags; empty without an error.
-std::string error_of(const std::vector<std::string_view>& flags) {
-  SequenceQuerySettings settings;
-  Features run;
-  for (const std::string_view flag : flags) {
-    const ChosenFlag& one = asked(flag);
-    if (one.set)
-      one.set(settings);
-    else
-      run.push_back(enum_value<Feature>(flag).value());
-  }
+/// The sentence of the refusal; empty without one.
+std::string error_of(const Json& json, QueryCommand command) {
   try {
-    ResolvedSettings(settings, run);
+    chosen_by(json, command);
   } catch (const Error& error) {
     CHECK(error.kind() == ErrorKind::usage);
     return error.what();
@@ -88,140 +31,146 @@ std::string error_of(const std::vector<std::string_view>& flags) {
 
 }  // namespace
 
-TEST_CASE("choices that cannot be combined are refused by both names") {
+TEST_CASE("settings that cannot be combined are refused by both names, with what to do instead") {
   struct Refused {
-    std::vector<std::string_view> flags;
-    std::string_view first, second;  ///< in the message
+    Json keys;
+    const char* first;
+    const char* second;
+    QueryCommand command = QueryCommand::query;
   };
+  constexpr QueryCommand kLive = QueryCommand::live;
+  constexpr QueryCommand kLoops = QueryCommand::loops;
+  constexpr QueryCommand kSweep = QueryCommand::sweep;
   const std::vector<Refused> all = {
       // Scores and decisions.
-      {{"--t-r-scale mean-z"}, "--t-r-scale mean-z", "--score raw"},
-      {{"--score zscore", "--t-r", "--t-r-scale bits"}, "--t-r-scale bits", "--score zscore"},
-      {{"--score zscore", "--t-r-scale relative", "--t-r"}, "relative", "zscore"},
-      {{"--score zscore"}, "--t-r auto", "--score zscore"},
-      {{"--score zscore", "--safety-factor", "--t-r"}, "--safety-factor", "zscore"},
-      {{"--safety-factor", "--t-r"}, "--safety-factor", "--t-r"},
-      {{"--score zscore", "--method openable"}, "--score zscore", "openable"},
-      {{"--margin"}, "--margin", "--decide threshold"},
-      {{"--decide margin", "--t-r"}, "--t-r", "--decide margin"},
-      {{"--decide margin", "--t-r-scale bits"}, "--t-r-scale bits", "--decide margin"},
-      {{"--decide margin", "--t-r-scale relative"}, "--t-r-scale relative", "--decide margin"},
-      {{"--decide margin", "--safety-factor"}, "--safety-factor", "--decide margin"},
+      {{{"t_r_scale", "mean-z"}}, "--t-r-scale mean-z", "--score raw"},
+      {{{"score", "zscore"}, {"t_r", -1}, {"t_r_scale", "bits"}}, "--t-r-scale bits", "zscore"},
+      {{{"score", "zscore"}, {"t_r", 0}, {"t_r_scale", "relative"}}, "relative", "zscore"},
+      {{{"score", "zscore"}}, "--t-r auto", "--score zscore"},
+      {{{"safety_factor", 0.9}, {"t_r", 0.5}}, "--safety-factor", "--t-r"},
+      {{{"method", "openable"}, {"score", "zscore"}, {"t_r", -1}}, "--score zscore", "openable"},
+      {{{"c_l", 5}, {"margin", 3}}, "--margin", "--decide threshold"},
+      {{{"decide", "margin"}, {"t_r", 0.5}}, "--t-r", "--decide margin"},
+      {{{"decide", "margin"}, {"t_r_scale", "bits"}}, "--t-r-scale bits", "--decide margin"},
+      {{{"decide", "margin"}, {"safety_factor", 0.9}}, "--safety-factor", "--decide margin"},
       // Methods.
-      {{"--decide margin", "--method lsh"}, "--decide margin", "--method lsh"},
-      {{"--score zscore", "--t-r", "--method lsh"}, "zscore", "--method lsh"},
-      {{"--t-r", "--method lsh"}, "a relative --t-r", "--method lsh"},
-      {{"--save-matrix", "--method lsh"}, "--save-matrix", "--method lsh"},
-      {{"--t-r", "--method filter"}, "--t-r", "--method filter"},
-      {{"--t-r-scale mean-z", "--method filter"}, "--t-r-scale mean-z", "--method filter"},
-      {{"--safety-factor", "--method filter"}, "--safety-factor", "--method filter"},
-      {{"--exclusion-frames", "--method filter"}, "--exclusion-frames", "--method filter"},
-      {{"--c-l", "--method filter"}, "--c-l", "--method filter"},
-      {{"--score raw", "--method filter"}, "--score raw", "--method filter"},
-      {{"--decide threshold", "--method filter"}, "--decide threshold", "--method filter"},
+      {{{"method", "lsh"}, {"decide", "margin"}}, "--decide margin", "--method lsh"},
+      {{{"method", "lsh"}, {"score", "zscore"}}, "--score zscore", "--method lsh"},
+      {{{"method", "lsh"}, {"t_r", 0.5}}, "a relative --t-r", "--method lsh"},
+      {{{"method", "lsh"}, {"t_r", 0.5}, {"t_r_scale", "relative"}}, "relative", "--method lsh"},
+      {{{"method", "lsh"}, {"margin", 3}}, "--margin", "--method lsh"},
+      {{{"method", "lsh"}, {"same_place", {"a=b"}}}, "--same-place", "--method lsh"},
+      {{{"method", "filter"}, {"t_r", 0.5}}, "--t-r", "--method filter"},
+      {{{"method", "filter"}, {"t_r_scale", "mean-z"}}, "--t-r-scale mean-z", "--method filter"},
+      {{{"method", "filter"}, {"safety_factor", 0.9}}, "--safety-factor", "--method filter"},
+      {{{"method", "filter"}, {"exclusion_frames", 3}}, "--exclusion-frames", "--method filter"},
+      {{{"method", "filter"}, {"c_l", 5}}, "--c-l", "--method filter"},
+      {{{"method", "filter"}, {"score", "raw"}}, "--score raw", "--method filter"},
+      {{{"method", "filter"}, {"decide", "threshold"}}, "--decide threshold", "--method filter"},
+      {{{"method", "filter"}, {"lsh", {{"tables", 3}}}}, "\"lsh\"", "--method filter"},
+      {{{"c_l", 5}, {"filter", {{"path_keyframes", 9}}}}, "\"filter\"", "--decide threshold"},
       // A loop query.
-      {{"vpr-query loops", "DB"}, "DB", "vpr-query loops"},
-      {{"vpr-query loops", "vpr-query live"}, "vpr-query live", "vpr-query loops"},
-      {{"vpr-query loops", "--method filter"}, "--method filter", "vpr-query loops"},
-      {{"vpr-query loops", "--method lsh"}, "--method lsh", "vpr-query loops"},
-      {{"vpr-query loops", "--t-r-scale relative"}, "relative", "vpr-query loops"},
-      {{"vpr-query loops", "--decide margin"}, "a default --margin", "vpr-query loops"},
-      {{"vpr-query loops", "a --gap in seconds", "--decide margin", "--margin"},
+      {{{"loop_gap", 9}, {"method", "filter"}}, "--method filter", "vpr-query loops", kLoops},
+      {{{"loop_gap", 9}, {"method", "lsh"}}, "--method lsh", "vpr-query loops", kLoops},
+      {{{"loop_gap", 9}, {"t_r_scale", "relative"}}, "relative", "vpr-query loops", kLoops},
+      {{{"loop_gap", 9}, {"decide", "margin"}}, "a default --margin", "vpr-query loops", kLoops},
+      {{{"loop_gap_s", 9.0}, {"decide", "margin"}, {"margin", 3}},
        "an automatic --exclusion-frames",
-       "vpr-query loops"},
-      {{"vpr-query loops", "--only-sequence"}, "--only-sequence", "vpr-query loops"},
-      {{"vpr-query loops", "--same-place"}, "--same-place", "vpr-query loops"},
-      {{"vpr-query loops", "vpr-tune fastable"}, "vpr-tune fastable", "vpr-query loops"},
-      {{"DB", "--descriptor"}, "--descriptor", "its own past"},
+       "vpr-query loops",
+       kLoops},
+      {{{"loop_gap", 9}, {"only_sequence", {"a"}}}, "--only-sequence", "loops", kLoops},
+      {{{"loop_gap", 9}, {"same_place", {"a=b"}}}, "--same-place", "loops", kLoops},
+      {{{"loop_gap", 9}, {"safety_factor", 0.9}}, "--safety-factor", "--t-r", kLoops},
+      {{{"descriptor", "hog"}}, "--descriptor hog", "vpr-query"},
+      {{{"loop_gap", 9}}, "\"loop_gap\"", "vpr-query"},
       // Frames as they arrive.
-      {{"vpr-query live", "--method openable"}, "vpr-query live", "--method openable"},
-      {{"vpr-query live", "--method lsh"}, "vpr-query live", "--method lsh"},
-      {{"vpr-query live", "--t-r"}, "a relative --t-r", "vpr-query live"},
-      // FAB-MAP.
-      {{"a FAB-MAP database", "a --gap in seconds"}, "--gap in seconds", "FAB-MAP"},
-      {{"a FAB-MAP database", "vpr-query loops", "--descriptor"}, "--descriptor", "FAB-MAP"},
+      {{{"method", "openable"}}, "vpr-query live", "--method openable", kLive},
+      {{{"method", "lsh"}}, "vpr-query live", "--method lsh", kLive},
+      {{{"t_r", 0.5}}, "a relative --t-r", "vpr-query live", kLive},
       // vpr-tune.
-      {{"vpr-tune fastable", "--method filter"}, "vpr-tune fastable", "--method filter"},
-      {{"vpr-tune fastable", "--method lsh"}, "vpr-tune fastable", "--method lsh"}};
+      {{{"method", "filter"}}, "vpr-tune fastable", "--method filter", kSweep},
+      {{{"method", "lsh"}}, "vpr-tune fastable", "--method lsh", kSweep}};
   for (const Refused& one : all) {
-    std::string flags;
-    for (const std::string_view flag : one.flags) flags += std::string(flag) + " ";
-    const std::string error = error_of(one.flags);
-    INFO(flags << ": " << error);
-    CHECK(error.find(one.first) < error.find(" does not go with "));
-    CHECK(error.find(one.second, error.find(" does not go with ")) < error.size());
+    const std::string error = error_of(one.keys, one.command);
+    const size_t middle = error.find(" does not go with ");
+    INFO(one.keys.dump() << ": " << error);
+    CHECK(error.find(one.first) < middle);
+    CHECK(error.find(one.second, middle) < error.size());
+    CHECK(error.ends_with('.'));
+    CHECK(error.find(". ", middle) < error.size());
   }
 }
 
-TEST_CASE("choices that can be combined are accepted") {
-  const std::vector<std::vector<std::string_view>> all = {
-      {},
-      {"--method openable", "--t-r", "--t-r-scale bits"},
-      {"--method lsh", "--t-r", "--t-r-scale bits"},
-      {"--method filter", "--margin", "--same-place", "--only-sequence"},
-      {"--method filter", "vpr-query live"},
-      {"vpr-query live", "--t-r", "--t-r-scale bits", "--skip-unreadable"},
-      {"vpr-query live", "--t-r-scale relative"},
-      {"vpr-query live", "--decide margin"},
-      {"--score zscore", "--t-r", "--t-r-scale mean-z"},
-      {"--score zscore", "--decide margin", "--margin", "--exclusion-frames"},
-      {"--score zscore", "--decide margin", "--save-matrix"},
-      {"vpr-query loops", "--descriptor", "--save-matrix"},
-      {"vpr-query loops", "a --gap in seconds", "--score zscore", "--t-r"},
-      {"vpr-query loops", "--decide margin", "--margin", "--method openable"},
-      {"--score zscore", "--t-r", "--only-sequence", "--same-place"},
-      {"vpr-tune fastable", "--score zscore", "--t-r"},
-      {"vpr-tune fastable", "--decide margin", "--margin"},
-      {"a FAB-MAP database", "vpr-query loops"}};
-  for (const auto& flags : all) {
-    std::string words;
-    for (const std::string_view flag : flags) words += std::string(flag) + " ";
-    INFO(words);
-    CHECK(error_of(flags) == "");
-  }
-}
-
-TEST_CASE("each facet is needed by a choice and excluded by another") {
-  uint32_t needed = 0;
-  uint32_t excluded = 0;
-  const auto check = [&](std::string_view name, const auto& row) {
-    INFO(name);
-    CHECK((row.needs & row.excludes) == 0);
-    CHECK((row.needs == 0) == row.instead.empty());
-    needed |= row.needs;
-    excluded |= row.excludes;
+TEST_CASE("settings that can be combined are accepted") {
+  struct Accepted {
+    Json keys;
+    QueryCommand command = QueryCommand::query;
   };
-  for (const Choice& choice : choices()) check(choice.name(), choice);
-  for (const SettingRow& row : sequence_setting_rows()) check(row.key, row);
-  CHECK(needed == excluded);
-  CHECK(std::has_single_bit(needed + 1));
+  const std::vector<Accepted> all = {
+      {Json::object()},
+      {{{"method", "openable"}, {"t_r", 200}, {"t_r_scale", "bits"}}},
+      {{{"method", "lsh"}, {"t_r", 200}, {"t_r_scale", "bits"}}},
+      {{{"method", "lsh"}}},
+      {{{"method", "filter"}, {"margin", 3}, {"same_place", {"a=b"}}, {"only_sequence", {"a"}}}},
+      {{{"method", "filter"}}, QueryCommand::live},
+      {{{"t_r", 200}, {"t_r_scale", "bits"}, {"skip_unreadable", true}}, QueryCommand::live},
+      {{{"t_r_scale", "relative"}}, QueryCommand::live},
+      {{{"decide", "margin"}}, QueryCommand::live},
+      {{{"score", "zscore"}, {"t_r", -1}, {"t_r_scale", "mean-z"}}},
+      {{{"score", "zscore"}, {"decide", "margin"}, {"margin", 3}, {"exclusion_frames", 3}}},
+      {{{"loop_gap", 9}, {"descriptor", "hog"}}, QueryCommand::loops},
+      {{{"loop_gap_s", 9.0}, {"score", "zscore"}, {"t_r", -1}}, QueryCommand::loops},
+      {{{"loop_gap", 9}, {"method", "openable"}, {"decide", "margin"}, {"margin", 3}},
+       QueryCommand::loops},
+      {{{"score", "zscore"}}, QueryCommand::sweep},
+      {{{"decide", "margin"}}, QueryCommand::sweep}};
+  for (const Accepted& one : all) {
+    INFO(one.keys.dump());
+    CHECK(error_of(one.keys, one.command) == "");
+  }
+}
+
+TEST_CASE("the settings of any result are a configuration with the same settings") {
+  const std::vector<std::pair<Json, QueryCommand>> all = {
+      {Json::object(), QueryCommand::query},
+      {{{"c_l", 5}}, QueryCommand::query},
+      {{{"c_l", 5}, {"score", "zscore"}, {"decide", "margin"}}, QueryCommand::query},
+      {{{"method", "lsh"}, {"t_r", 200}, {"t_r_scale", "bits"}}, QueryCommand::query},
+      {{{"loop_gap", 9}, {"c_l", 5}, {"t_r", 50}}, QueryCommand::loops},
+      {{{"loop_gap_s", 9.0}, {"score", "zscore"}}, QueryCommand::loops}};
+  for (const auto& [keys, command] : all) {
+    const Json first = settings_in_force(chosen_by(keys, command));
+    INFO(first.dump());
+    CHECK(settings_in_force(chosen_by(first, command)) == first);
+  }
+}
+
+TEST_CASE("values of settings are checked") {
+  for (const Json& keys : std::vector<Json>{{{"c_l", 0}},
+                                            {{"method", "fastabel"}},
+                                            {{"t_r", -1}},
+                                            {{"t_r", 55}},
+                                            {{"score", "zscore"}, {"t_r", 0.5}},
+                                            {{"score", "zscore"}, {"t_r", -1}, {"c_l", 100'000}},
+                                            {{"c_l", 5}, {"safety_factor", 0}},
+                                            {{"margin", 65}},
+                                            {{"clustering", {{"eps", -1}}}}}) {
+    INFO(keys.dump());
+    CHECK(error_of(keys, QueryCommand::query) != "");
+  }
+  for (const Json& keys : std::vector<Json>{
+           Json::object(), {{"loop_gap", 3}, {"loop_gap_s", 3.0}}, {{"loop_gap_s", -3.0}}}) {
+    INFO(keys.dump());
+    CHECK(error_of(keys, QueryCommand::loops) != "");
+  }
 }
 
 TEST_CASE("settings of windows select FastABLE; otherwise the filter is the method") {
-  CHECK(default_method(Feature::query, std::vector<std::string>{}) == "filter");
-  CHECK(default_method(Feature::query, std::vector<std::string>{"margin", "only_sequence"}) ==
-        "filter");
+  using Keys = std::vector<std::string>;
+  CHECK(default_method(QueryCommand::query, Keys{}) == "filter");
+  CHECK(default_method(QueryCommand::query, Keys{"margin", "only_sequence"}) == "filter");
   for (const char* key :
        {"c_l", "t_r", "t_r_scale", "safety_factor", "score", "decide", "exclusion_frames"})
-    CHECK(default_method(Feature::query, std::vector<std::string>{"margin", key}) == "fastable");
-  CHECK(default_method(Feature::loops, std::vector<std::string>{}) == "fastable");
-}
-
-TEST_CASE("resolving fills in implied settings") {
-  SequenceQuerySettings settings;
-  CHECK(ResolvedSettings(settings)->threshold_scale == ThresholdScale::relative);
-  settings.method = "filter";
-  const ResolvedSettings filter(settings);
-  CHECK(filter->window_length == 1);
-  CHECK(filter->score == Score::zscore);
-  CHECK(filter->decision == Decision::margin);
-  CHECK(filter->margin == kFilterMargin);
-  CHECK_FALSE(filter->threshold_scale);
-  settings = {};
-  by_loop(settings);
-  const ResolvedSettings loop(settings, {});
-  CHECK(loop->exclusion_frames == 10);
-  CHECK(loop->threshold_scale == ThresholdScale::bits);
-  // A second time changes nothing.
-  CHECK(settings_in_force(*ResolvedSettings(*loop, {})) == settings_in_force(*loop));
+    CHECK(default_method(QueryCommand::query, Keys{"margin", key}) == "fastable");
+  CHECK(default_method(QueryCommand::loops, Keys{}) == "fastable");
 }

@@ -16,6 +16,20 @@
 
 using namespace vpr;
 
+namespace {
+
+SequenceQuerySettings by_margin(std::optional<double> margin = std::nullopt) {
+  return {Margin{{}, margin}};
+}
+
+Threshold scored_windows() { return {{.score = Score::zscore}}; }
+
+bool is_refused(const SequenceQuerySettings& settings) {
+  return test::error_kind([&] { check_settings(settings); }) == ErrorKind::usage;
+}
+
+}  // namespace
+
 TEST_CASE("each score has its entry") {
   REQUIRE(score_kinds().size() == kEnumNames<Score>.size() + 1);
   CHECK(&score_kinds().back() == &probability_kind());
@@ -44,31 +58,61 @@ TEST_CASE("sums of the longest windows fit, and none is below the value of a mis
   }
 }
 
-TEST_CASE("files hold the settings of their own score, method and decision") {
-  SequenceQuerySettings settings;
-  settings.score = Score::zscore;
-  Json json = settings_in_force(settings);
-  settings.score = Score::raw;
-  json["score"] = "raw";
-  json["t_r_scale"] = "relative";
-  CHECK(settings_in_force(settings) == json);
-  for (const char* other : {"lsh", "margin", "filter", "loop_gap", "loop_gap_s"})
-    CHECK_FALSE(json.contains(other));
-  settings.method = "lsh";
-  CHECK(settings_in_force(settings).contains("lsh"));
-  settings.method = "filter";
-  CHECK(settings_in_force(settings).contains("filter"));
-  CHECK_FALSE(settings_in_force(settings).contains("exclusion_frames"));
+TEST_CASE("files hold the keys of the rule in force, and what it implies") {
+  const Json raw = settings_in_force(SequenceQuerySettings{});
+  CHECK(raw["method"] == "fastable");
+  CHECK(raw["t_r"] == "auto");
+  CHECK(raw["t_r_scale"] == "relative");
+  CHECK(raw["decide"] == "threshold");
+  for (const char* other : {"lsh", "margin", "filter", "loop_gap", "loop_gap_s", "descriptor"})
+    CHECK_FALSE(raw.contains(other));
+  Json scored = settings_in_force(SequenceQuerySettings{scored_windows()});
+  CHECK(scored["t_r_scale"] == "mean-z");
+  scored["score"] = "raw";
+  scored["t_r_scale"] = "relative";
+  CHECK(scored == raw);
+  const Json lsh = settings_in_force(SequenceQuerySettings{Lsh{5, 200.0}});
+  CHECK(lsh["method"] == "lsh");
+  CHECK(lsh["t_r_scale"] == "bits");
+  CHECK(lsh.contains("lsh"));
+  for (const char* other : {"margin", "filter", "exclusion_frames", "same_place"})
+    CHECK_FALSE(lsh.contains(other));
+  const Json filter = settings_in_force(SequenceQuerySettings{Filter{}});
+  CHECK(filter["method"] == "filter");
+  CHECK(filter["c_l"] == 1);
+  CHECK(filter["score"] == "zscore");
+  CHECK(filter["decide"] == "margin");
+  CHECK(filter["margin"] == kFilterMargin);
+  CHECK(filter.contains("filter"));
+  for (const char* other : {"t_r", "t_r_scale", "safety_factor", "lsh", "exclusion_frames"})
+    CHECK_FALSE(filter.contains(other));
+  SequenceQuerySettings loop;
+  loop.past = OwnPast{uint64_t{10}};
+  const Json past = settings_in_force(loop);
+  CHECK(past["t_r_scale"] == "bits");
+  CHECK(past["exclusion_frames"] == 10);
+  CHECK(past["loop_gap"] == 10);
+  CHECK_FALSE(past.contains("loop_gap_s"));
+}
+
+TEST_CASE("keys of a rule are read as the same rule") {
+  SequenceQuerySettings loop{Margin{{.window_length = 3}, 8.0}};
+  loop.past = OwnPast{2.5, "hog"};
+  for (const SequenceQuerySettings& settings :
+       {SequenceQuerySettings{}, SequenceQuerySettings{scored_windows()},
+        SequenceQuerySettings{Filter{9}}, SequenceQuerySettings{Lsh{5, 200.0}}, loop})
+    CHECK(settings_in_force(query_of(keys_of(settings))) == settings_in_force(settings));
 }
 
 TEST_CASE("a number is on the scale of its score by default") {
   SequenceQuerySettings settings;
   CHECK(scale_of(settings) == ThresholdScale::relative);
-  settings.score = Score::zscore;
+  settings.rule = scored_windows();
   CHECK(scale_of(settings) == ThresholdScale::mean_z);
-  settings.threshold_scale = ThresholdScale::bits;
+  settings.rule = Threshold{{.score = Score::zscore}, -1, ThresholdScale::bits};
   CHECK(scale_of(settings) == ThresholdScale::bits);
-  CHECK(test::error_kind([&] { ResolvedSettings{settings}; }) == ErrorKind::usage);
+  CHECK(is_refused(settings));
+  CHECK_FALSE(scale_of({Margin{}}));
 }
 
 TEST_CASE("FAB-MAP's settings are those in a file, and its windows are frames") {
@@ -134,38 +178,15 @@ TEST_CASE("the limit of a mean z equals the division, also for negative threshol
   }
 }
 
-namespace {
-
-SequenceQuerySettings by_margin(std::optional<double> margin = std::nullopt) {
-  SequenceQuerySettings settings;
-  settings.decision = Decision::margin;
-  settings.margin = margin;
-  return settings;
+TEST_CASE("each decision has an entry with the key of its setting") {
+  const Json all = value_to_json(SequenceKeys{});
+  for (const Decision decision : {Decision::threshold, Decision::margin})
+    CHECK(all.contains(std::string(decision_kind(decision).symbol)));
 }
 
-bool is_refused(const SequenceQuerySettings& settings) {
-  return test::error_kind([&] { ResolvedSettings{settings}; }) == ErrorKind::usage;
-}
-
-}  // namespace
-
-TEST_CASE("each decision has an entry with the keys of its setting") {
-  for (const Decision decision : {Decision::threshold, Decision::margin}) {
-    const DecisionKind& kind = decision_kind(decision);
-    const Json all = value_to_json(SequenceQuerySettings{});
-    for (const std::string_view key : kind.settings) CHECK(all.contains(std::string(key)));
-    CHECK(all.contains(std::string(kind.symbol)));
-  }
-}
-
-TEST_CASE("files hold the settings of the active decision") {
-  const Json threshold = settings_in_force(SequenceQuerySettings{});
-  CHECK(threshold["decide"] == "threshold");
-  CHECK_FALSE(threshold.contains("margin"));
-  SequenceQuerySettings settings = by_margin(12.5);
-  settings.exclusion_frames = 3;
-  settings.same_place = {"a=b"};
-  const Json margin = settings_in_force(settings);
+TEST_CASE("files hold the settings of a margin") {
+  Margin rule{{.exclusion_frames = 3, .same_place = {"a=b"}}, 12.5};
+  const Json margin = settings_in_force(SequenceQuerySettings{rule});
   for (const char* key : {"t_r", "t_r_scale", "safety_factor"}) CHECK_FALSE(margin.contains(key));
   CHECK(margin["decide"] == "margin");
   CHECK(margin["margin"] == 12.5);
@@ -180,11 +201,9 @@ TEST_CASE("a margin must be a finite number, not negative, and below the largest
   CHECK_FALSE(is_refused(by_margin(65535)));
   for (const double margin : {-0.1, std::nan(""), double{INFINITY}, 65536.0})
     CHECK(is_refused(by_margin(margin)));
-  SequenceQuerySettings scored = by_margin(64);
-  scored.score = Score::zscore;
-  CHECK_FALSE(is_refused(scored));
-  scored.margin = 65;
-  CHECK(is_refused(scored));
+  CHECK_FALSE(is_refused({Margin{{.score = Score::zscore}, 64}}));
+  CHECK(is_refused({Margin{{.score = Score::zscore}, 65}}));
+  CHECK(is_refused({Filter{65}}));
 }
 
 TEST_CASE("the default margin is a share of 1 / sqrt(c_l)") {

@@ -51,19 +51,19 @@ LabeledQuery labeled(const DescriptorSet& query) {
 
 // Every cell has the counts of a single query with its settings.
 Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
-                  const ResolvedSettings& base, const Grid& grid) {
+                  const SequenceQuerySettings& base, const Grid& grid) {
   const LabeledQuery walk = labeled(query);
   const Sweep sweep = sweep_sequences(database, walk, base, grid, {}, {});
   REQUIRE(sweep.cells.size() == grid.windows.size() * grid.thresholds.size());
   size_t recognitions = 0;
   for (size_t c = 0; c < sweep.cells.size(); ++c) {
     const CellCounts& cell = sweep.cells[c];
-    const SequenceQuerySettings settings = settings_at(grid, c, *base);
+    const SequenceQuerySettings settings = settings_at(grid, c, base);
     const Result result = test::query_result(database, query, settings);
     const GroundTruth truth = whole_truth_of(walk.by, scope_of(result), {});
     const Counts alone = count_recognitions(result, truth);
-    INFO("c_l " << settings.window_length << ", cell " << c);
-    CHECK(cell.window == settings.window_length);
+    INFO("c_l " << window_length_of(settings.rule) << ", cell " << c);
+    CHECK(cell.window == window_length_of(settings.rule));
     CHECK(cell.threshold == grid.thresholds[c % grid.thresholds.size()]);
     CHECK(cell.counts.recognitions == alone.recognitions);
     CHECK(cell.counts.recognitions_by_place == alone.recognitions_by_place);
@@ -82,15 +82,12 @@ Sweep check_sweep(const SequenceDatabase& database, const DescriptorSet& query,
 TEST_CASE("a sweep of thresholds equals single queries, cell by cell") {
   SequenceDatabase database = make_database();
   const DescriptorSet query = make_query(200);
-  SequenceQuerySettings base;
-  base.threshold_scale = ThresholdScale::relative;
-  check_sweep(database, query, base, {{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}});
-  base.threshold_scale = ThresholdScale::bits;
-  check_sweep(database, query, base, {{1, 20, 5}, {250, 400, 650, 0, std::nullopt}});
+  Threshold base;
+  check_sweep(database, query, {base}, {{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}});
+  base.scale = ThresholdScale::bits;
+  check_sweep(database, query, {base}, {{1, 20, 5}, {250, 400, 650, 0, std::nullopt}});
   ensure_statistics(database, {});
-  base.score = Score::zscore;
-  base.threshold_scale.reset();
-  const ResolvedSettings scored(base, {Feature::database, Feature::sweep});
+  const SequenceQuerySettings scored{Threshold{{.score = Score::zscore}}};
   const Sweep sweep = check_sweep(database, query, scored, {{5, 1, 12}, {-1.0, -4.0, -2.0}});
   CHECK(sweep.cells[0].scale == ThresholdScale::mean_z);
 }
@@ -118,12 +115,12 @@ TEST_CASE("the recognitions of all window lengths share the memory limit") {
   const SequenceDatabase database = make_database();
   DescriptorSet query = test::make_query(test::walk_codes(90, 10, 40));
   QueryResources resources;
-  SequenceQuerySettings bits;
-  bits.threshold_scale = ThresholdScale::bits;
+  Threshold bits;
+  bits.scale = ThresholdScale::bits;
   const auto run = [&](std::vector<uint64_t> lengths, size_t memory) {
     resources.memory_limit = memory;
     return test::error_kind([&] {
-      sweep_sequences(database, labeled(query), bits, {std::move(lengths), {1500.0}}, resources,
+      sweep_sequences(database, labeled(query), {bits}, {std::move(lengths), {1500.0}}, resources,
                       {});
     });
   };
@@ -170,10 +167,8 @@ TEST_CASE("a FAB-MAP threshold is a probability") {
 }
 
 TEST_CASE("a sweep by margin equals single queries by margin") {
-  SequenceQuerySettings base;
-  base.decision = Decision::margin;
-  const Sweep sweep =
-      check_sweep(make_database(), make_query(0), base, {{1, 12}, {0, 30, 90, 300, std::nullopt}});
+  const Sweep sweep = check_sweep(make_database(), make_query(0), {Margin{}},
+                                  {{1, 12}, {0, 30, 90, 300, std::nullopt}});
   CHECK(sweep.threshold_symbol == "margin");
   CHECK(sweep.threshold_order == ScoreOrder::similarity);
   CHECK_FALSE(sweep.cells[0].scale);
