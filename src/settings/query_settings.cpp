@@ -193,8 +193,8 @@ SequenceQuerySettings query_of(const SequenceKeys& keys) {
   else
     settings.rule = windows;
   if (loop) settings.past.emplace().descriptor = descriptor;
-  if (loop && gap != 0) settings.past->gap = gap;
-  if (loop && gap == 0) settings.past->gap = gap_s;
+  if (loop && gap_s == 0) settings.past->gap = gap;
+  if (loop && gap_s != 0) settings.past->gap = gap_s;
   return settings;
 }
 
